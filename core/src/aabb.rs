@@ -1,0 +1,118 @@
+//! Boxes as callers give them, and views of boxes in callers' memory.
+
+use bytemuck::{Pod, Zeroable};
+
+/// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
+///
+/// Any unit will do, as long as it is the same for all. Infinite bounds are welcome (a ground plane, a
+/// half-space); NaN and `min > max` are refused by the [`World`](crate::World).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Aabb {
+    /// The lowest corner: x, y, z.
+    pub min: [f32; 3],
+    /// The highest corner: x, y, z.
+    pub max: [f32; 3],
+}
+
+impl Aabb {
+    /// A box from its lowest and highest corners.
+    #[must_use]
+    pub const fn new(min: [f32; 3], max: [f32; 3]) -> Self {
+        Self { min, max }
+    }
+
+    /// Whether the box can be accepted: no NaN, and `min <= max` on every axis.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        (0..3).all(|k| self.min[k] <= self.max[k])
+    }
+
+    /// Whether the closed boxes share a point. Exact: compares only, no arithmetic.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+    }
+}
+
+#[cfg(feature = "glam")]
+impl From<(glam::Vec3, glam::Vec3)> for Aabb {
+    fn from((min, max): (glam::Vec3, glam::Vec3)) -> Self {
+        Self::new(min.to_array(), max.to_array())
+    }
+}
+
+#[cfg(feature = "glam")]
+impl From<Aabb> for (glam::Vec3, glam::Vec3) {
+    fn from(aabb: Aabb) -> Self {
+        (aabb.min.into(), aabb.max.into())
+    }
+}
+
+/// Boxes in the caller's memory: three `f32` of the minimum and three of the maximum at fixed places in items
+/// of a fixed size. Nothing is copied, and no alignment is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Boxes<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    max_at: usize,
+    count: usize,
+}
+
+/// The bytes of three `f32`.
+const CORNER: usize = 12;
+
+impl<'a> Boxes<'a> {
+    /// Boxes one after another.
+    #[must_use]
+    pub fn new(boxes: &'a [Aabb]) -> Self {
+        Self { bytes: bytemuck::cast_slice(boxes), stride: size_of::<Aabb>(), max_at: CORNER, count: boxes.len() }
+    }
+
+    /// Boxes whose corners are padded to four floats, as SIMD maths libraries and `.aabbs` recordings have them:
+    /// `[min x, y, z, _, max x, y, z, _]`.
+    #[must_use]
+    pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
+        Self { bytes: bytemuck::cast_slice(boxes), stride: 32, max_at: 16, count: boxes.len() }
+    }
+
+    /// Boxes inside larger items: an item starts with its minimum corner, is `stride` bytes long and has its
+    /// maximum corner `max_at` bytes from its start. `None` where the corners overlap or do not fit the stride.
+    /// A last item that is cut off after its maximum corner still counts.
+    #[must_use]
+    pub fn strided(bytes: &'a [u8], stride: usize, max_at: usize) -> Option<Self> {
+        let item = max_at.checked_add(CORNER)?;
+        if max_at < CORNER || item > stride {
+            return None;
+        }
+        let count = bytes.len() / stride + usize::from(bytes.len() % stride >= item);
+        Some(Self { bytes, stride, max_at, count })
+    }
+
+    /// How many boxes there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is no box.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The box at `index`.
+    #[must_use]
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> Option<Aabb> {
+        let item = self.bytes.get(index.checked_mul(self.stride)?..)?;
+        let corner = |at: usize| item.get(at..at + CORNER).map(bytemuck::pod_read_unaligned::<[f32; 3]>);
+        Some(Aabb { min: corner(0)?, max: corner(self.max_at)? })
+    }
+}
+
+impl<'a> From<&'a [Aabb]> for Boxes<'a> {
+    fn from(boxes: &'a [Aabb]) -> Self {
+        Self::new(boxes)
+    }
+}

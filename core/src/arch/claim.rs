@@ -1,0 +1,249 @@
+//! Work that is claimed block by block: the only place where the parallel phases need `unsafe`.
+//!
+//! A claim hands out each block once, as an exclusive slice, to whichever thread asks next. The bounds of
+//! the blocks depend on the item count alone.
+
+use core::marker::PhantomData;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Slices that fall into disjoint parts.
+///
+/// # Safety
+/// Parts with different indices must not overlap, and `part` must be callable from any thread.
+pub(crate) unsafe trait Parted: Sync {
+    /// Exclusive access to one part.
+    type Part<'p>
+    where
+        Self: 'p;
+
+    /// How many parts there are.
+    fn count(&self) -> usize;
+
+    /// One part.
+    ///
+    /// # Safety
+    /// `index < count()`, and no other part with this index may be alive.
+    unsafe fn part(&self, index: usize) -> Self::Part<'_>;
+}
+
+/// A slice in parts of equal length, the last one shorter.
+pub(crate) struct Chunks<'a, T> {
+    start: *mut T,
+    len: usize,
+    chunk: usize,
+    absent: bool,
+    borrow: PhantomData<&'a mut [T]>,
+}
+
+impl<'a, T> Chunks<'a, T> {
+    pub(crate) fn new(slice: &'a mut [T], chunk: usize) -> Self {
+        Self { start: slice.as_mut_ptr(), len: slice.len(), chunk: chunk.max(1), absent: false, borrow: PhantomData }
+    }
+
+    /// As `new`; but a slice that this world does not have, because it is empty, has any number of empty parts.
+    pub(crate) fn optional(slice: &'a mut [T], chunk: usize) -> Self {
+        let absent = slice.is_empty();
+        Self { absent, ..Self::new(slice, chunk) }
+    }
+}
+
+// SAFETY: a `Chunks` is an exclusive borrow of a slice of `T: Send`; it reaches other threads only part by part.
+unsafe impl<T: Send> Sync for Chunks<'_, T> {}
+
+// SAFETY: part `i` covers `[i * chunk, (i + 1) * chunk)` cut to the slice; these ranges are disjoint.
+unsafe impl<T: Send> Parted for Chunks<'_, T> {
+    type Part<'p>
+        = &'p mut [T]
+    where
+        Self: 'p;
+
+    fn count(&self) -> usize {
+        if self.absent { usize::MAX } else { self.len.div_ceil(self.chunk) }
+    }
+
+    unsafe fn part(&self, index: usize) -> &mut [T] {
+        if self.absent {
+            return &mut [];
+        }
+        let start = index * self.chunk;
+        let len = self.chunk.min(self.len - start);
+        // SAFETY: `index < count()` puts `start..start + len` inside the borrowed slice, and the caller holds
+        // no other part with this index, so the range is not aliased.
+        unsafe { core::slice::from_raw_parts_mut(self.start.add(start), len) }
+    }
+}
+
+macro_rules! parted_tuple {
+    ($($name:ident $index:tt),+) => {
+        // SAFETY: each element of the tuple keeps the promise for its own slice.
+        unsafe impl<$($name: Parted),+> Parted for ($($name,)+) {
+            type Part<'p> = ($($name::Part<'p>,)+) where Self: 'p;
+
+            fn count(&self) -> usize {
+                usize::MAX $(.min(self.$index.count()))+
+            }
+
+            unsafe fn part(&self, index: usize) -> Self::Part<'_> {
+                // SAFETY: the caller's promise covers every element: `count()` is the least of theirs.
+                unsafe { ($(self.$index.part(index),)+) }
+            }
+        }
+    };
+}
+parted_tuple!(A 0, B 1);
+parted_tuple!(A 0, B 1, C 2);
+parted_tuple!(A 0, B 1, C 2, D 3, E 4, F 5);
+
+/// Parts that are claimed in ascending order, each once.
+pub(crate) struct Claims<P> {
+    parts: P,
+    count: u32,
+    next: AtomicU32,
+}
+
+impl<P: Parted> Claims<P> {
+    pub(crate) fn new(parts: P) -> Self {
+        // Callers have far fewer blocks than this; beyond it the rest would never be claimed.
+        let count = parts.count().min(u32::MAX as usize / 2) as u32;
+        Self { parts, count, next: AtomicU32::new(0) }
+    }
+
+    /// How many parts have been claimed. Final only after the last job has ended.
+    pub(crate) fn claimed(&self) -> usize {
+        self.next.load(Relaxed).min(self.count) as usize
+    }
+
+    /// The next part and its index, or `None` when all are claimed.
+    pub(crate) fn claim(&self) -> Option<(usize, P::Part<'_>)> {
+        let index = claim_index(&self.next, self.count)?;
+        // SAFETY: `claim_index` returns each index below `count` once.
+        Some((index, unsafe { self.parts.part(index) }))
+    }
+}
+
+/// The next index below `count`, each once for every counter. Relaxed order is enough: what a part holds
+/// reaches the thread with the start of its job and the caller with the job's end, by the executor.
+fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
+    // The load keeps late callers from running the counter over its end.
+    if next.load(Relaxed) >= count {
+        return None;
+    }
+    #[cfg(target_has_atomic = "32")]
+    let index = next.fetch_add(1, Relaxed);
+    // Without read-modify-write there is no executor but `Serial`, so nobody comes between load and store.
+    #[cfg(not(target_has_atomic = "32"))]
+    let index = {
+        let index = next.load(Relaxed);
+        next.store(index + 1, Relaxed);
+        index
+    };
+    (index < count).then_some(index as usize)
+}
+
+/// Indices that are claimed in ascending order, each once.
+pub(crate) struct Indices {
+    count: u32,
+    next: AtomicU32,
+}
+
+impl Indices {
+    pub(crate) fn new(count: usize) -> Self {
+        Self { count: count.min(u32::MAX as usize / 2) as u32, next: AtomicU32::new(0) }
+    }
+
+    pub(crate) fn claim(&self) -> Option<usize> {
+        claim_index(&self.next, self.count)
+    }
+}
+
+/// Up to 32 areas of scratch memory; a job borrows one for as long as it runs.
+pub(crate) struct Pool<'a, T> {
+    areas: Chunks<'a, T>,
+    busy: AtomicU32,
+}
+
+impl<'a, T: Send> Pool<'a, T> {
+    /// Areas of `len` items each.
+    pub(crate) fn new(memory: &'a mut [T], len: usize) -> Self {
+        Self { areas: Chunks::new(memory, len), busy: AtomicU32::new(0) }
+    }
+
+    /// How many areas there are.
+    pub(crate) fn count(&self) -> usize {
+        self.areas.count().min(32)
+    }
+
+    /// An area that nobody else uses, or `None` when all are in use: the job then leaves the work to others.
+    pub(crate) fn borrow(&self) -> Option<Borrowed<'_, 'a, T>> {
+        (0..self.count()).find(|&index| self.take(1 << index)).map(|index| Borrowed { pool: self, index })
+    }
+
+    #[cfg(target_has_atomic = "32")]
+    fn take(&self, bit: u32) -> bool {
+        // Acquire: what the last borrower wrote comes before what this one reads.
+        self.busy.fetch_or(bit, core::sync::atomic::Ordering::Acquire) & bit == 0
+    }
+
+    #[cfg(not(target_has_atomic = "32"))]
+    fn take(&self, bit: u32) -> bool {
+        let busy = self.busy.load(Relaxed);
+        self.busy.store(busy | bit, Relaxed);
+        busy & bit == 0
+    }
+
+    fn give_back(&self, bit: u32) {
+        #[cfg(target_has_atomic = "32")]
+        self.busy.fetch_and(!bit, core::sync::atomic::Ordering::Release);
+        #[cfg(not(target_has_atomic = "32"))]
+        self.busy.store(self.busy.load(Relaxed) & !bit, Relaxed);
+    }
+}
+
+/// An area of a [`Pool`], given back on drop.
+pub(crate) struct Borrowed<'p, 'a, T: Send> {
+    pool: &'p Pool<'a, T>,
+    index: usize,
+}
+
+impl<T: Send> Borrowed<'_, '_, T> {
+    pub(crate) fn area(&mut self) -> &mut [T] {
+        // SAFETY: the pool's bit for `index` is ours until drop, and the area's life is tied to this borrow.
+        unsafe { self.pool.areas.part(self.index) }
+    }
+}
+
+impl<T: Send> Drop for Borrowed<'_, '_, T> {
+    fn drop(&mut self) {
+        self.pool.give_back(1 << self.index);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_part_is_claimed_once() {
+        let (mut a, mut b) = ([0u8; 10], [0u16; 4]);
+        let claims = Claims::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
+        while let Some((index, (a, b))) = claims.claim() {
+            a.fill(index as u8 + 1);
+            b.fill(index as u16 + 1);
+        }
+        assert!(claims.claim().is_none());
+        drop(claims);
+        assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
+        assert_eq!(b, [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_pool_lends_each_area_to_one() {
+        let mut memory = [1, 2, 3, 4];
+        let pool = Pool::new(&mut memory, 2);
+        let (mut first, mut second) = (pool.borrow().unwrap(), pool.borrow().unwrap());
+        assert!(pool.borrow().is_none());
+        assert_eq!((&*first.area(), &*second.area()), (&[1, 2][..], &[3, 4][..]));
+        drop(first);
+        assert_eq!(pool.borrow().unwrap().area(), [1, 2]);
+    }
+}

@@ -1,0 +1,76 @@
+//! Slices that several workers fill at positions that only the data tells.
+//!
+//! Stores are relaxed atomics: plain moves on every target, and a race, were there one, would be a wrong
+//! result that the tests see, never undefined behaviour.
+
+use bytemuck::Pod;
+use core::marker::PhantomData;
+use core::sync::atomic::Ordering::Relaxed;
+
+#[cfg(target_has_atomic = "64")]
+type Word = (u64, core::sync::atomic::AtomicU64);
+#[cfg(not(target_has_atomic = "64"))]
+type Word = (u32, core::sync::atomic::AtomicU32);
+/// The widest integer that the target stores in one piece.
+type Plain = <Word as Pieces>::Plain;
+type Atomic = <Word as Pieces>::Atomic;
+
+trait Pieces {
+    type Plain;
+    type Atomic;
+}
+impl<P, A> Pieces for (P, A) {
+    type Plain = P;
+    type Atomic = A;
+}
+
+/// A slice of `T` that can be written through a shared reference.
+pub(crate) struct Shared<'a, T> {
+    words: &'a [Atomic],
+    item: PhantomData<T>,
+}
+
+impl<'a, T: Pod> Shared<'a, T> {
+    const WORDS: usize = {
+        assert!(size_of::<T>().is_multiple_of(size_of::<Plain>()));
+        size_of::<T>() / size_of::<Plain>()
+    };
+
+    /// Empty where the slice is not aligned to words, which the slab's layout rules out.
+    pub(crate) fn new(slice: &'a mut [T]) -> Self {
+        let words = bytemuck::try_cast_slice_mut::<T, Plain>(slice).unwrap_or_default();
+        // SAFETY: the atomic has the size and bit validity of the integer; its alignment is checked below; the
+        // exclusive borrow becomes a shared one of interior-mutable cells for as long as it lasts.
+        let words = unsafe { &*(core::ptr::from_mut(words) as *const [Atomic]) };
+        const { assert!(align_of::<Atomic>() == align_of::<Plain>() && size_of::<Atomic>() == size_of::<Plain>()) };
+        Self { words, item: PhantomData }
+    }
+
+    /// Writes item `index`; positions beyond the slice are dropped.
+    #[inline(always)]
+    pub(crate) fn store(&self, index: usize, item: &T) {
+        let start = index * Self::WORDS;
+        let Some(target) = self.words.get(start..start + Self::WORDS) else {
+            debug_assert!(false, "store {index} of {}", self.words.len() / Self::WORDS);
+            return;
+        };
+        let bytes = bytemuck::bytes_of(item);
+        for (word, piece) in target.iter().zip(bytes.chunks_exact(size_of::<Plain>())) {
+            word.store(bytemuck::pod_read_unaligned(piece), Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stores_land_where_they_should() {
+        let mut items = [[0u64; 2]; 3];
+        let shared = Shared::new(&mut items);
+        shared.store(2, &[5, 6]);
+        shared.store(0, &[1, 2]);
+        assert_eq!(items, [[1, 2], [0, 0], [5, 6]]);
+    }
+}

@@ -1,0 +1,81 @@
+//! What can go wrong, as small values that name the culprit and leave the world as it was.
+
+use crate::id::Id;
+use core::fmt;
+
+/// Why a call was refused. The world is valid and unchanged after every one of them, except where a variant
+/// says what it keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The slab is shorter than [`layout`](crate::layout) says.
+    SlabTooSmall {
+        /// Bytes that the configuration needs.
+        needed: usize,
+    },
+    /// The slab does not start on the boundary that [`layout`](crate::layout) says.
+    SlabMisaligned {
+        /// The boundary in bytes.
+        align: usize,
+    },
+    /// The slab does not hold a world of this index width and version.
+    NotAWorld,
+    /// The capacity is beyond what the index width or the address space allows.
+    CapacityTooLarge,
+    /// A margin is negative, not finite, or its bounds are out of order.
+    BadMargin,
+    /// All slots are taken. A batch inserts nothing then.
+    ObjectsFull {
+        /// Objects that would have to fit.
+        needed: u64,
+    },
+    /// The box has NaN in it or a minimum above its maximum. In a batch nothing is done.
+    BadBox {
+        /// The position of the box in the batch; zero for a single one.
+        index: u32,
+    },
+    /// The id names no living object. In a batch nothing is done.
+    StaleId {
+        /// The id.
+        id: Id,
+    },
+    /// The output slice of a batch is shorter than its input.
+    LengthMismatch {
+        /// Items that are needed.
+        needed: usize,
+    },
+    /// More pairs than the capacity. The step has happened and counted on; [`World::pairs`](crate::World::pairs)
+    /// holds the first ones in order; found and lost are empty and resume from the last complete step.
+    PairsFull {
+        /// Pairs that would have to fit.
+        needed: u64,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SlabTooSmall { needed } => write!(f, "the slab is too small: {needed} bytes are needed"),
+            Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
+            Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
+            Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width allows"),
+            Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
+            Self::ObjectsFull { needed } => write!(f, "no free slot: {needed} objects would have to fit"),
+            Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
+            Self::StaleId { id } => write!(f, "{id} names no living object"),
+            Self::LengthMismatch { needed } => write!(f, "the output slice needs {needed} items"),
+            Self::PairsFull { needed } => write!(f, "the pair buffer is full: {needed} pairs would have to fit"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// The boxes that a step over the caller's array refused. The objects keep their last good boxes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rejected {
+    /// The object with the lowest slot among them.
+    pub first: Id,
+    /// How many there are.
+    pub count: u32,
+}

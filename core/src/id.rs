@@ -1,0 +1,117 @@
+//! Generational ids and the slots that they name.
+
+use bytemuck::Pod;
+use core::fmt;
+use core::num::NonZeroU64;
+
+/// Names one object for as long as it lives: a slot and the generation of that slot.
+///
+/// The bits are never zero, so that zero is null in C and `Option<Id>` costs nothing. A slot that is given
+/// to a new object gets a new generation, so the id of a removed object is recognised as stale.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id(NonZeroU64);
+
+impl Id {
+    /// The id of `slot` in its `generation` (which starts at 1).
+    pub(crate) const fn new(slot: u32, generation: u32) -> Option<Self> {
+        match NonZeroU64::new(((generation as u64) << 32) | slot as u64) {
+            Some(bits) if generation != 0 => Some(Self(bits)),
+            _ => None,
+        }
+    }
+
+    /// The index under which the object stands in pairs and in a bounds array.
+    #[must_use]
+    pub const fn slot(self) -> u32 {
+        self.0.get() as u32
+    }
+
+    /// How many objects have held this slot so far, this one included.
+    #[must_use]
+    pub const fn generation(self) -> u32 {
+        (self.0.get() >> 32) as u32
+    }
+
+    /// The id as an integer, for storage outside Rust.
+    #[must_use]
+    pub const fn to_bits(self) -> u64 {
+        self.0.get()
+    }
+
+    /// The id with these bits, or `None` where they cannot be one (zero, or generation zero).
+    #[must_use]
+    pub const fn from_bits(bits: u64) -> Option<Self> {
+        Self::new(bits as u32, (bits >> 32) as u32)
+    }
+}
+
+impl fmt::Debug for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Id({}v{})", self.slot(), self.generation())
+    }
+}
+
+impl fmt::Display for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}v{}", self.slot(), self.generation())
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for u16 {}
+    impl Sealed for u32 {}
+}
+
+/// The width of a slot index inside a world: `u16` halves the memory of worlds of up to 65,534 objects.
+pub trait Index:
+    sealed::Sealed + Pod + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static
+{
+    /// The index that no object has.
+    const NONE: Self;
+    /// The home of an object that lives in the large-object list instead of a leaf.
+    const LARGE: Self;
+    /// The most objects that a world of this width can hold.
+    const MAX_OBJECTS: u32;
+    /// From a slot, which the world's capacity keeps within range.
+    fn from_slot(slot: u32) -> Self;
+    /// As a slot.
+    fn slot(self) -> u32;
+    /// As a position in a slice.
+    fn at(self) -> usize {
+        self.slot() as usize
+    }
+}
+
+impl Index for u16 {
+    const NONE: Self = Self::MAX;
+    const LARGE: Self = Self::MAX - 1;
+    const MAX_OBJECTS: u32 = 65_534;
+    fn from_slot(slot: u32) -> Self {
+        slot as u16
+    }
+    fn slot(self) -> u32 {
+        u32::from(self)
+    }
+}
+
+impl Index for u32 {
+    const NONE: Self = Self::MAX;
+    const LARGE: Self = Self::MAX - 1;
+    const MAX_OBJECTS: u32 = 1 << 27;
+    fn from_slot(slot: u32) -> Self {
+        slot
+    }
+    fn slot(self) -> u32 {
+        self
+    }
+}
+
+/// Two overlapping objects by slot, the lower one first.
+pub type Pair<I = u32> = [I; 2];
+
+/// The pair of two slots.
+#[inline(always)]
+pub(crate) fn pair<I: Index>(a: u32, b: u32) -> Pair<I> {
+    [I::from_slot(a.min(b)), I::from_slot(a.max(b))]
+}

@@ -1,0 +1,98 @@
+//! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
+
+use crate::aabb::Boxes;
+use crate::access::Access;
+use crate::arch::claim::{Chunks, Claims};
+use crate::arch::{Phase, Simd};
+use crate::exec::{self, Executor};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::kernels::Kernels;
+use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::objects::Objects;
+use crate::storage::Parts;
+
+/// What the pass found in a block of slots, or in all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Intake {
+    /// Whether a box changed inside its fat box.
+    pub(crate) crept: bool,
+    /// Boxes that were refused.
+    pub(crate) rejected: u32,
+    /// The lowest slot among them.
+    pub(crate) first_rejected: u32,
+}
+
+/// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do those
+/// whose new box is refused.
+pub(crate) fn ingest<I: Index>(
+    parts: &mut Parts<'_, I>,
+    bounds: &Boxes<'_>,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) -> Intake {
+    let mode = parts.mode();
+    let slots = (parts.state.slots as usize).min(bounds.len());
+    // Whole words of the bit sets, whole cache lines of the boxes.
+    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);
+    let margins = &*parts.boxes.margins;
+    let mut found = [Intake::default(); SLOT_BLOCKS];
+    let blocks = slots.div_ceil(len);
+    let claims = Claims::new((
+        Chunks::new(parts.boxes.now.span_mut(0, slots), len),
+        Chunks::optional(parts.boxes.fat, len),
+        Chunks::optional(parts.boxes.before, len),
+        Chunks::new(parts.moved, len / 32),
+        Chunks::new(parts.changed, len / 32),
+        Chunks::new(&mut found, 1),
+    ));
+    exec::run(executor, parts.sizes.workers, blocks, &|| {
+        while let Some((block, (now, fat, before, moved, changed, found))) = claims.claim() {
+            let first = block * len;
+            let margins = margins.get(first..).unwrap_or_default();
+            let objects = Objects { now, fat, margins, before, moved, changed, mode };
+            found.fill(kernels.run(IngestBlock { first, bounds, objects }));
+        }
+    });
+    drop(claims);
+    let mut sum = Intake::default();
+    for intake in &found {
+        sum.crept |= intake.crept;
+        if sum.rejected == 0 {
+            sum.first_rejected = intake.first_rejected;
+        }
+        sum.rejected += intake.rejected;
+    }
+    sum
+}
+
+struct IngestBlock<'b, 'o> {
+    first: usize,
+    bounds: &'b Boxes<'b>,
+    objects: Objects<'o>,
+}
+
+impl Phase for IngestBlock<'_, '_> {
+    type Output = Intake;
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, _: S) -> Intake {
+        let mut intake = Intake::default();
+        for at in 0..self.objects.now.len() {
+            if self.objects.now.at(at).is_empty() {
+                continue;
+            }
+            let slot = self.first + at;
+            match self.bounds.get(slot).as_ref().and_then(KeyBox::from_aabb) {
+                Some(bounds) => intake.crept |= self.objects.accept(at, bounds),
+                None => {
+                    if intake.rejected == 0 {
+                        intake.first_rejected = slot as u32;
+                    }
+                    intake.rejected += 1;
+                }
+            }
+        }
+        intake
+    }
+}

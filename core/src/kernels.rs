@@ -1,0 +1,79 @@
+//! The instruction set that a step uses.
+
+use crate::arch::{Phase, scalar::Scalar};
+
+#[cfg(target_arch = "x86_64")]
+use crate::arch::avx2::Avx2;
+
+/// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
+/// Every level gives the same bytes; they differ in speed alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernels(Level);
+
+#[derive(Clone, Copy, Debug)]
+enum Level {
+    Scalar(Scalar),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl Kernels {
+    /// What every CPU of the target has.
+    pub const SCALAR: Self = Self(Level::Scalar(Scalar));
+
+    /// The best level that needs no detection.
+    pub const BASELINE: Self = Self::SCALAR;
+
+    /// The best level of this CPU. Asks the CPU once and remembers.
+    #[must_use]
+    pub fn detect() -> Self {
+        Self::avx2().unwrap_or(Self::BASELINE)
+    }
+
+    /// AVX2 of x86-64, where this CPU has it.
+    #[must_use]
+    pub fn avx2() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return Avx2::detect().map(|token| Self(Level::Avx2(token)));
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
+    }
+
+    /// Every level of this CPU, the plainest first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        [Some(Self::SCALAR), Self::avx2()].into_iter().flatten()
+    }
+
+    /// The name of the level, as the program's `--kernels` takes it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Level::Scalar(_) => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(_) => "avx2",
+        }
+    }
+
+    /// The level of this name, where this CPU has it.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::all().find(|level| level.name() == name)
+    }
+
+    /// Runs a phase compiled for this level.
+    #[inline]
+    pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
+        match self.0 {
+            Level::Scalar(simd) => phase.run(simd),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(simd) => simd.run(phase),
+        }
+    }
+}
+
+impl Default for Kernels {
+    /// The detected level.
+    fn default() -> Self {
+        Self::detect()
+    }
+}

@@ -1,0 +1,182 @@
+//! Boxes as order-preserving integer keys.
+//!
+//! Every decision compares keys, never floats: integers know no NaN, no -0.0 and no flush-to-zero mode, so the
+//! same boxes give the same bytes on any host, and a CPU without FPU compares in one instruction. The mapping is
+//! one to one, but for -0.0, which becomes 0.0 on the way in.
+
+use crate::aabb::Aabb;
+use bytemuck::{Pod, Zeroable};
+
+/// The key of +infinity, the largest that a box can hold.
+const POSITIVE_INFINITY: i32 = 0x7f80_0000;
+/// The key of -infinity, the smallest.
+const NEGATIVE_INFINITY: i32 = i32::MIN + 0x7f_ffff;
+/// What -0.0 would map to without care.
+const NEGATIVE_ZERO: i32 = -1;
+
+/// The key of a float: `key(a) < key(b)` exactly if `a < b`. NaN maps beyond the infinities.
+#[inline(always)]
+pub(crate) const fn key(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    let key = bits ^ (((bits >> 31) as u32) >> 1) as i32;
+    key - (key == NEGATIVE_ZERO) as i32 * NEGATIVE_ZERO
+}
+
+/// The float of a key.
+#[inline(always)]
+pub(crate) const fn value(key: i32) -> f32 {
+    f32::from_bits((key ^ (((key >> 31) as u32) >> 1) as i32) as u32)
+}
+
+/// A closed box in keys.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct KeyBox {
+    pub(crate) min: [i32; 3],
+    pub(crate) max: [i32; 3],
+}
+
+impl KeyBox {
+    /// Overlaps nothing, not even itself: the box of a slot without an object.
+    pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
+
+    /// The box of a free slot: as empty, with a link to another slot where it does no harm.
+    pub(crate) const fn free(next: u32) -> Self {
+        let mut keys = Self::EMPTY;
+        keys.min[1] = next as i32;
+        keys
+    }
+
+    /// The link of a free slot.
+    pub(crate) const fn next_free(&self) -> u32 {
+        self.min[1] as u32
+    }
+
+    /// The keys of a box, or `None` where it has NaN in it or a minimum above its maximum.
+    #[inline(always)]
+    pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
+        let keys = Self { min: aabb.min.map(key), max: aabb.max.map(key) };
+        let mut good = true;
+        for k in 0..3 {
+            good &= keys.min[k] <= keys.max[k];
+            good &= keys.min[k] >= NEGATIVE_INFINITY;
+            good &= keys.max[k] <= POSITIVE_INFINITY;
+        }
+        good.then_some(keys)
+    }
+
+    pub(crate) fn to_aabb(self) -> Aabb {
+        Aabb { min: self.min.map(value), max: self.max.map(value) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.min[0] > self.max[0]
+    }
+
+    #[inline(always)]
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        let mut apart = false;
+        for k in 0..3 {
+            apart |= self.min[k] > other.max[k];
+            apart |= other.min[k] > self.max[k];
+        }
+        !apart
+    }
+
+    /// Containment on all three axes (errata E3 and E4).
+    #[inline(always)]
+    pub(crate) fn contains(&self, inner: &Self) -> bool {
+        let mut inside = true;
+        for k in 0..3 {
+            inside &= self.min[k] <= inner.min[k];
+            inside &= inner.max[k] <= self.max[k];
+        }
+        inside
+    }
+
+    /// The box grown by a length on all sides (erratum E1): two single-rounded operations an axis that saturate
+    /// at the largest float. Where rounding or a flush-to-zero mode would shrink it, the tight side stays.
+    pub(crate) fn grown(&self, length: f32) -> Self {
+        let mut fat = *self;
+        for k in 0..3 {
+            let low = value(self.min[k]) - length;
+            let high = value(self.max[k]) + length;
+            fat.min[k] = key(low.max(f32::MIN)).min(self.min[k]);
+            fat.max[k] = key(high.min(f32::MAX)).max(self.max[k]);
+        }
+        fat
+    }
+
+    /// The largest extent as a length, infinite where the box is unbounded.
+    pub(crate) fn largest_extent(&self) -> f32 {
+        let extent = |k: usize| value(self.max[k]) - value(self.min[k]);
+        // The box [inf, inf] has no extent that arithmetic could tell; `max` passes over its NaN.
+        extent(0).max(extent(1)).max(extent(2)).max(0.0)
+    }
+
+    /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: the least extent
+    /// that is not zero is below four steps of the coordinate.
+    pub(crate) fn is_coarse(&self) -> bool {
+        (0..3).any(|k| {
+            let (low, high) = (self.min[k], self.max[k]);
+            let near_zero = low < 0 && high >= 0;
+            !near_zero && low != high && high.wrapping_sub(low) < 4 && high < POSITIVE_INFINITY && low > NEGATIVE_INFINITY
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_keep_the_order_of_floats() {
+        let ordered = [
+            f32::NEG_INFINITY,
+            f32::MIN,
+            -1.0,
+            -f32::MIN_POSITIVE,
+            -f32::from_bits(1),
+            0.0,
+            f32::from_bits(1),
+            f32::MIN_POSITIVE,
+            1.0,
+            f32::MAX,
+            f32::INFINITY,
+        ];
+        for pair in ordered.windows(2) {
+            assert!(key(pair[0]) < key(pair[1]), "{pair:?}");
+        }
+        for x in ordered {
+            assert_eq!(value(key(x)).to_bits(), x.to_bits());
+        }
+        assert_eq!(key(-0.0), key(0.0));
+        assert_eq!(key(f32::INFINITY), POSITIVE_INFINITY);
+        assert_eq!(key(f32::NEG_INFINITY), NEGATIVE_INFINITY);
+    }
+
+    #[test]
+    fn nan_of_either_sign_is_refused() {
+        for nan in [f32::NAN, -f32::NAN] {
+            for k in 0..3 {
+                let mut aabb = Aabb::new([0.0; 3], [1.0; 3]);
+                aabb.min[k] = nan;
+                assert_eq!(KeyBox::from_aabb(&aabb), None);
+                let mut aabb = Aabb::new([0.0; 3], [1.0; 3]);
+                aabb.max[k] = nan;
+                assert_eq!(KeyBox::from_aabb(&aabb), None);
+            }
+        }
+    }
+
+    #[test]
+    fn growth_saturates_and_never_shrinks() {
+        let wide = KeyBox::from_aabb(&Aabb::new([f32::MIN; 3], [f32::MAX; 3])).unwrap();
+        assert_eq!(wide.grown(1e38), wide);
+        let far = KeyBox::from_aabb(&Aabb::new([1e9; 3], [1e9; 3])).unwrap();
+        assert_eq!(far.grown(0.01), far, "a margin below one ulp changes nothing");
+        let unbounded = KeyBox::from_aabb(&Aabb::new([f32::NEG_INFINITY; 3], [0.0; 3])).unwrap();
+        assert!(unbounded.grown(1.0).contains(&unbounded));
+    }
+}

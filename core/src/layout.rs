@@ -1,0 +1,170 @@
+//! The one table of what a world stores and where.
+//!
+//! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
+//! the bytes and once to carve the slab, so that the two cannot disagree.
+
+use crate::config::Config;
+use crate::id::{Index, Pair};
+use crate::key::KeyBox;
+use crate::state::State;
+use crate::sweep::scratch;
+use crate::tree::{Cell, Frame, Front, Leaf, Record};
+
+/// The memory that a world needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// The length of the slab in bytes.
+    pub bytes: usize,
+    /// The boundary that the slab starts on.
+    pub align: usize,
+}
+
+/// A cache line; also more than any item asks for.
+pub(crate) const ALIGN: usize = 64;
+
+/// Up to this many objects are swept straight from a sorted list, without a tree.
+pub(crate) const ONE_LEAF: usize = 512;
+/// Objects that a leaf should have at most when planes are new.
+pub(crate) const LEAF_TARGET: usize = 512;
+/// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
+pub(crate) const SLOT_BLOCKS: usize = 32;
+/// The fewest slots in a block.
+pub(crate) const SLOTS_PER_BLOCK: usize = 1024;
+/// Leaves in a block of the passes over all leaves.
+pub(crate) const LEAVES_PER_BLOCK: usize = 2;
+/// Pairs that parallel workers write at a time.
+pub(crate) const CHUNK: usize = 512;
+
+/// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
+/// space or the number of workers (1 to 32) does not allow it.
+///
+/// Constant, so that a static can be sized by it. The size grows linearly with objects, leaf references and pairs.
+#[must_use]
+pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
+    match Sizes::of::<I>(config) {
+        Some(sizes) => match sizes.bytes::<I>() {
+            Some(bytes) => Some(Layout { bytes, align: ALIGN }),
+            None => None,
+        },
+        None => None,
+    }
+}
+
+/// How many items of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sizes {
+    pub(crate) objects: usize,
+    /// Objects with a fat box.
+    pub(crate) fat: usize,
+    /// Objects whose last box is kept for the events.
+    pub(crate) before: usize,
+    /// Objects in the tree: all, or none where one leaf holds them all.
+    pub(crate) tree: usize,
+    pub(crate) records: usize,
+    pub(crate) fronts: usize,
+    /// The depth of the deepest tree.
+    pub(crate) depth: u32,
+    pub(crate) leaves: usize,
+    pub(crate) pairs: usize,
+    /// Pairs of the last step, kept for the events.
+    pub(crate) previous: usize,
+    /// Pairs of parallel workers before they are put in order.
+    pub(crate) staged: usize,
+    pub(crate) workers: usize,
+    /// Records in one worker's scratch.
+    pub(crate) bag: usize,
+}
+
+impl Sizes {
+    pub(crate) const fn of<I: Index>(config: &Config) -> Option<Self> {
+        let capacity = &config.capacity;
+        if capacity.objects > I::MAX_OBJECTS || config.workers == 0 || config.workers > 32 {
+            return None;
+        }
+        // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
+        let objects = capacity.objects as usize;
+        let pairs = capacity.pairs as usize;
+        let tree = if objects > ONE_LEAF { objects } else { 0 };
+        let mut depth = 0;
+        while tree > LEAF_TARGET << depth {
+            depth += 1;
+        }
+        let leaves = if tree > 0 { 1 << depth } else { 0 };
+        Some(Self {
+            objects,
+            fat: if config.margin.is_some() { objects } else { 0 },
+            before: if config.events { objects } else { 0 },
+            tree,
+            records: tree + tree / 8 + 4 * leaves,
+            fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
+            depth,
+            leaves,
+            pairs,
+            previous: if config.events { pairs } else { 0 },
+            // Every block may leave a chunk unfinished.
+            staged: if config.workers > 1 { pairs.div_ceil(CHUNK) + leaves.div_ceil(LEAVES_PER_BLOCK) + 1 } else { 0 },
+            workers: config.workers as usize,
+            bag: scratch::bag(objects),
+        })
+    }
+
+    /// Entries of one block's tally: objects and front boxes of each leaf, and the large objects.
+    pub(crate) const fn tally_row(&self) -> usize {
+        if self.tree > 0 { 2 * self.leaves + 2 } else { 0 }
+    }
+
+    const fn bytes<I: Index>(&self) -> Option<usize> {
+        let objects = self.objects;
+        let mut plan = Plan::new();
+        plan.add::<State>(1);
+        plan.add::<KeyBox>(objects);
+        plan.add::<KeyBox>(self.fat);
+        plan.add::<f32>(self.fat);
+        plan.add::<KeyBox>(self.before);
+        plan.add::<u32>(objects);
+        plan.add::<u32>(3 * crate::access::bits::words(objects));
+        plan.add::<I>(3 * objects);
+        plan.add::<I>(2 * self.tree);
+        plan.add::<Record>(self.records);
+        plan.add::<Front>(self.fronts);
+        plan.add::<i32>(self.leaves);
+        plan.add::<Cell>(self.leaves);
+        plan.add::<Frame>(self.leaves);
+        plan.add::<Leaf>(self.leaves);
+        plan.add::<[i32; 3]>(2 * self.leaves);
+        plan.add::<u32>(SLOT_BLOCKS * self.tally_row());
+        plan.add::<Pair<I>>(self.pairs);
+        plan.add::<Pair<I>>(self.previous);
+        plan.add::<Pair<I>>(self.staged * CHUNK);
+        plan.add::<[u32; 3]>(self.staged);
+        plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
+        plan.bytes
+    }
+}
+
+/// Adds up sections, each on its own cache line.
+struct Plan {
+    bytes: Option<usize>,
+}
+
+impl Plan {
+    const fn new() -> Self {
+        Self { bytes: Some(0) }
+    }
+
+    const fn add<T>(&mut self, count: usize) {
+        self.bytes = match (self.bytes, section::<T>(count)) {
+            // Slices end at `isize::MAX`.
+            (Some(sum), Some(more)) if more <= isize::MAX as usize - sum => Some(sum + more),
+            _ => None,
+        };
+    }
+}
+
+/// The bytes of a section of `count` items, to the next cache line.
+pub(crate) const fn section<T>(count: usize) -> Option<usize> {
+    match count.checked_mul(size_of::<T>()) {
+        Some(bytes) => bytes.checked_next_multiple_of(ALIGN),
+        None => None,
+    }
+}

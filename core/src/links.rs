@@ -1,0 +1,185 @@
+//! The tri-linked sorted lists (paper, section III.A): every object once in a list per axis, by ascending minimum.
+//!
+//! A list is an array of slots (erratum E12), and its order is total: by key, then by slot (erratum E10). An
+//! object's position in a list needs no array of its own, since a search by its key finds it.
+//!
+//! Small worlds keep the list of their sweep axis in order from step to step; an insertion sort does that as long
+//! as few objects overtake each other, and a radix sort beyond (erratum E13). Larger worlds sort when planes are
+//! made and let the lists go stale in between.
+
+use crate::access::{Access, bits};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::storage::Parts;
+
+/// Overtakings per object beyond which a radix sort is cheaper.
+const INVERSIONS_PER_OBJECT: usize = 4;
+
+/// The total order of a list.
+#[inline(always)]
+pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
+    (boxes.at(a.at()).min[axis % 3], a) < (boxes.at(b.at()).min[axis % 3], b)
+}
+
+/// Adds a slot to the end of all three lists, where [`repair`] finds it. O(1).
+pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
+    // A slot that was freed since the lists were last cleaned still stands in them.
+    if parts.state.stale_lists == 0 && bits::set(parts.listed, slot as usize) {
+        for order in &mut parts.order {
+            order.put(parts.state.listed as usize, I::from_slot(slot));
+        }
+        parts.state.listed += 1;
+    }
+}
+
+/// Makes the lists hold the living objects and no others, in their old order as far as there is one. O(n).
+pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
+    let boxes = &*parts.boxes.now;
+    if parts.state.stale_lists != 0 {
+        parts.state.listed = 0;
+        for slot in 0..parts.state.slots {
+            for order in &mut parts.order {
+                order.put(parts.state.listed as usize, I::from_slot(slot));
+            }
+            parts.state.listed += 1;
+        }
+    }
+    let mut kept = 0;
+    for order in &mut parts.order {
+        kept = 0;
+        for index in 0..parts.state.listed as usize {
+            let slot = order.at(index);
+            if !boxes.at(slot.at()).is_empty() {
+                order.put(kept, slot);
+                kept += 1;
+            }
+        }
+    }
+    parts.state.listed = kept as u32;
+    parts.state.stale_lists = 0;
+    parts.listed.fill(0);
+    for slot in parts.order[0].span(0, kept) {
+        bits::set(parts.listed, slot.at());
+    }
+}
+
+/// Puts one list in order: by insertion as long as that is cheap, else by radix. `spare` holds 4 words an object.
+///
+/// O(n + inversions) at best, O(n) with a larger factor beyond; never quadratic.
+pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+    let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
+    for index in 1..order.len() {
+        let slot = order.at(index);
+        let mut to = index;
+        while to > 0 && precedes(boxes, axis, slot, order.at(to - 1)) {
+            order.put(to, order.at(to - 1));
+            to -= 1;
+        }
+        order.put(to, slot);
+        match budget.checked_sub(index - to) {
+            Some(left) => budget = left,
+            None => return presort(order, boxes, axis, spare),
+        }
+    }
+}
+
+/// Sorts slots by their minima with a radix sort, whatever order they are in. `spare` holds 4 words a slot.
+pub(crate) fn presort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+    let count = order.len();
+    let (from, to) = spare.split_at_mut_checked(2 * count).unwrap_or_default();
+    let to = to.span_mut(0, 2 * count);
+    let (mut from, _) = from.as_chunks_mut::<2>();
+    let (mut to, _) = to.as_chunks_mut::<2>();
+    for (entry, slot) in from.iter_mut().zip(&*order) {
+        // Flipping the sign makes the keys' order that of unsigned integers.
+        *entry = [boxes.at(slot.at()).min[axis % 3] as u32 ^ 1 << 31, slot.slot()];
+    }
+    // Equal keys keep the order of the entries, so this makes them ascend by slot.
+    if !from.is_sorted_by_key(|entry| entry[1]) {
+        for shift in [0, 8, 16, 24] {
+            (from, to) = distribute(from, to, 1, shift);
+        }
+    }
+    for shift in [0, 8, 16, 24] {
+        (from, to) = distribute(from, to, 0, shift);
+    }
+    for (slot, entry) in order.iter_mut().zip(&*from) {
+        *slot = I::from_slot(entry[1]);
+    }
+}
+
+/// One stable pass of the radix sort over a byte of word `word`. Returns the sorted entries and the other buffer.
+fn distribute<'s>(
+    from: &'s mut [[u32; 2]],
+    to: &'s mut [[u32; 2]],
+    word: usize,
+    shift: u32,
+) -> (&'s mut [[u32; 2]], &'s mut [[u32; 2]]) {
+    let byte = |entry: &[u32; 2]| (entry[word & 1] >> shift & 0xff) as usize;
+    let mut next = [0u32; 256];
+    for entry in &*from {
+        next[byte(entry)] += 1;
+    }
+    if next.contains(&(from.len() as u32)) {
+        return (from, to);
+    }
+    let mut start = 0;
+    for count in &mut next {
+        start += core::mem::replace(count, start);
+    }
+    for entry in &*from {
+        let at = &mut next[byte(entry)];
+        to.put(*at as usize, *entry);
+        *at += 1;
+    }
+    (to, from)
+}
+
+/// How many list entries have a minimum below `key`: a position query by plane. O(log n).
+pub(crate) fn position_of_key<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, key: i32) -> usize {
+    order.partition_point(|slot| boxes.at(slot.at()).min[axis % 3] < key)
+}
+
+/// Where a slot stands in a list that is in order. O(log n).
+#[cfg(test)]
+pub(crate) fn position_of<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, slot: I) -> usize {
+    order.partition_point(|&other| precedes(boxes, axis, other, slot))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aabb::Aabb;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+    use std::vec;
+
+    fn boxes(minima: &[f32]) -> impl Iterator<Item = KeyBox> + '_ {
+        minima.iter().map(|&x| KeyBox::from_aabb(&Aabb::new([x; 3], [f32::INFINITY; 3])).unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn presort_and_repair_agree_with_a_plain_sort(
+            minima in prop::collection::vec(prop_oneof![Just(0.0f32), -9.0f32..9.0, any::<i8>().prop_map(f32::from)], 0..300),
+            shuffled in any::<bool>(),
+        ) {
+            let boxes: Vec<_> = boxes(&minima).collect();
+            let mut expected: Vec<u16> = (0..minima.len() as u16).collect();
+            expected.sort_by(|&a, &b| minima[usize::from(a)].total_cmp(&minima[usize::from(b)]).then(a.cmp(&b)));
+            let mut spare = vec![0; 4 * minima.len()];
+            let mut order: Vec<u16> = (0..minima.len() as u16).collect();
+            if shuffled {
+                order.reverse();
+            }
+            let mut repaired = order.clone();
+            presort(&mut order, &boxes, 1, &mut spare);
+            repair(&mut repaired, &boxes, 1, &mut spare);
+            prop_assert_eq!(&order, &expected);
+            prop_assert_eq!(&repaired, &expected);
+            for (position, &slot) in order.iter().enumerate() {
+                prop_assert_eq!(position_of(&order, &boxes, 1, slot), position);
+            }
+        }
+    }
+}

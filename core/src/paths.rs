@@ -1,0 +1,151 @@
+//! The ways to find the overlaps of swept boxes, and the choice between them.
+//!
+//! All give the same set. Which one is cheapest follows from counts alone, so equal calls choose equally.
+
+use crate::access::Access;
+use crate::exec::Executor;
+use crate::id::Index;
+use crate::kernels::Kernels;
+use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
+use crate::results::carry_resting;
+use crate::state::{Path, Progress};
+use crate::storage::Parts;
+use crate::sweep::Collector;
+use crate::sweep::leaves::{Grove, SweepLeaves};
+use crate::sweep::list::SweepList;
+use crate::sweep::movers::{SweepLargeMovers, SweepMovers};
+use crate::links;
+use crate::tree::cells::frame_all;
+use crate::tree::relocate::Relocate;
+use crate::tree::{assign, balance};
+
+
+/// One in this many objects may have moved for the movers-only path to be the cheaper one.
+const MOVERS_SHARE: u32 = 16;
+
+/// What a path works with.
+#[derive(Clone, Copy)]
+pub(crate) struct Means<'e> {
+    pub(crate) kernels: Kernels,
+    pub(crate) executor: &'e dyn Executor,
+}
+
+/// The path for a number of objects that have moved.
+pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
+    let state = &parts.state;
+    let known = state.complete != 0;
+    if known && moved == 0 {
+        Path::Unchanged
+    } else if state.live as usize <= ONE_LEAF {
+        Path::Lists
+    } else if known && state.filled != 0 && moved <= state.live / MOVERS_SHARE {
+        Path::Movers
+    } else if balance::needs_planes(parts) {
+        Path::Rebuilt
+    } else {
+        Path::Full
+    }
+}
+
+/// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
+pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) -> (Path, Progress) {
+    match path {
+        Path::Unchanged => (path, unchanged(parts)),
+        Path::Lists => (path, lists(parts, means)),
+        Path::Movers => match movers(parts, means) {
+            Some(progress) => (path, progress),
+            None => full(parts, balance::needs_planes(parts), means),
+        },
+        Path::Full => full(parts, false, means),
+        Path::Rebuilt => full(parts, true, means),
+    }
+}
+
+/// Nothing has moved: all pairs stay.
+fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
+    let leaves = parts.state.stats().leaves;
+    Progress { pairs: carry_resting(parts), leaves, ..Progress::default() }
+}
+
+/// A small world: keep the list of one axis in order and sweep it.
+fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
+    // Records of a tree that the world may have had are not kept up to date.
+    parts.state.filled = 0;
+    if parts.state.stale_lists != 0 || parts.state.listed != parts.state.live {
+        links::list_all(parts);
+    }
+    let live = parts.state.live as usize;
+    let boxes = parts.boxes.swept();
+    let order = &*parts.order[0];
+    let census = assign::survey(order.span(0, live).iter().map(|slot| boxes.at(slot.at())));
+    let (frame, axis) = frame_all(&census.extent, parts.state.list_axis as usize);
+    parts.state.list_axis = axis as u32;
+    let [x, y, z] = &mut parts.order;
+    let order = match axis {
+        0 => x,
+        1 => y,
+        _ => z,
+    }
+    .span_mut(0, live);
+    links::repair(order, boxes, axis, bytemuck::try_cast_slice_mut(parts.output.scratch).unwrap_or_default());
+    let order = &*order;
+    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
+    let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
+        means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
+    });
+    Progress { pairs, work, leaves: 1, coarse: Some(census.coarse), ..Progress::default() }
+}
+
+/// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
+fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progress> {
+    if !means.kernels.run(Relocate(parts)) {
+        return None;
+    }
+    let kept = carry_resting(parts);
+    let leaf_count = 1usize << parts.state.depth;
+    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
+    let moved = &*parts.moved;
+    let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
+    let (pairs, work) = collector.collect(means.executor, kept, blocks + 1, &|block, scratch, sink| {
+        let first = block * LEAVES_PER_BLOCK;
+        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
+        let movers = SweepMovers { grove: &grove, moved, leaves, scratch, sink };
+        if block < blocks {
+            means.kernels.run(movers);
+        } else {
+            means.kernels.run(SweepLargeMovers(movers));
+        }
+    });
+    Some(Progress { pairs, work, leaves: leaf_count as u32, ..Progress::default() })
+}
+
+/// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
+fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>) -> (Path, Progress) {
+    let Means { kernels, executor } = means;
+    if replant {
+        balance::plant(parts);
+    }
+    let mut census = assign::count(parts, kernels, executor);
+    if !replant && balance::is_out_of_balance(parts) {
+        replant = true;
+        balance::plant(parts);
+        census = assign::count(parts, kernels, executor);
+    }
+    if replant {
+        balance::settle(parts);
+    }
+    assign::fill(parts, &census, kernels, executor);
+    let leaf_count = 1usize << parts.state.depth;
+    let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
+    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
+    let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
+        let first = block * LEAVES_PER_BLOCK;
+        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
+        kernels.run(SweepLeaves { grove: &grove, leaves, scratch, sink });
+    });
+    let rebalanced = if replant { parts.state.live } else { balance::rebalance(parts) };
+    let path = if replant { Path::Rebuilt } else { Path::Full };
+    (path, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse: Some(census.coarse) })
+}

@@ -1,0 +1,264 @@
+//! A slab carved into slices, lent by the caller or kept inline.
+
+use crate::access::bits;
+use crate::config::{Config, Mode};
+use crate::error::Error;
+use crate::id::{Index, Pair};
+use crate::key::KeyBox;
+use crate::objects::Objects;
+use crate::layout::{ALIGN, CHUNK, SLOT_BLOCKS, Sizes, layout, section};
+use crate::state::State;
+use crate::sweep::scratch;
+use crate::tree::{Cell, Frame, Front, Leaf, Record};
+use crate::world::World;
+use bytemuck::{Pod, Zeroable};
+
+/// The slices of a world. Indexed by slot where nothing else is said.
+pub(crate) struct Parts<'m, I> {
+    pub(crate) sizes: Sizes,
+    pub(crate) state: &'m mut State,
+    pub(crate) boxes: BoxParts<'m>,
+    /// How many objects have held the slot.
+    pub(crate) generations: &'m mut [u32],
+    /// One bit a slot: the swept box has changed since the last complete step (the paper's dynamic objects).
+    pub(crate) moved: &'m mut [u32],
+    /// One bit a slot: the reported box has changed since the last complete step, and `before` holds the old one.
+    pub(crate) changed: &'m mut [u32],
+    /// One bit a slot: it stands in the sorted lists.
+    pub(crate) listed: &'m mut [u32],
+    /// The tri-linked lists: slots by ascending minimum on x, y and z.
+    pub(crate) order: [&'m mut [I]; 3],
+    /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
+    pub(crate) home: &'m mut [I],
+    /// The record's position in its leaf, or the position in the large-object list.
+    pub(crate) place: &'m mut [I],
+    pub(crate) tree: TreeParts<'m>,
+    pub(crate) output: OutputParts<'m, I>,
+}
+
+/// The boxes of all slots.
+pub(crate) struct BoxParts<'m> {
+    /// The box as given last; that of a slot without an object is empty and holds the next free slot.
+    pub(crate) now: &'m mut [KeyBox],
+    /// With a margin: the anchored fat box (erratum E5).
+    pub(crate) fat: &'m mut [KeyBox],
+    /// With a margin: the length that the box is grown by (erratum E2).
+    pub(crate) margins: &'m mut [f32],
+    /// With events: the box that the last complete step reported, where `changed` is set.
+    pub(crate) before: &'m mut [KeyBox],
+}
+
+impl BoxParts<'_> {
+    /// The boxes that are listed, split and swept.
+    pub(crate) fn swept(&self) -> &[KeyBox] {
+        if self.fat.is_empty() { self.now } else { self.fat }
+    }
+
+    /// The boxes that a result speaks of.
+    pub(crate) fn reported(&self, mode: Mode) -> &[KeyBox] {
+        if mode == Mode::Fat { self.swept() } else { self.now }
+    }
+}
+
+/// The KD-tree.
+pub(crate) struct TreeParts<'m> {
+    /// By node.
+    pub(crate) planes: &'m mut [i32],
+    /// By leaf.
+    pub(crate) cells: &'m mut [Cell],
+    /// By leaf.
+    pub(crate) frames: &'m mut [Frame],
+    /// By leaf.
+    pub(crate) leaves: &'m mut [Leaf],
+    /// By node: how far the members reach, at most.
+    pub(crate) reach: &'m mut [[i32; 3]],
+    /// The leaves' records, one leaf after another, each with some room.
+    pub(crate) records: &'m mut [Record],
+    /// The leaves' fronts, one after another, and behind them the large-object list.
+    pub(crate) fronts: &'m mut [Front],
+    /// A row for each block of slots: see [`Sizes::tally_row`].
+    pub(crate) tally: &'m mut [u32],
+}
+
+/// What the sweeps write to.
+pub(crate) struct OutputParts<'m, I> {
+    /// The pairs of swept boxes: see [`State::swept_pairs`].
+    pub(crate) pairs: &'m mut [Pair<I>],
+    /// With events: the pairs of the last complete step; after a step, the lost ones come first.
+    pub(crate) previous: &'m mut [Pair<I>],
+    /// With workers: pairs in the order in which they were found, in chunks.
+    pub(crate) staged: &'m mut [Pair<I>],
+    /// The block, the position and the length of each staged chunk.
+    pub(crate) chunks: &'m mut [[u32; 3]],
+    /// The workers' scratch, in equal areas.
+    pub(crate) scratch: &'m mut [Record],
+}
+
+/// Cuts sections off a slab.
+struct Carver<'m>(&'m mut [u8]);
+
+impl<'m> Carver<'m> {
+    fn take<T: Pod>(&mut self, count: usize) -> Option<&'m mut [T]> {
+        let (section, rest) = core::mem::take(&mut self.0).split_at_mut_checked(section::<T>(count)?)?;
+        self.0 = rest;
+        bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
+    }
+}
+
+impl<'m, I: Index> Parts<'m, I> {
+    /// Carves a slab that is long enough and aligned. The order is that of [`Sizes::bytes`].
+    fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
+        let mut slab = Carver(slab);
+        let state = slab.take(1)?.first_mut()?;
+        let now = slab.take(sizes.objects)?;
+        let fat = slab.take(sizes.fat)?;
+        let margins = slab.take(sizes.fat)?;
+        let before = slab.take(sizes.before)?;
+        let generations = slab.take(sizes.objects)?;
+        let words = bits::words(sizes.objects);
+        let (moved, rest) = slab.take(3 * words)?.split_at_mut_checked(words)?;
+        let (changed, listed) = rest.split_at_mut_checked(words)?;
+        let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
+        let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
+        let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
+        // A struct's fields are evaluated in the order in which they are written here.
+        Some(Self {
+            state,
+            boxes: BoxParts { now, fat, margins, before },
+            generations,
+            moved,
+            changed,
+            listed,
+            order: [x, y, z],
+            home,
+            place,
+            tree: TreeParts {
+                records: slab.take(sizes.records)?,
+                fronts: slab.take(sizes.fronts)?,
+                planes: slab.take(sizes.leaves)?,
+                cells: slab.take(sizes.leaves)?,
+                frames: slab.take(sizes.leaves)?,
+                leaves: slab.take(sizes.leaves)?,
+                reach: slab.take(2 * sizes.leaves)?,
+                tally: slab.take(SLOT_BLOCKS * sizes.tally_row())?,
+            },
+            output: OutputParts {
+                pairs: slab.take(sizes.pairs)?,
+                previous: slab.take(sizes.previous)?,
+                staged: slab.take(sizes.staged * CHUNK)?,
+                chunks: slab.take(sizes.staged)?,
+                scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
+            },
+            sizes,
+        })
+    }
+
+    /// Makes a slab into an empty world.
+    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        if let Some(margin) = config.margin {
+            margin.check()?;
+        }
+        let sizes = Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)?;
+        let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        check(slab, needed)?;
+        let slab = slab.get_mut(..needed).unwrap_or_default();
+        slab.fill(0);
+        let parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
+        *parts.state = State::new(config, size_of::<I>());
+        parts.boxes.now.fill(KeyBox::EMPTY);
+        parts.boxes.fat.fill(KeyBox::EMPTY);
+        parts.boxes.before.fill(KeyBox::EMPTY);
+        parts.home.fill(I::NONE);
+        Ok(parts)
+    }
+
+    /// Finds the world in a slab that holds one.
+    pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
+        check(slab, size_of::<State>())?;
+        let state = slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
+        let config = state.and_then(|state| state.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
+        let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
+        let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
+        check(slab, needed)?;
+        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
+        if parts.state.swapped != 0 {
+            core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
+        }
+        Ok(parts)
+    }
+
+    /// Which pairs the world returns.
+    pub(crate) fn mode(&self) -> Mode {
+        self.state.mode()
+    }
+
+    /// What all slots' arrays say about one object.
+    pub(crate) fn objects(&mut self) -> Objects<'_> {
+        Objects {
+            now: self.boxes.now,
+            fat: self.boxes.fat,
+            margins: self.boxes.margins,
+            before: self.boxes.before,
+            moved: self.moved,
+            changed: self.changed,
+            mode: self.state.mode(),
+        }
+    }
+}
+
+fn check(slab: &[u8], needed: usize) -> Result<(), Error> {
+    if slab.len() < needed {
+        return Err(Error::SlabTooSmall { needed });
+    }
+    if slab.as_ptr().align_offset(ALIGN) != 0 {
+        return Err(Error::SlabMisaligned { align: ALIGN });
+    }
+    Ok(())
+}
+
+/// A world that brings its own memory: for statics, structs and stacks.
+///
+/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. The
+/// value is all zero until [`init`](Self::init), so a static lands in `.bss`.
+///
+/// ```
+/// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
+///
+/// const CONFIG: Config = Config::new(Capacity { objects: 64, leaf_refs: 0, pairs: 256 });
+/// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+///
+/// let mut memory = InlineWorld::<BYTES>::EMPTY;
+/// let mut world = memory.init::<u16>(&CONFIG)?;
+/// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// # Ok::<(), trisap_core::Error>(())
+/// ```
+#[repr(C, align(64))]
+#[derive(Clone, Debug)]
+pub struct InlineWorld<const BYTES: usize>([u8; BYTES]);
+
+impl<const BYTES: usize> InlineWorld<BYTES> {
+    /// No world yet: all zero.
+    pub const EMPTY: Self = Self([0; BYTES]);
+
+    /// Makes an empty world, whatever was there before.
+    ///
+    /// # Errors
+    /// [`Error::SlabTooSmall`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    pub fn init<I: Index>(&mut self, config: &Config) -> Result<World<'_, I>, Error> {
+        World::new_in(&mut self.0, config)
+    }
+
+    /// The world that [`init`](Self::init) made.
+    ///
+    /// # Errors
+    /// [`Error::NotAWorld`] before that, or where the index width differs.
+    pub fn world<I: Index>(&mut self) -> Result<World<'_, I>, Error> {
+        World::open(&mut self.0)
+    }
+}
+
+impl<const BYTES: usize> Default for InlineWorld<BYTES> {
+    fn default() -> Self {
+        Self(Zeroable::zeroed())
+    }
+}

@@ -1,0 +1,179 @@
+//! Sweeps all leaves: each its own members, and the visitors that it finds on other leaves' fronts.
+//!
+//! This is how cross-leaf pairs are found (erratum E7): every box that touches a leaf's cell takes part in the
+//! leaf's sweep, wherever it is at home, moved or resting. A pair is reported in the one cell that holds the
+//! component-wise maximum of its two minimum corners (erratum E9): with a box that is at home here that is this
+//! cell by itself, and of two visitors neither axis may have both minima below the cell.
+
+use super::scratch::Scratch;
+use super::{Sink, bag};
+use crate::access::Access;
+use crate::arch::{Phase, Simd};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::state::State;
+use crate::storage::TreeParts;
+use crate::tree::visit::visit;
+use crate::tree::{Cell, Frame, Front, Leaf, Record};
+
+/// What the sweeps of all leaves read.
+#[derive(Clone, Copy)]
+pub(crate) struct Grove<'g> {
+    pub(crate) boxes: &'g [KeyBox],
+    pub(crate) planes: &'g [i32],
+    pub(crate) reach: &'g [[i32; 3]],
+    pub(crate) depth: u32,
+    pub(crate) cells: &'g [Cell],
+    pub(crate) frames: &'g [Frame],
+    pub(crate) leaves: &'g [Leaf],
+    pub(crate) records: &'g [Record],
+    pub(crate) fronts: &'g [Front],
+    /// The large-object list.
+    pub(crate) large: &'g [Front],
+}
+
+impl<'g> Grove<'g> {
+    pub(crate) fn new(state: &State, boxes: &'g [KeyBox], tree: &'g TreeParts<'_>) -> Self {
+        Self {
+            boxes,
+            planes: tree.planes,
+            reach: tree.reach,
+            depth: state.depth,
+            cells: tree.cells,
+            frames: tree.frames,
+            leaves: tree.leaves,
+            records: tree.records,
+            fronts: tree.fronts,
+            large: tree.fronts.span(state.large_start as usize, state.large as usize),
+        }
+    }
+
+    /// The records of a leaf.
+    #[inline(always)]
+    pub(crate) fn members(&self, leaf: &Leaf) -> &'g [Record] {
+        self.records.span(leaf.start as usize, leaf.len as usize)
+    }
+
+    /// Calls `visitor` with the record of each box that touches the leaf's cell and is not a member.
+    #[inline(always)]
+    fn visitors<S: Simd>(&self, simd: S, index: usize, mut visitor: impl FnMut(Record)) {
+        let cell = self.cells.at(index);
+        let frame = self.frames.at(index);
+        let mut enter = |front: &Front| {
+            if cell.is_entered_by(&front.bounds) {
+                let below = |k: usize| u32::from(front.bounds.min[k] < cell.low[k]) << k;
+                let marks = Record::BELOW * (below(0) | below(1) | below(2));
+                visitor(simd.record(&frame, &front.bounds, front.slot | marks));
+            }
+        };
+        // The cell is half-open: minima at its high side are in the next one.
+        let high = cell.high.map(|key| key.saturating_sub(1));
+        visit(self.planes, self.reach, self.depth, &cell.low, &high, |other| {
+            if other != index {
+                let leaf = self.leaves.at(other);
+                for front in self.fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
+                    enter(front);
+                }
+            }
+        });
+        for front in self.large {
+            enter(front);
+        }
+    }
+}
+
+/// Sweeps some leaves.
+pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
+    pub(crate) grove: &'p Grove<'g>,
+    pub(crate) leaves: core::ops::Range<usize>,
+    pub(crate) scratch: &'p mut Scratch<'s, I>,
+    pub(crate) sink: &'p mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        for index in self.leaves {
+            sweep_leaf(simd, self.grove, index, self.scratch, self.sink);
+        }
+    }
+}
+
+#[inline(always)]
+fn sweep_leaf<S: Simd, I: Index>(
+    simd: S,
+    grove: &Grove<'_>,
+    index: usize,
+    scratch: &mut Scratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    let leaf = grove.leaves.at(index);
+    let members = grove.members(&leaf);
+    let mut count = 0;
+    grove.visitors(simd, index, |record| {
+        if let Some(place) = scratch.visitors.get_mut(count) {
+            *place = record;
+        }
+        count += 1;
+    });
+    scratch.copies += count as u64;
+    if members.len() + count <= scratch.bench.sorted.len() {
+        let visitors = scratch.visitors.span(0, count);
+        bag::sweep(simd, [members, visitors], leaf.axis as usize, &mut scratch.bench, grove.boxes, sink);
+    } else {
+        sweep_tiles(simd, grove, index, members.len() + count, scratch, sink);
+    }
+}
+
+/// Sweeps a leaf that is too large for the bag: each two tiles of half a bag together.
+#[cold]
+fn sweep_tiles<S: Simd, I: Index>(
+    simd: S,
+    grove: &Grove<'_>,
+    index: usize,
+    count: usize,
+    scratch: &mut Scratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    let leaf = grove.leaves.at(index);
+    let size = (scratch.visitors.len() / 2).max(1);
+    for a in (0..count).step_by(size) {
+        fill_tile(simd, grove, index, a, &mut *scratch.visitors.span_mut(0, size.min(count - a)), 0);
+        for b in (a..count).step_by(size) {
+            let mut len = size.min(count - a);
+            if b != a {
+                // Two of the same tile share a mark, so that only pairs across the tiles are reported.
+                for record in scratch.visitors.span_mut(0, len) {
+                    record.tag |= Record::TILES[0];
+                }
+                let more = size.min(count - b);
+                fill_tile(simd, grove, index, b, scratch.visitors.span_mut(len, more), Record::TILES[1]);
+                len += more;
+            }
+            let tiles = scratch.visitors.span(0, len);
+            bag::sweep(simd, [tiles, &[]], leaf.axis as usize, &mut scratch.bench, grove.boxes, sink);
+        }
+    }
+}
+
+/// Fills a tile with the members and visitors of a leaf from number `from` on.
+fn fill_tile<S: Simd>(simd: S, grove: &Grove<'_>, index: usize, from: usize, tile: &mut [Record], mark: u32) {
+    let members = grove.members(&grove.leaves.at(index));
+    let mut filled = 0;
+    for (place, record) in tile.iter_mut().zip(members.get(from..).unwrap_or_default()) {
+        *place = Record { tag: record.tag | mark, ..*record };
+        filled += 1;
+    }
+    let mut number = members.len();
+    if filled < tile.len() {
+        grove.visitors(simd, index, |record| {
+            if number >= from && filled < tile.len() {
+                tile.put(filled, Record { tag: record.tag | mark, ..record });
+                filled += 1;
+            }
+            number += 1;
+        });
+    }
+}

@@ -1,0 +1,178 @@
+//! Tests the few objects that moved against everything near them (paper, section III.B: only moving-moving and
+//! moving-resting pairs are looked for; resting pairs are carried over, erratum E6).
+//!
+//! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object stands
+//! in one place, so every pair is met once from each of its movers; of two movers the lower slot reports.
+
+use super::Sink;
+use super::leaves::Grove;
+use super::scratch::Scratch;
+use crate::access::{Access, bits};
+use crate::arch::{Phase, Simd, limit};
+use crate::id::{Index, pair};
+use crate::key::KeyBox;
+use crate::tree::visit::visit;
+use crate::tree::{Frame, Record};
+
+/// Tests the movers of some leaves; the block behind the last leaf is the large-object list.
+pub(crate) struct SweepMovers<'p, 's, 'g, I> {
+    pub(crate) grove: &'p Grove<'g>,
+    /// One bit a slot.
+    pub(crate) moved: &'p [u32],
+    pub(crate) leaves: core::ops::Range<usize>,
+    pub(crate) scratch: &'p mut Scratch<'s, I>,
+    pub(crate) sink: &'p mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        for index in self.leaves.clone() {
+            let leaf = self.grove.leaves.at(index);
+            if leaf.movers == 0 {
+                continue;
+            }
+            self.batches(simd, self.grove.members(&leaf).iter().map(Record::slot));
+        }
+    }
+}
+
+/// Tests the movers among the large objects.
+pub(crate) struct SweepLargeMovers<'p, 's, 'g, I>(pub(crate) SweepMovers<'p, 's, 'g, I>);
+
+impl<I: Index> Phase for SweepLargeMovers<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        let large = self.0.grove.large;
+        self.0.batches(simd, large.iter().map(|front| front.slot));
+    }
+}
+
+impl<I: Index> SweepMovers<'_, '_, '_, I> {
+    /// Tests those of some slots that have moved, as many at a time as the scratch takes.
+    #[inline(always)]
+    fn batches<S: Simd>(&mut self, simd: S, slots: impl Iterator<Item = u32>) {
+        let mut count = 0;
+        for slot in slots.filter(|&slot| bits::test(self.moved, slot as usize)) {
+            self.scratch.movers.put(count, I::from_slot(slot));
+            count += 1;
+            if count == self.scratch.movers.len() {
+                self.test(simd, count);
+                count = 0;
+            }
+        }
+        self.test(simd, count);
+    }
+
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, count: usize) {
+        if count == 0 {
+            return;
+        }
+        let Self { grove, moved, scratch, sink, .. } = self;
+        let movers = scratch.movers.span(0, count);
+        let mut around = KeyBox::EMPTY;
+        for mover in movers {
+            let bounds = grove.boxes.at(mover.at());
+            for k in 0..3 {
+                around.min[k] = around.min[k].min(bounds.min[k]);
+                around.max[k] = around.max[k].max(bounds.max[k]);
+            }
+        }
+        let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink: &mut **sink };
+        let mut tested = 0;
+        visit(grove.planes, grove.reach, grove.depth, &around.min, &around.max, |index| {
+            let leaf = grove.leaves.at(index);
+            let members = grove.members(&leaf);
+            let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
+            let reach = grove.reach.at((1 << grove.depth) + index);
+            let region = KeyBox { min: cell.low, max: reach };
+            for mover in movers {
+                let bounds = grove.boxes.at(mover.at());
+                if region.overlaps(&bounds) {
+                    tested += members.len();
+                    scan(simd, members, &frame, mover.slot(), &bounds, &mut report);
+                }
+            }
+        });
+        for mover in movers {
+            let bounds = grove.boxes.at(mover.at());
+            tested += grove.large.len();
+            for large in grove.large {
+                if large.bounds.overlaps(&bounds) {
+                    report.pair(mover.slot(), large.slot);
+                }
+            }
+        }
+        report.flush();
+        scratch.bench.tested += tested as u64;
+    }
+}
+
+/// Tests one mover against all members of a leaf.
+#[inline(always)]
+fn scan<S: Simd, I: Index>(
+    simd: S,
+    members: &[Record],
+    frame: &Frame,
+    mover: u32,
+    bounds: &KeyBox,
+    report: &mut Report<'_, '_, I>,
+) {
+    let record = simd.record(frame, bounds, mover);
+    let limit = limit(&record);
+    let (quads, rest) = members.as_chunks::<4>();
+    for quad in quads {
+        let mut mask = simd.touching(quad, limit);
+        while mask != 0 {
+            let other = quad.at(mask.trailing_zeros() as usize);
+            report.contact(simd, &record, bounds, &other);
+            mask &= mask - 1;
+        }
+    }
+    for other in rest {
+        report.contact(simd, &record, bounds, other);
+    }
+}
+
+/// Decides about contacts and passes pairs on in batches.
+struct Report<'r, 'k, I> {
+    boxes: &'r [KeyBox],
+    moved: &'r [u32],
+    pairs: &'r mut [[I; 2]],
+    found: usize,
+    sink: &'k mut dyn Sink<I>,
+}
+
+impl<I: Index> Report<'_, '_, I> {
+    #[inline(always)]
+    fn contact<S: Simd>(&mut self, simd: S, mover: &Record, bounds: &KeyBox, other: &Record) {
+        let contact = simd.contact(mover, other);
+        let overlaps = contact.touches
+            && (!contact.tied || bounds.overlaps(&self.boxes.at(other.slot() as usize)));
+        if overlaps {
+            self.pair(mover.slot(), other.slot());
+        }
+    }
+
+    #[inline(always)]
+    fn pair(&mut self, mover: u32, other: u32) {
+        if other == mover || (other < mover && bits::test(self.moved, other as usize)) {
+            return;
+        }
+        self.pairs.put(self.found, pair(mover, other));
+        self.found += 1;
+        if self.found == self.pairs.len() {
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        self.sink.take(self.pairs.span(0, self.found));
+        self.found = 0;
+    }
+}

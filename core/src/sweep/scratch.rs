@@ -1,0 +1,127 @@
+//! A worker's scratch: everything that a leaf's sweep needs, for a bag of records that stays in the cache.
+
+use crate::id::{Index, Pair};
+use crate::tree::Record;
+use bytemuck::Pod;
+
+/// The most records that are swept at once; larger leaves are swept tile by tile.
+const BAG: usize = 2048;
+
+/// Records in the bag of a world of this capacity, in whole blocks of columns.
+pub(crate) const fn bag(objects: usize) -> usize {
+    let bag = objects.next_multiple_of(64);
+    if bag < BAG { bag } else { BAG }
+}
+
+/// Candidates that are collected before they are tested.
+const fn batch(bag: usize) -> usize {
+    // A worker of a small world must not cost more than the world.
+    if bag < 1024 { bag } else { 1024 }
+}
+
+/// What one block of columns can add to a batch.
+pub(crate) const OVERRUN: usize = 64;
+
+/// The length of a worker's area.
+pub(crate) const fn records<I>(bag: usize) -> usize {
+    let candidates = batch(bag) + OVERRUN;
+    1 + 2 * bag
+        + of::<u8>(columns(bag))
+        + of::<u32>(candidates)
+        + of::<Pair<I>>(candidates)
+        + of::<I>(bag)
+}
+
+const fn columns(bag: usize) -> usize {
+    4 * (bag + 64)
+}
+
+const fn of<T>(count: usize) -> usize {
+    (count * size_of::<T>()).div_ceil(size_of::<Record>())
+}
+
+/// Sums over the leaves that a worker has swept.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Work {
+    pub(crate) copies: u64,
+    pub(crate) candidates: u64,
+}
+
+/// See the module.
+pub(crate) struct Scratch<'s, I> {
+    /// Copies and candidates of earlier jobs in this area.
+    work: &'s mut [u64],
+    /// Copies so far.
+    pub(crate) copies: u64,
+    /// Records that come from other leaves, or the tiles of a leaf.
+    pub(crate) visitors: &'s mut [Record],
+    pub(crate) bench: Bench<'s, I>,
+    /// Slots of moved objects.
+    pub(crate) movers: &'s mut [I],
+}
+
+/// What the sweep of one bag works on.
+pub(crate) struct Bench<'s, I> {
+    /// The bag, sorted along the sweep axis.
+    pub(crate) sorted: &'s mut [Record],
+    /// The high bytes of the bag's other two axes, in blocks of columns.
+    pub(crate) columns: &'s mut [u8],
+    /// Positions in the bag: `low << 16 | high`.
+    pub(crate) candidates: &'s mut [u32],
+    /// Pairs on their way out.
+    pub(crate) pairs: &'s mut [Pair<I>],
+    /// Candidates so far.
+    pub(crate) tested: u64,
+}
+
+impl<'s, I: Index> Scratch<'s, I> {
+    /// Divides a worker's area.
+    pub(crate) fn carve(area: &'s mut [Record], bag: usize) -> Self {
+        let mut rest = area;
+        let candidates = batch(bag) + OVERRUN;
+        Self {
+            work: cut(&mut rest, 2),
+            copies: 0,
+            visitors: cut(&mut rest, bag),
+            bench: Bench {
+                sorted: cut(&mut rest, bag),
+                columns: cut(&mut rest, columns(bag)),
+                candidates: cut(&mut rest, candidates),
+                pairs: cut(&mut rest, candidates),
+                tested: 0,
+            },
+            movers: cut(&mut rest, bag),
+        }
+    }
+}
+
+impl<I> Scratch<'_, I> {
+    /// Leaves the sums of this job in its area.
+    pub(crate) fn finish(self) {
+        if let [copies, candidates] = self.work {
+            *copies += self.copies;
+            *candidates += self.bench.tested;
+        }
+    }
+}
+
+/// Cuts `count` items off the front. By the layout's arithmetic there is always enough.
+fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
+    let taken = core::mem::take(rest);
+    let (section, left) = taken.split_at_mut_checked(of::<T>(count)).unwrap_or_default();
+    *rest = left;
+    bytemuck::try_cast_slice_mut(section).ok().and_then(|items| items.get_mut(..count)).unwrap_or_default()
+}
+
+/// The sums that the workers left in their areas.
+pub(crate) fn work(scratch: &[Record], area: usize) -> Work {
+    let mut sum = Work::default();
+    for area in scratch.chunks_exact(area.max(1)) {
+        if let Some(first) = area.first() {
+            let [copies, candidates]: [u64; 2] = bytemuck::cast(*first);
+            sum.copies += copies;
+            sum.candidates += candidates;
+        }
+    }
+    sum
+}

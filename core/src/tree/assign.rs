@@ -1,0 +1,342 @@
+//! Fills the leaves: a counting sort of all objects by leaf, in the order of their slots.
+//!
+//! The first pass finds each object's leaf (the one it was in, or a walk down the tree) and counts; the second
+//! writes records, fronts and the large-object list to where the counts say. Both read the boxes in memory order
+//! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
+//! worker that takes them in order.
+
+use super::cells::{Extent, cut, frame};
+use super::{Cell, Front, Leaf, leaf_of};
+use crate::access::Access;
+use crate::arch::claim::{Chunks, Claims};
+use crate::arch::shared::Shared;
+use crate::arch::{Phase, Simd};
+use crate::exec::{self, Executor};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::kernels::Kernels;
+use crate::layout::{LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::storage::Parts;
+use crate::tree::{Frame, Record};
+
+/// What the passes found, over all objects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Census {
+    pub(crate) extent: Extent,
+    pub(crate) coarse: bool,
+}
+
+/// Slots in a block.
+fn block_len(slots: usize) -> usize {
+    // Whole cache lines of homes and places.
+    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(64).max(SLOTS_PER_BLOCK)
+}
+
+/// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which fronts and large
+/// objects stay within the capacity and the limits on copies. Leaves the counts in the tally.
+pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) -> Census {
+    loop {
+        let depth = parts.state.depth;
+        let extent = parts.state.extent();
+        cut(parts.tree.planes, depth, &extent, parts.tree.cells);
+        let census = count_at(parts, depth, kernels, executor);
+        let leaves = 1usize << depth;
+        let (mut fronts, mut large) = (0u64, 0u64);
+        let row = parts.sizes.tally_row();
+        for tally in parts.tree.tally.chunks_exact(row.max(1)) {
+            fronts += tally.span(leaves, leaves).iter().map(|&n| u64::from(n)).sum::<u64>();
+            large += u64::from(tally.at(2 * leaves));
+        }
+        let live = u64::from(parts.state.live);
+        let fits = fronts + large <= parts.tree.fronts.len() as u64;
+        // Each leaf looks at each large object; beyond this that costs more than larger leaves do.
+        let shared = large * leaves as u64 <= 8 * live;
+        if depth == 0 || (fits && shared) {
+            return census;
+        }
+        // One level up, every leaf is a pair of these leaves, and so are the homes.
+        parts.state.depth = depth - 1;
+        for home in &mut *parts.home {
+            if *home < I::LARGE {
+                *home = I::from_slot(home.slot() / 2);
+            }
+        }
+    }
+}
+
+fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, kernels: Kernels, executor: &dyn Executor) -> Census {
+    let slots = parts.state.slots as usize;
+    let len = block_len(slots);
+    let row = parts.sizes.tally_row();
+    let boxes = parts.boxes.swept();
+    let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
+    let mut found = [Census { extent: Extent::NONE, coarse: false }; SLOT_BLOCKS];
+    parts.tree.tally.fill(0);
+    let claims = Claims::new((
+        Chunks::new(parts.home.span_mut(0, slots), len),
+        Chunks::new(parts.tree.tally, row),
+        Chunks::new(&mut found, 1),
+    ));
+    let scratches = parts.sizes.workers;
+    exec::run(executor, scratches, slots.div_ceil(len), &|| {
+        while let Some((block, (homes, tally, found))) = claims.claim() {
+            let boxes = boxes.span(block * len, homes.len());
+            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
+            found.fill(census);
+        }
+    });
+    drop(claims);
+    let mut sum = Census { extent: Extent::NONE, coarse: false };
+    for census in &found {
+        sum.extent.union(&census.extent);
+        sum.coarse |= census.coarse;
+    }
+    sum
+}
+
+struct CountBlock<'b, I> {
+    boxes: &'b [KeyBox],
+    homes: &'b mut [I],
+    planes: &'b [i32],
+    cells: &'b [Cell],
+    depth: u32,
+    tally: &'b mut [u32],
+}
+
+impl<I: Index> Phase for CountBlock<'_, I> {
+    type Output = Census;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Census {
+        let Self { boxes, homes, planes, cells, depth, tally } = self;
+        let leaves = 1usize << depth;
+        let (members, rest) = tally.split_at_mut_checked(leaves).unwrap_or_default();
+        let (fronts, large) = rest.split_at_mut_checked(leaves).unwrap_or_default();
+        let mut extent = Extent::NONE;
+        let mut coarse = false;
+        for (bounds, home) in boxes.iter().zip(homes) {
+            if bounds.is_empty() {
+                *home = I::NONE;
+                continue;
+            }
+            extent.include(&bounds.min);
+            coarse |= bounds.is_coarse();
+            let mut leaf = home.at();
+            let stays = cells.get(..leaves).and_then(|cells| cells.get(leaf)).is_some_and(|cell| cell.holds(&bounds.min));
+            if !stays {
+                leaf = leaf_of(planes, depth, &bounds.min);
+            }
+            let cell = cells.at(leaf);
+            if cell.is_dwarfed_by(bounds) {
+                *home = I::LARGE;
+                large.put(0, large.at(0) + 1);
+                continue;
+            }
+            *home = I::from_slot(leaf as u32);
+            members.put(leaf, members.at(leaf) + 1);
+            fronts.put(leaf, fronts.at(leaf) + u32::from(cell.is_left_by(bounds)));
+        }
+        Census { extent, coarse }
+    }
+}
+
+/// Writes every object's record by the counts of [`count`], and finds how far the leaves reach.
+pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, census: &Census, kernels: Kernels, executor: &dyn Executor) {
+    let depth = parts.state.depth;
+    let leaves = 1usize << depth;
+    parts.state.set_extent(&census.extent);
+    frame(parts.tree.cells.span(0, leaves), &census.extent, parts.tree.frames, parts.tree.leaves);
+    offsets(parts, leaves);
+    scatter(parts, leaves, kernels, executor);
+    reach(parts, depth, executor);
+    parts.state.filled = 1;
+}
+
+/// Turns the counts of each block into the positions where the block writes.
+fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
+    let row = parts.sizes.tally_row().max(1);
+    let (mut record, mut front) = (0u32, 0u32);
+    for index in 0..leaves {
+        let mut leaf = parts.tree.leaves.at(index);
+        (leaf.start, leaf.len) = (record, 0);
+        (leaf.front_start, leaf.front_len) = (front, 0);
+        leaf.movers = 0;
+        for tally in parts.tree.tally.chunks_exact_mut(row) {
+            // Positions in the leaf, as they become the objects' places.
+            let count = tally.at(index);
+            tally.put(index, leaf.len);
+            leaf.len += count;
+            let count = tally.at(leaves + index);
+            tally.put(leaves + index, front + leaf.front_len);
+            leaf.front_len += count;
+        }
+        if leaf.settled == 0 {
+            leaf.settled = leaf.len;
+        }
+        // Some room, so that objects can come without a new fill.
+        leaf.room = leaf.len + leaf.len / 8 + 4;
+        record += leaf.room;
+        front += leaf.front_len;
+        parts.tree.leaves.put(index, leaf);
+    }
+    parts.state.large_start = front;
+    for tally in parts.tree.tally.chunks_exact_mut(row) {
+        let count = tally.at(2 * leaves);
+        tally.put(2 * leaves, front);
+        front += count;
+    }
+    parts.state.large = front - parts.state.large_start;
+}
+
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
+    let slots = parts.state.slots as usize;
+    let len = block_len(slots);
+    let row = parts.sizes.tally_row();
+    let boxes = parts.boxes.swept();
+    let large_start = parts.state.large_start;
+    let (homes, cells, frames, bags) = (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
+    let (records, fronts) = (Shared::new(parts.tree.records), Shared::new(parts.tree.fronts));
+    let claims =
+        Claims::new((Chunks::new(parts.place.span_mut(0, slots), len), Chunks::new(parts.tree.tally, row)));
+    let scratches = parts.sizes.workers;
+    exec::run(executor, scratches, slots.div_ceil(len), &|| {
+        while let Some((block, (places, tally))) = claims.claim() {
+            let first = block * len;
+            let boxes = boxes.span(first, places.len());
+            let homes = homes.span(first, places.len());
+            kernels.run(ScatterBlock {
+                first,
+                boxes,
+                homes,
+                places,
+                cells: cells.span(0, leaves),
+                frames: frames.span(0, leaves),
+                leaves: bags.span(0, leaves),
+                records: &records,
+                fronts: &fronts,
+                large_start,
+                tally,
+            });
+        }
+    });
+}
+
+struct ScatterBlock<'b, 's, I> {
+    first: usize,
+    boxes: &'b [KeyBox],
+    homes: &'b [I],
+    places: &'b mut [I],
+    cells: &'b [Cell],
+    frames: &'b [Frame],
+    leaves: &'b [Leaf],
+    records: &'b Shared<'s, Record>,
+    fronts: &'b Shared<'s, Front>,
+    large_start: u32,
+    tally: &'b mut [u32],
+}
+
+impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, large_start, tally } = self;
+        let (members, rest) = tally.split_at_mut_checked(leaves.len()).unwrap_or_default();
+        let (front_ends, large) = rest.split_at_mut_checked(leaves.len()).unwrap_or_default();
+        for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
+            let slot = (first + index) as u32;
+            if *home < I::LARGE {
+                let leaf = home.at();
+                let at = members.at(leaf);
+                members.put(leaf, at + 1);
+                *place = I::from_slot(at);
+                let record = simd.record(&frames.at(leaf), bounds, slot);
+                records.store((leaves.at(leaf).start + at) as usize, &record);
+                if cells.at(leaf).is_left_by(bounds) {
+                    let at = front_ends.at(leaf);
+                    front_ends.put(leaf, at + 1);
+                    fronts.store(at as usize, &Front { bounds: *bounds, slot, unused: 0 });
+                }
+            } else if *home == I::LARGE {
+                let at = large.at(0);
+                large.put(0, at + 1);
+                *place = I::from_slot(at - large_start);
+                fronts.store(at as usize, &Front { bounds: *bounds, slot, unused: 0 });
+            }
+        }
+    }
+}
+
+/// How far the members of each node reach: for a leaf, its cell and its front; for an inner node, its children.
+fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
+    let leaves = 1usize << depth;
+    let (cells, bags, fronts) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.fronts);
+    let (inner, outer) = parts.tree.reach.split_at_mut_checked(leaves).unwrap_or_default();
+    let outer = outer.span_mut(0, leaves);
+    let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
+    exec::run(executor, parts.sizes.workers, leaves.div_ceil(LEAVES_PER_BLOCK), &|| {
+        while let Some((block, reaches)) = claims.claim() {
+            for (offset, reach) in reaches.iter_mut().enumerate() {
+                let index = block * LEAVES_PER_BLOCK + offset;
+                let leaf = bags.at(index);
+                *reach = [i32::MIN; 3];
+                if leaf.len > 0 {
+                    *reach = own_reach(&cells.at(index));
+                    for front in fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
+                        extend(reach, &front.bounds.max);
+                    }
+                }
+            }
+        }
+    });
+    drop(claims);
+    for node in (1..leaves).rev() {
+        let mut sum = [i32::MIN; 3];
+        for child in [2 * node, 2 * node + 1] {
+            let reach = match child.checked_sub(leaves) {
+                Some(leaf) => outer.at(leaf),
+                None => inner.at(child),
+            };
+            extend(&mut sum, &reach);
+        }
+        inner.put(node, sum);
+    }
+}
+
+/// How far members reach that stay inside their cell.
+pub(crate) fn own_reach(cell: &Cell) -> [i32; 3] {
+    cell.high.map(|high| high.saturating_sub(1))
+}
+
+/// Raises a reach to a maximum; tells whether that changed it.
+pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
+    let mut grown = false;
+    for k in 0..3 {
+        grown |= max[k] > reach[k];
+        reach[k] = reach[k].max(max[k]);
+    }
+    grown
+}
+
+/// The bounds of the minima of some boxes, and whether one of them is coarse.
+pub(crate) fn survey(boxes: impl Iterator<Item = KeyBox>) -> Census {
+    let mut census = Census { extent: Extent::NONE, coarse: false };
+    for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
+        census.extent.include(&bounds.min);
+        census.coarse |= bounds.is_coarse();
+    }
+    census
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_few_and_whole() {
+        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
+            let len = block_len(slots);
+            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(64), "{slots}: {len}");
+        }
+    }
+}

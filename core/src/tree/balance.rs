@@ -1,0 +1,152 @@
+//! Keeps the leaves of one size: new planes for all, or for the part of the tree that has grown out of balance.
+
+use super::build::Build;
+use crate::access::{Access, bits};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::layout::LEAF_TARGET;
+use crate::links;
+use crate::storage::Parts;
+use crate::tree::Record;
+
+/// A world is out of balance when the sum of the squares of its leaves' counts is this many times what new planes
+/// can achieve: sweeps cost about that much.
+const OUT_OF_BALANCE: u64 = 4;
+/// One in this many objects may get new planes in one step, so that no step takes much longer than the others.
+const SHARE_PER_STEP: usize = 8;
+/// A leaf gets new planes when it has this many times the mean count.
+const OVERFULL: usize = 2;
+
+/// The depth of the tree for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians (erratum E14).
+fn depth_for(objects: usize, deepest: u32) -> u32 {
+    (0..deepest).find(|&depth| objects <= LEAF_TARGET << depth).unwrap_or(deepest)
+}
+
+/// Whether there are no planes, or the number of objects has outgrown them.
+pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let (live, planted) = (parts.state.live, parts.state.planted);
+    planted == 0 || live / 2 > planted || live < planted / 4
+}
+
+/// Whether the leaves that have just been counted are so uneven that the whole tree needs new planes now.
+pub(crate) fn is_out_of_balance<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let even = u64::from(parts.state.live).pow(2) >> parts.state.depth;
+    squares(parts) > OUT_OF_BALANCE * parts.state.settled.max(even)
+}
+
+/// Notes what the planes achieve, right after they were made and the leaves were counted.
+pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
+    parts.state.settled = squares(parts);
+}
+
+fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
+    let row = parts.sizes.tally_row().max(1);
+    let count = |leaf| parts.tree.tally.chunks_exact(row).map(|tally| u64::from(tally.at(leaf))).sum::<u64>();
+    (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
+}
+
+/// Makes all planes anew from sorted lists of all living objects.
+pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
+    let live = parts.state.live as usize;
+    let depth = depth_for(live, parts.sizes.depth);
+    links::list_all(parts);
+    parts.state.depth = depth;
+    parts.state.planted = parts.state.live;
+    let extent = super::assign::survey(parts.boxes.swept().iter().copied()).extent;
+    parts.state.set_extent(&extent);
+    for leaf in &mut *parts.tree.leaves {
+        leaf.settled = 0;
+    }
+    make_planes(parts, live, 1, depth, 0);
+    // Homes are numbers of leaves that are no more.
+    parts.home.fill(I::NONE);
+    parts.state.filled = 0;
+}
+
+/// Sorts the first `count` slots of the lists and makes the planes of the nodes below `root` from them. The sort
+/// takes its room from the records from `first` on, as many as there are slots.
+fn make_planes<I: Index>(parts: &mut Parts<'_, I>, count: usize, root: usize, levels: u32, first: usize) {
+    let boxes: &[KeyBox] = parts.boxes.swept();
+    let spare = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count)).unwrap_or_default();
+    let [x, y, z] = &mut parts.order;
+    let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
+    for (axis, list) in lists.iter_mut().enumerate() {
+        links::presort(list, boxes, axis, spare);
+    }
+    let (starts, sides) = parts.tree.tally.split_at_mut_checked(parts.sizes.tally_row()).unwrap_or_default();
+    let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
+    sides.fill(0);
+    Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }.run(root, levels);
+    parts.state.stale_lists = 1;
+}
+
+/// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. They count from the next
+/// step on. Returns how many objects are concerned.
+pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
+    let depth = parts.state.depth;
+    let leaves = 1usize << depth;
+    let live = parts.state.live as usize;
+    let mean = (live >> depth).max(LEAF_TARGET / 2);
+    let mut budget = (live / SHARE_PER_STEP).max(16 * LEAF_TARGET);
+    let mut done = 0;
+    let mut index = 0;
+    while index < leaves {
+        let leaf = parts.tree.leaves.at(index);
+        // A leaf that new planes could not divide is not tried again until it has grown by half.
+        let overfull = leaf.len as usize > OVERFULL * mean && leaf.len > leaf.settled + leaf.settled / 2;
+        if !overfull {
+            index += 1;
+            continue;
+        }
+        let (node, levels, count) = smallest_even(parts, index, mean);
+        if count <= budget && levels > 0 {
+            budget -= count;
+            done += count;
+            replant(parts, node, levels);
+        }
+        // The next leaf behind that part of the tree.
+        index = ((node + 1) << levels) - leaves;
+    }
+    if done > 0 {
+        parts.state.filled = 0;
+    }
+    done as u32
+}
+
+/// The smallest part of the tree around a leaf in which the mean is not too far above that of the world: its root,
+/// its levels and its objects.
+fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (usize, u32, usize) {
+    let depth = parts.state.depth;
+    let leaves = 1usize << depth;
+    let mut node = leaves + leaf;
+    let mut levels = 0;
+    loop {
+        let first = (node << levels) - leaves;
+        let count: usize = parts.tree.leaves.span(first, 1 << levels).iter().map(|leaf| leaf.len as usize).sum();
+        if levels == depth || count <= (mean + mean / 2) << levels {
+            return (node, levels, count);
+        }
+        node /= 2;
+        levels += 1;
+    }
+}
+
+/// Makes the planes below a node anew from the records of its leaves, which are lost.
+fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32) {
+    let first = (node << levels) - (1usize << parts.state.depth);
+    let range = first..first + (1 << levels);
+    let mut count = 0;
+    for index in range.clone() {
+        let mut leaf = parts.tree.leaves.at(index);
+        for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
+            for list in &mut parts.order {
+                list.put(count, I::from_slot(record.slot()));
+            }
+            count += 1;
+        }
+        leaf.settled = 0;
+        parts.tree.leaves.put(index, leaf);
+    }
+    let start = parts.tree.leaves.at(range.start).start as usize;
+    make_planes(parts, count, node, levels, start);
+}

@@ -1,0 +1,130 @@
+//! Makes planes from the pre-sorted lists (paper, section III.A; errata E10, E11, E13, E14, E17).
+//!
+//! The three lists hold a node's objects in one range, each in its own order. A node is split at the exact median
+//! of the axis that gains most; then every list is divided by side, keeping its order, so that the children's
+//! medians are there without another sort. Level by level, O(n log n) in all.
+
+use super::{UNSPLIT, axis_of, key_of, plane};
+use crate::access::{Access, bits};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::links;
+
+/// Objects whose boxes are looked at to choose an axis.
+const SAMPLE: usize = 512;
+/// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
+const CROSSING: usize = 2;
+
+/// What a build works on.
+pub(crate) struct Build<'b, I> {
+    pub(crate) boxes: &'b [KeyBox],
+    /// The node's slots, each list in order.
+    pub(crate) lists: [&'b mut [I]; 3],
+    pub(crate) planes: &'b mut [i32],
+    /// One bit a slot, clear; left clear.
+    pub(crate) sides: &'b mut [u32],
+    /// As many slots as a list.
+    pub(crate) spare: &'b mut [I],
+    /// Room for the first position of each leaf below the node, and one more.
+    pub(crate) starts: &'b mut [u32],
+}
+
+impl<I: Index> Build<'_, I> {
+    /// Makes the planes of all nodes below `root`, down to `levels` levels.
+    pub(crate) fn run(&mut self, root: usize, levels: u32) {
+        let count = self.lists[0].len();
+        self.starts.put(0, 0);
+        self.starts.put(1, count as u32);
+        for level in 0..levels {
+            let nodes = 1usize << level;
+            // Two ranges take the place of one: from the back, so that none is overwritten before it has moved.
+            for index in (0..=nodes).rev() {
+                self.starts.put(2 * index, self.starts.at(index));
+            }
+            for index in 0..nodes {
+                let start = self.starts.at(2 * index) as usize;
+                let end = self.starts.at(2 * index + 2) as usize;
+                let (plane, middle) = self.split(start, end);
+                self.planes.put((root << level) + index, plane);
+                self.starts.put(2 * index + 1, middle as u32);
+            }
+        }
+    }
+
+    /// Splits the range and returns its plane and where the right side starts.
+    fn split(&mut self, start: usize, end: usize) -> (i32, usize) {
+        let mut best = (usize::MAX, UNSPLIT);
+        for axis in 0..3 {
+            if let Some(plane) = self.median(axis, start, end) {
+                let crossing = self.crossing(plane, start, end);
+                if crossing < best.0 {
+                    best = (crossing, plane);
+                }
+            }
+        }
+        let (_, plane) = best;
+        if plane == UNSPLIT {
+            return (UNSPLIT, end);
+        }
+        let axis = axis_of(plane);
+        let below = links::position_of_key(self.lists[axis].span(start, end - start), self.boxes, axis, key_of(plane));
+        self.divide(axis, start, start + below, end);
+        (plane, start + below)
+    }
+
+    /// The plane at the median of an axis, if it leaves objects on both sides.
+    fn median(&self, axis: usize, start: usize, end: usize) -> Option<i32> {
+        let list = self.lists[axis].span(start, end - start);
+        let key = |at: usize| list.get(at).map(|slot| self.boxes.at(slot.at()).min[axis]);
+        let (first, middle) = (key(0)?, key(list.len() / 2)?);
+        let plane = plane(axis, middle);
+        if key_of(plane) > first {
+            return Some(plane);
+        }
+        // The lower half is one value: the next value above it is the nearest plane that separates anything.
+        let above = list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(3));
+        let plane = super::plane(axis, key(above)?);
+        (key_of(plane) > first).then_some(plane)
+    }
+
+    /// How many boxes of a sample of the range cross the plane, or too many to split.
+    fn crossing(&self, plane: i32, start: usize, end: usize) -> usize {
+        let axis = axis_of(plane);
+        let list = self.lists[axis].span(start, end - start);
+        let step = list.len().div_ceil(SAMPLE).max(1);
+        let (mut below, mut crossing) = (0, 0);
+        for slot in list.iter().step_by(step) {
+            let bounds = self.boxes.at(slot.at());
+            if bounds.min[axis] < key_of(plane) {
+                below += 1;
+                crossing += usize::from(bounds.max[axis] >= key_of(plane));
+            }
+        }
+        if crossing * CROSSING > below { usize::MAX } else { crossing }
+    }
+
+    /// Divides the range of every list: those before `middle` on `axis` come first.
+    fn divide(&mut self, axis: usize, start: usize, middle: usize, end: usize) {
+        for slot in self.lists[axis].span(middle, end - middle) {
+            bits::set(self.sides, slot.at());
+        }
+        for other in [(axis + 1) % 3, (axis + 2) % 3] {
+            let list = self.lists[other].span_mut(start, end - start);
+            let (mut left, mut right) = (0, 0);
+            for index in 0..list.len() {
+                let slot = list.at(index);
+                if bits::test(self.sides, slot.at()) {
+                    self.spare.put(right, slot);
+                    right += 1;
+                } else {
+                    list.put(left, slot);
+                    left += 1;
+                }
+            }
+            list.span_mut(left, right).copy_from_slice(self.spare.span(0, right));
+        }
+        for slot in self.lists[axis].span(middle, end - middle) {
+            bits::clear(self.sides, slot.at());
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The cells, frames and sweep axes that follow from the planes.
+
+use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
+use crate::access::Access;
+use crate::key::value;
+
+/// How many times its cell a box may reach beyond it before it is a large object.
+const FAR: f32 = 2.0;
+
+/// The bounds of the finite minimum corners in a world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Extent {
+    pub(crate) low: [i32; 3],
+    pub(crate) high: [i32; 3],
+}
+
+impl Extent {
+    pub(crate) const NONE: Self = Self { low: [i32::MAX; 3], high: [i32::MIN; 3] };
+
+    /// Takes in one minimum corner; unbounded coordinates would only blur the frames.
+    #[inline(always)]
+    pub(crate) fn include(&mut self, min: &[i32; 3]) {
+        const LOWEST: i32 = crate::key::key(f32::MIN);
+        const HIGHEST: i32 = crate::key::key(f32::MAX);
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(min[k].max(LOWEST));
+            self.high[k] = self.high[k].max(min[k].min(HIGHEST));
+        }
+    }
+
+    pub(crate) fn union(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(other.low[k]);
+            self.high[k] = self.high[k].max(other.high[k]);
+        }
+    }
+
+    /// The part of a cell where minima can be.
+    fn clip(&self, cell: &Cell) -> ([i32; 3], [i32; 3]) {
+        let (mut low, mut high) = (cell.low, cell.high);
+        for k in 0..3 {
+            low[k] = low[k].max(self.low[k]).min(self.high[k]);
+            high[k] = high[k].min(self.high[k]).max(low[k]);
+        }
+        (low, high)
+    }
+}
+
+/// Cuts space by the planes down to `depth`: one cell a leaf. O(leaves).
+pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell]) {
+    cells.put(0, Cell::ALL);
+    for level in 0..depth {
+        // From the back, so that a parent is read before its place is taken by a child.
+        for index in (0..1usize << level).rev() {
+            let parent = cells.at(index);
+            let plane = planes.at((1 << level) + index);
+            let (mut left, mut right) = (parent, parent);
+            let axis = axis_of(plane);
+            if key_of(plane) == UNSPLIT {
+                right.low = [i32::MAX; 3];
+            } else {
+                left.high[axis] = left.high[axis].min(key_of(plane));
+                right.low[axis] = right.low[axis].max(key_of(plane));
+            }
+            cells.put(2 * index, left);
+            cells.put(2 * index + 1, right);
+        }
+    }
+    for cell in cells.span_mut(0, 1 << depth) {
+        let (low, high) = extent.clip(cell);
+        for k in 0..3 {
+            cell.far[k] = if cell.high[k] == i32::MAX {
+                i32::MAX
+            } else {
+                let side = value(high[k]) - value(low[k]);
+                crate::key::key((value(cell.high[k]) + FAR * side).min(f32::MAX))
+            };
+        }
+    }
+}
+
+/// The frame and the sweep axis of each leaf, from the bounds of the minima of this step. O(leaves).
+pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leaves: &mut [Leaf]) {
+    for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
+        let (low, high) = extent.clip(cell);
+        *frame = Frame::over(low, high);
+        let side = |k: usize| value(high[k]) - value(low[k]);
+        // Any axis is correct (errata E16 and E17); along the longest side a box meets the fewest others.
+        let longest = if side(1) > side(0) { 1 } else { 0 };
+        leaf.axis = if side(2) > side(longest) { 2 } else { longest as u32 };
+    }
+}
+
+/// The frame over a whole world, and the axis to sweep it along: `axis` unless another is clearly longer, since
+/// the list of that one is in order already.
+pub(crate) fn frame_all(extent: &Extent, axis: usize) -> (Frame, usize) {
+    let side = |k: usize| value(extent.high[k % 3]) - value(extent.low[k % 3]);
+    let longest = (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best });
+    (Frame::over(extent.low, extent.high), longest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{leaf_of, plane};
+    use super::*;
+    use crate::key::key;
+
+    #[test]
+    fn each_corner_is_in_the_cell_of_its_leaf_alone() {
+        let planes = [0, plane(0, key(1.0)), plane(1, key(-2.0)), UNSPLIT];
+        let extent = Extent { low: [key(-5.0); 3], high: [key(5.0); 3] };
+        let mut cells = [Cell::default(); 4];
+        cut(&planes, 2, &extent, &mut cells);
+        for corner in [[0.0, -3.0, 0.0], [0.0, -2.0, 1e30], [1.0, 0.0, 0.0], [9.0, -9.0, f32::INFINITY]] {
+            let min = corner.map(key);
+            let leaf = leaf_of(&planes, 2, &min);
+            for (index, cell) in cells.iter().enumerate() {
+                assert_eq!(cell.holds(&min), index == leaf, "{corner:?} in {index}");
+            }
+        }
+    }
+}

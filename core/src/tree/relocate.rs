@@ -1,0 +1,122 @@
+//! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
+
+use super::assign::extend;
+use super::{Front, leaf_of};
+use crate::access::Access;
+use crate::arch::{Phase, Simd};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::storage::Parts;
+
+/// Brings every moved object's record, or its place among the large objects, to its new box. `false` where a leaf or
+/// the large-object list is full: all leaves must be filled anew then, and nothing is lost.
+pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
+
+impl<I: Index> Phase for Relocate<'_, '_, I> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let parts = self.0;
+        for leaf in parts.tree.leaves.span_mut(0, 1 << parts.state.depth) {
+            leaf.movers = 0;
+        }
+        for word in 0..parts.moved.len() {
+            let mut rest = parts.moved.at(word);
+            while rest != 0 {
+                let slot = word * 32 + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                if !relocate(simd, parts, slot) {
+                    parts.state.filled = 0;
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
+
+#[inline(always)]
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -> bool {
+    let bounds = parts.boxes.swept().at(slot);
+    let home = parts.home.at(slot);
+    if bounds.is_empty() {
+        withdraw(parts, slot);
+        return true;
+    }
+    if home == I::LARGE {
+        // It stays in the list even if it has shrunk: that is correct, and the next fill puts it right.
+        let front = Front { bounds, slot: slot as u32, unused: 0 };
+        parts.tree.fronts.put(parts.state.large_start as usize + parts.place.at(slot).at(), front);
+        return true;
+    }
+    let stays = home != I::NONE && parts.tree.cells.at(home.at()).holds(&bounds.min);
+    let leaf = if stays { home.at() } else { leaf_of(parts.tree.planes, parts.state.depth, &bounds.min) };
+    if parts.tree.cells.at(leaf).is_dwarfed_by(&bounds) {
+        withdraw(parts, slot);
+        return admit_large(parts, slot, &bounds);
+    }
+    if !stays {
+        withdraw(parts, slot);
+        let mut bag = parts.tree.leaves.at(leaf);
+        if bag.len == bag.room {
+            return false;
+        }
+        parts.home.put(slot, I::from_slot(leaf as u32));
+        parts.place.put(slot, I::from_slot(bag.len));
+        bag.len += 1;
+        parts.tree.leaves.put(leaf, bag);
+    }
+    let mut bag = parts.tree.leaves.at(leaf);
+    bag.movers += 1;
+    parts.tree.leaves.put(leaf, bag);
+    let record = simd.record(&parts.tree.frames.at(leaf), &bounds, slot as u32);
+    parts.tree.records.put(bag.start as usize + parts.place.at(slot).at(), record);
+    // An empty leaf reaches nowhere; its first member brings it back to its cell.
+    let mut grown = bounds.max;
+    extend(&mut grown, &super::assign::own_reach(&parts.tree.cells.at(leaf)));
+    let mut node = (1usize << parts.state.depth) + leaf;
+    while node > 0 {
+        let mut reach = parts.tree.reach.at(node);
+        if !extend(&mut reach, &grown) {
+            break;
+        }
+        parts.tree.reach.put(node, reach);
+        node /= 2;
+    }
+    true
+}
+
+/// Takes an object out of its leaf or out of the large objects; the last one there takes its place.
+fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
+    let home = parts.home.at(slot);
+    parts.home.put(slot, I::NONE);
+    let place = parts.place.at(slot).at();
+    if home == I::LARGE {
+        parts.state.large -= 1;
+        let start = parts.state.large_start as usize;
+        let last = parts.tree.fronts.at(start + parts.state.large as usize);
+        parts.tree.fronts.put(start + place, last);
+        parts.place.put(last.slot as usize, I::from_slot(place as u32));
+    } else if home != I::NONE {
+        let mut bag = parts.tree.leaves.at(home.at());
+        bag.len -= 1;
+        parts.tree.leaves.put(home.at(), bag);
+        let last = parts.tree.records.at((bag.start + bag.len) as usize);
+        parts.tree.records.put(bag.start as usize + place, last);
+        parts.place.put(last.slot() as usize, I::from_slot(place as u32));
+    }
+}
+
+/// Adds an object to the large ones.
+fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox) -> bool {
+    let at = parts.state.large_start as usize + parts.state.large as usize;
+    if at >= parts.tree.fronts.len() {
+        return false;
+    }
+    parts.tree.fronts.put(at, Front { bounds: *bounds, slot: slot as u32, unused: 0 });
+    parts.home.put(slot, I::LARGE);
+    parts.place.put(slot, I::from_slot(parts.state.large));
+    parts.state.large += 1;
+    true
+}

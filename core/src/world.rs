@@ -1,0 +1,420 @@
+//! The public world. [`World::advance`] is a step: its phases in order.
+
+use crate::aabb::{Aabb, Boxes};
+use crate::access::{Access, bits};
+use crate::config::{Config, Mode};
+use crate::error::{Error, Rejected};
+use crate::exec::Executor;
+use crate::id::{Id, Index, Pair};
+use crate::ingest::ingest;
+use crate::kernels::Kernels;
+use crate::key::KeyBox;
+use crate::links;
+use crate::objects::margin_length;
+use crate::paths::{self, Means};
+use crate::results;
+use crate::state::{Path, Stats};
+use crate::storage::Parts;
+
+/// Boxes, and which of them overlap.
+///
+/// A view of a slab that the caller lends; all state is in the slab, so a world can be dropped and
+/// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
+pub struct World<'m, I: Index = u32> {
+    pub(crate) parts: Parts<'m, I>,
+}
+
+/// A step.
+impl<I: Index> World<'_, I> {
+    fn advance(&mut self, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Result<Step<'_, I>, Error> {
+        let parts = &mut self.parts;
+        let rejected = Self::take_in(parts, bounds, means);
+        let moved = bits::count(parts.moved);
+
+        let path = paths::choose(parts, moved);
+        if path == Path::Unchanged && parts.state.crept == 0 {
+            Self::keep(parts);
+        } else {
+            Self::turn_buffers(parts);
+            let (path, progress) = paths::find(parts, path, means);
+            parts.state.record(moved, path, &progress);
+            Self::conclude(parts, progress.pairs)?;
+        }
+        Ok(Step { rejected, world: self })
+    }
+
+    /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
+    fn take_in(parts: &mut Parts<'_, I>, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Option<Rejected> {
+        let intake = ingest(parts, &bounds?, means.kernels, means.executor);
+        parts.state.crept |= u32::from(intake.crept);
+        if intake.rejected == 0 {
+            return None;
+        }
+        let slot = intake.first_rejected;
+        let first = Id::new(slot, parts.generations.at(slot as usize))?;
+        Some(Rejected { first, count: intake.rejected })
+    }
+
+    /// Nothing has changed: the result stays as it is, with nothing found or lost.
+    fn keep(parts: &mut Parts<'_, I>) {
+        let leaves = parts.state.stats().leaves;
+        parts.state.record(0, Path::Unchanged, &crate::state::Progress { leaves, ..Default::default() });
+        parts.state.found = 0;
+        parts.state.lost = 0;
+    }
+
+    /// With events, the last complete result moves to the other buffer, where it stays until the next one is complete.
+    fn turn_buffers(parts: &mut Parts<'_, I>) {
+        if parts.sizes.previous > 0 && parts.state.complete != 0 {
+            core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
+            parts.state.swapped ^= 1;
+            parts.state.previous_swept = parts.state.swept_pairs;
+            parts.state.previous_result = parts.state.result_pairs;
+        }
+    }
+
+    /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
+    /// the step that will be complete.
+    fn conclude(parts: &mut Parts<'_, I>, pairs: u64) -> Result<(), Error> {
+        let exact_test = parts.mode() == Mode::Exact && !parts.boxes.fat.is_empty();
+        let fitting = pairs.min(parts.output.pairs.len() as u64);
+        let complete = pairs == fitting;
+        results::sort_out(parts, fitting, exact_test, complete);
+        parts.state.complete = u32::from(complete);
+        if !complete {
+            return Err(Error::PairsFull { needed: pairs });
+        }
+        parts.moved.fill(0);
+        parts.changed.fill(0);
+        parts.state.crept = 0;
+        Ok(())
+    }
+}
+
+/// Making and asking.
+impl<'m, I: Index> World<'m, I> {
+    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What was
+    /// in the slab does not matter; what is beyond the needed length is not touched. O(bytes).
+    ///
+    /// # Errors
+    /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        Parts::init(slab, config).map(|parts| Self { parts })
+    }
+
+    /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
+    ///
+    /// # Errors
+    /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
+    pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
+        Parts::open(slab).map(|parts| Self { parts })
+    }
+
+    /// What the world was made for.
+    #[must_use]
+    pub fn config(&self) -> Config {
+        // The state of an opened world is known to be good.
+        self.parts.state.config(size_of::<I>()).unwrap_or(Config::new(crate::Capacity::for_objects(0)))
+    }
+
+    /// Living objects.
+    #[must_use]
+    pub fn len(&self) -> u32 {
+        self.parts.state.live
+    }
+
+    /// Whether there is no object.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether `id` names a living object.
+    #[must_use]
+    pub fn contains(&self, id: Id) -> bool {
+        self.slot_of(id).is_ok()
+    }
+
+    /// The object that lives in `slot`.
+    #[must_use]
+    pub fn id_at(&self, slot: u32) -> Option<Id> {
+        let lives = slot < self.parts.state.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
+        if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
+    }
+
+    /// The box of an object, as it was given last.
+    #[must_use]
+    pub fn aabb(&self, id: Id) -> Option<Aabb> {
+        self.slot_of(id).ok().map(|slot| self.parts.boxes.now.at(slot).to_aabb())
+    }
+
+    fn slot_of(&self, id: Id) -> Result<usize, Error> {
+        if self.id_at(id.slot()) == Some(id) { Ok(id.slot() as usize) } else { Err(Error::StaleId { id }) }
+    }
+}
+
+/// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
+impl<I: Index> World<'_, I> {
+    /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
+    ///
+    /// # Errors
+    /// [`Error::BadBox`] or [`Error::ObjectsFull`].
+    pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
+        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+        self.enter(bounds)
+    }
+
+    /// Gives an object another box. O(1).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`] or [`Error::BadBox`]; the object keeps its box.
+    pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
+        let slot = self.slot_of(id)?;
+        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+        self.accept(slot, bounds);
+        Ok(())
+    }
+
+    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
+    /// Does nothing in a world without margins. O(1).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`], or [`Error::BadMargin`] where `length` is negative or not finite.
+    pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
+        let slot = self.slot_of(id)?;
+        crate::Margin::length(length).check()?;
+        if let Some(margin) = self.parts.boxes.margins.get_mut(slot) {
+            *margin = length;
+            let bounds = self.parts.boxes.now.at(slot);
+            self.parts.objects().anchor(slot, bounds);
+        }
+        Ok(())
+    }
+
+    /// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`].
+    pub fn remove(&mut self, id: Id) -> Result<(), Error> {
+        let slot = self.slot_of(id)?;
+        self.leave(slot);
+        Ok(())
+    }
+
+    /// Adds objects, all or none. Their ids go to `ids`. O(n).
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] where `ids` is shorter than `boxes`, [`Error::BadBox`] or [`Error::ObjectsFull`].
+    pub fn insert_many(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
+        if ids.len() < boxes.len() {
+            return Err(Error::LengthMismatch { needed: boxes.len() });
+        }
+        let needed = u64::from(self.len()) + boxes.len() as u64;
+        if needed > self.parts.sizes.objects as u64 {
+            return Err(Error::ObjectsFull { needed });
+        }
+        check_all(&boxes)?;
+        for (index, id) in ids.iter_mut().enumerate().take(boxes.len()) {
+            *id = match boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
+                Some(bounds) => Some(self.enter(bounds)?),
+                None => None,
+            };
+        }
+        Ok(())
+    }
+
+    /// Gives objects other boxes, all or none. O(n).
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] where there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
+    pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
+        if ids.len() != boxes.len() {
+            return Err(Error::LengthMismatch { needed: ids.len() });
+        }
+        for id in ids {
+            self.slot_of(*id)?;
+        }
+        check_all(&boxes)?;
+        for (index, id) in ids.iter().enumerate() {
+            if let Some(bounds) = boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
+                self.accept(id.slot() as usize, bounds);
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes objects, all or none. O(n).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`], also where an id comes twice.
+    pub fn remove_many(&mut self, ids: &[Id]) -> Result<(), Error> {
+        // An id that comes twice is found by the mark of the first time.
+        const MARK: u32 = 1 << 31;
+        let toggle = |world: &mut Self, id: &Id| {
+            let generation = world.parts.generations.at(id.slot() as usize);
+            world.parts.generations.put(id.slot() as usize, generation ^ MARK);
+        };
+        for (index, id) in ids.iter().enumerate() {
+            if let Err(error) = self.slot_of(*id) {
+                ids.iter().take(index).for_each(|id| toggle(self, id));
+                return Err(error);
+            }
+            toggle(self, id);
+        }
+        for id in ids {
+            toggle(self, id);
+            self.leave(id.slot() as usize);
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, bounds: KeyBox) -> Result<Id, Error> {
+        let parts = &mut self.parts;
+        let free = parts.state.free;
+        let slot = if free > 0 { free - 1 } else { parts.state.slots };
+        if slot as usize >= parts.sizes.objects {
+            return Err(Error::ObjectsFull { needed: u64::from(parts.state.live) + 1 });
+        }
+        let at = slot as usize;
+        if free > 0 {
+            parts.state.free = parts.boxes.now.at(at).next_free();
+        } else {
+            parts.state.slots += 1;
+        }
+        parts.state.live += 1;
+        // After four billion objects in one slot an old id could match again; skipping zero keeps ids non-null.
+        let generation = parts.generations.at(at).wrapping_add(1).max(1);
+        parts.generations.put(at, generation);
+        if let (Some(margin), Some(length)) = (parts.state.margin(), parts.boxes.margins.get_mut(at)) {
+            *length = margin_length(&margin, &bounds);
+        }
+        parts.objects().enter(at, bounds);
+        links::append(parts, slot);
+        // The generation is not zero.
+        Id::new(slot, generation).ok_or(Error::NotAWorld)
+    }
+
+    fn accept(&mut self, slot: usize, bounds: KeyBox) {
+        let crept = self.parts.objects().accept(slot, bounds);
+        self.parts.state.crept |= u32::from(crept);
+    }
+
+    fn leave(&mut self, slot: usize) {
+        let next = self.parts.state.free;
+        self.parts.objects().leave(slot, next);
+        self.parts.state.free = slot as u32 + 1;
+        self.parts.state.live -= 1;
+    }
+}
+
+fn check_all(boxes: &Boxes<'_>) -> Result<(), Error> {
+    let bad = (0..boxes.len()).find(|&index| boxes.get(index).as_ref().and_then(KeyBox::from_aabb).is_none());
+    match bad {
+        Some(index) => Err(Error::BadBox { index: index as u32 }),
+        None => Ok(()),
+    }
+}
+
+/// Stepping and results.
+impl<I: Index> World<'_, I> {
+    /// Finds all overlapping pairs of the boxes as they are now.
+    ///
+    /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`].
+    ///
+    /// # Errors
+    /// [`Error::PairsFull`].
+    pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
+        self.advance(None, Means { kernels, executor })
+    }
+
+    /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
+    /// array: one pass over it, no copy. What stands at the slots of no object does not matter; objects beyond its end
+    /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
+    ///
+    /// # Errors
+    /// [`Error::PairsFull`].
+    pub fn step_over(
+        &mut self,
+        bounds: Boxes<'_>,
+        kernels: Kernels,
+        executor: &dyn Executor,
+    ) -> Result<Step<'_, I>, Error> {
+        self.advance(Some(bounds), Means { kernels, executor })
+    }
+
+    /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
+    /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
+    #[must_use]
+    pub fn pairs(&self) -> &[Pair<I>] {
+        self.parts.output.pairs.span(0, self.parts.state.result_pairs as usize)
+    }
+
+    /// With events: the pairs that the last step has and the complete step before it had not. A pair of other objects in
+    /// the same slots counts as another pair.
+    #[must_use]
+    pub fn found(&self) -> &[Pair<I>] {
+        let state = &self.parts.state;
+        self.parts.output.pairs.span((state.result_pairs - state.found) as usize, state.found as usize)
+    }
+
+    /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's
+    /// slot may hold a new one by now.
+    #[must_use]
+    pub fn lost(&self) -> &[Pair<I>] {
+        self.parts.output.previous.span(0, self.parts.state.lost as usize)
+    }
+
+    /// What the last step did.
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        self.parts.state.stats()
+    }
+}
+
+/// The result of a step, and a view of the world as it is after it.
+pub struct Step<'w, I: Index = u32> {
+    world: &'w World<'w, I>,
+    rejected: Option<Rejected>,
+}
+
+impl<'w, I: Index> Step<'w, I> {
+    /// See [`World::pairs`].
+    #[must_use]
+    pub fn pairs(&self) -> &'w [Pair<I>] {
+        self.world.pairs()
+    }
+
+    /// See [`World::found`].
+    #[must_use]
+    pub fn found(&self) -> &'w [Pair<I>] {
+        self.world.found()
+    }
+
+    /// See [`World::lost`].
+    #[must_use]
+    pub fn lost(&self) -> &'w [Pair<I>] {
+        self.world.lost()
+    }
+
+    /// What the step did.
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        self.world.stats()
+    }
+
+    /// The objects whose boxes in the bounds array were refused: NaN, or a minimum above its maximum. They have kept
+    /// their last good boxes, and all others are as if nothing had been.
+    #[must_use]
+    pub fn rejected(&self) -> Option<Rejected> {
+        self.rejected
+    }
+
+    /// How many of the pairs are there only for the margins: their boxes as given do not overlap. Always zero in
+    /// [`Mode::Exact`]. Counted when it is asked for: O(pairs).
+    #[must_use]
+    pub fn surplus(&self) -> u64 {
+        let now = &self.world.parts.boxes.now;
+        let apart = |pair: &&Pair<I>| !now.at(pair[0].at()).overlaps(&now.at(pair[1].at()));
+        self.pairs().iter().filter(apart).count() as u64
+    }
+}
