@@ -13,7 +13,7 @@ use crate::id::Index;
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::storage::TreeParts;
-use crate::tree::visit::visit;
+use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// What the sweeps of all leaves read.
@@ -54,30 +54,50 @@ impl<'g> Grove<'g> {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
-    /// Calls `visitor` with the record of each box that touches the leaf's cell and is not a member.
+    /// Writes the records of the boxes that touch a leaf's cell and are not its members to `visitors`, but for the
+    /// first `skip` of them, as many as fit. Returns how many there are in all.
     #[inline(always)]
-    fn visitors<S: Simd>(&self, simd: S, index: usize, mut visitor: impl FnMut(Record)) {
-        let cell = self.cells.at(index);
-        let frame = self.frames.at(index);
-        let mut enter = |front: &Front| {
-            if cell.is_entered_by(&front.bounds) {
-                let below = |k: usize| u32::from(front.bounds.min[k] < cell.low[k]) << k;
-                let marks = Record::BELOW * (below(0) | below(1) | below(2));
-                visitor(simd.record(&frame, &front.bounds, front.slot | marks));
-            }
-        };
+    fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, visitors: &mut [Record]) -> usize {
+        let mut gathered = Gathered { cell: self.cells.at(index), frame: self.frames.at(index), skip, count: 0, visitors };
+        let cell = gathered.cell;
         // The cell is half-open: minima at its high side are in the next one.
         let high = cell.high.map(|key| key.saturating_sub(1));
-        visit(self.planes, self.reach, self.depth, &cell.low, &high, |other| {
+        let mut visit = Visit::new(self.planes, self.reach, self.depth, cell.low, high);
+        while let Some(other) = visit.next() {
             if other != index {
                 let leaf = self.leaves.at(other);
-                for front in self.fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
-                    enter(front);
-                }
+                gathered.enter(simd, self.fronts.span(leaf.front_start as usize, leaf.front_len as usize));
             }
-        });
-        for front in self.large {
-            enter(front);
+        }
+        gathered.enter(simd, self.large);
+        gathered.count
+    }
+}
+
+/// The visitors of a leaf so far.
+struct Gathered<'v> {
+    cell: Cell,
+    frame: Frame,
+    skip: usize,
+    count: usize,
+    visitors: &'v mut [Record],
+}
+
+impl Gathered<'_> {
+    /// Adds those of some boxes that touch the cell.
+    #[inline(always)]
+    fn enter<S: Simd>(&mut self, simd: S, fronts: &[Front]) {
+        for front in fronts {
+            if !self.cell.is_entered_by(&front.bounds) {
+                continue;
+            }
+            let place = self.count.checked_sub(self.skip).and_then(|at| self.visitors.get_mut(at));
+            if let Some(place) = place {
+                let below = |k: usize| u32::from(front.bounds.min[k] < self.cell.low[k]) << k;
+                let marks = Record::BELOW * (below(0) | below(1) | below(2));
+                *place = simd.record(&self.frame, &front.bounds, front.slot | marks);
+            }
+            self.count += 1;
         }
     }
 }
@@ -111,13 +131,7 @@ fn sweep_leaf<S: Simd, I: Index>(
 ) {
     let leaf = grove.leaves.at(index);
     let members = grove.members(&leaf);
-    let mut count = 0;
-    grove.visitors(simd, index, |record| {
-        if let Some(place) = scratch.visitors.get_mut(count) {
-            *place = record;
-        }
-        count += 1;
-    });
+    let count = grove.gather(simd, index, 0, scratch.visitors);
     scratch.copies += count as u64;
     if members.len() + count <= scratch.bench.sorted.len() {
         let visitors = scratch.visitors.span(0, count);
@@ -128,7 +142,7 @@ fn sweep_leaf<S: Simd, I: Index>(
 }
 
 /// Sweeps a leaf that is too large for the bag: each two tiles of half a bag together.
-#[cold]
+#[inline(always)]
 fn sweep_tiles<S: Simd, I: Index>(
     simd: S,
     grove: &Grove<'_>,
@@ -140,7 +154,7 @@ fn sweep_tiles<S: Simd, I: Index>(
     let leaf = grove.leaves.at(index);
     let size = (scratch.visitors.len() / 2).max(1);
     for a in (0..count).step_by(size) {
-        fill_tile(simd, grove, index, a, &mut *scratch.visitors.span_mut(0, size.min(count - a)), 0);
+        fill_tile(simd, grove, index, a, scratch.visitors.span_mut(0, size.min(count - a)), 0);
         for b in (a..count).step_by(size) {
             let mut len = size.min(count - a);
             if b != a {
@@ -159,21 +173,16 @@ fn sweep_tiles<S: Simd, I: Index>(
 }
 
 /// Fills a tile with the members and visitors of a leaf from number `from` on.
+#[inline(always)]
 fn fill_tile<S: Simd>(simd: S, grove: &Grove<'_>, index: usize, from: usize, tile: &mut [Record], mark: u32) {
     let members = grove.members(&grove.leaves.at(index));
-    let mut filled = 0;
-    for (place, record) in tile.iter_mut().zip(members.get(from..).unwrap_or_default()) {
-        *place = Record { tag: record.tag | mark, ..*record };
-        filled += 1;
+    let own = members.get(from..).unwrap_or_default();
+    let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
+    inside.copy_from_slice(own.span(0, inside.len()));
+    if !outside.is_empty() {
+        grove.gather(simd, index, from.saturating_sub(members.len()), outside);
     }
-    let mut number = members.len();
-    if filled < tile.len() {
-        grove.visitors(simd, index, |record| {
-            if number >= from && filled < tile.len() {
-                tile.put(filled, Record { tag: record.tag | mark, ..record });
-                filled += 1;
-            }
-            number += 1;
-        });
+    for record in tile {
+        record.tag |= mark;
     }
 }

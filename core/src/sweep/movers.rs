@@ -11,7 +11,7 @@ use crate::access::{Access, bits};
 use crate::arch::{Phase, Simd, limit};
 use crate::id::{Index, pair};
 use crate::key::KeyBox;
-use crate::tree::visit::visit;
+use crate::tree::visit::Visit;
 use crate::tree::{Frame, Record};
 
 /// Tests the movers of some leaves; the block behind the last leaf is the large-object list.
@@ -85,7 +85,8 @@ impl<I: Index> SweepMovers<'_, '_, '_, I> {
         }
         let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink: &mut **sink };
         let mut tested = 0;
-        visit(grove.planes, grove.reach, grove.depth, &around.min, &around.max, |index| {
+        let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
+        while let Some(index) = visit.next() {
             let leaf = grove.leaves.at(index);
             let members = grove.members(&leaf);
             let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
@@ -98,7 +99,7 @@ impl<I: Index> SweepMovers<'_, '_, '_, I> {
                     scan(simd, members, &frame, mover.slot(), &bounds, &mut report);
                 }
             }
-        });
+        }
         for mover in movers {
             let bounds = grove.boxes.at(mover.at());
             tested += grove.large.len();

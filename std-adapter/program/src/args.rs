@@ -1,0 +1,206 @@
+//! The command line.
+
+use clap::{Args as Group, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use trisap::scene::{Kind, Objects};
+
+/// Finds all overlapping pairs of moving boxes, in recorded and synthetic scenes.
+///
+/// Without a command: `trisap run --check` on the recording that is built in.
+///
+/// Exit codes: 0 success, 1 a check failed, 2 wrong usage or input.
+#[derive(Debug, Parser)]
+#[command(name = "trisap", version)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Step through all frames of a scene and report times, counts and memory.
+    ///
+    /// The scene is a recording, a synthetic scene (--scene), or the recording that is built in. Synthetic scenes move
+    /// boxes without a physics engine; for real motion, see `trisap record`.
+    Run(RunArgs),
+    /// Print the overlapping pairs of one frame of a recording: `a b` a line, a < b, ascending.
+    Pairs(PairsArgs),
+    /// Record a rigid-body simulation.
+    Record(RecordArgs),
+    /// Print the bytes that a world needs.
+    Layout(LayoutArgs),
+}
+
+impl Command {
+    /// What happens without a command.
+    pub(crate) fn shipped() -> Self {
+        Self::Run(RunArgs { check: true, ..RunArgs::default() })
+    }
+}
+
+#[derive(Debug, Default, Group)]
+pub(crate) struct RunArgs {
+    /// A recording; without it, and without --scene, the one that is built in.
+    #[arg(value_name = "FILE.aabbs", conflicts_with = "scene")]
+    pub(crate) file: Option<PathBuf>,
+    /// A synthetic scene.
+    #[arg(long)]
+    pub(crate) scene: Option<SceneName>,
+    /// The boxes of the synthetic scene [default: cubes].
+    #[arg(long, requires = "scene")]
+    pub(crate) objects: Option<ObjectsName>,
+    /// The number of boxes of the synthetic scene [default: 1000].
+    #[arg(short, value_name = "N", requires = "scene", value_parser = clap::value_parser!(u32).range(1..=MAX_COUNT))]
+    pub(crate) n: Option<u32>,
+    /// The most frames to step [default: all of a recording, 100 of a synthetic scene].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) frames: Option<u32>,
+    /// The seed of the synthetic scene [default: 1].
+    #[arg(long, requires = "scene")]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+    /// Whether pairs are those of the boxes, or those of the boxes with their margins.
+    #[arg(long, default_value = "exact")]
+    pub(crate) mode: ModeName,
+    /// How far a box may move before it counts as moved, as a share of its largest extent [default: none in exact
+    /// mode, 0.1 in fat mode].
+    #[arg(long, value_parser = margin)]
+    pub(crate) margin: Option<f32>,
+    /// Also find out which pairs are new and which are gone.
+    #[arg(long)]
+    pub(crate) events: bool,
+    /// Compare the pairs of every frame with an independent method: brute force up to 4,000 boxes, an own sweep above.
+    #[arg(long)]
+    pub(crate) check: bool,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct EngineArgs {
+    /// Threads to step with.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(crate) threads: u32,
+    /// Instruction set: auto, scalar, avx2, … as far as this CPU has it.
+    #[arg(long, default_value = "auto")]
+    pub(crate) kernels: String,
+}
+
+impl Default for EngineArgs {
+    fn default() -> Self {
+        Self { threads: 1, kernels: "auto".into() }
+    }
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct PairsArgs {
+    /// A recording.
+    #[arg(value_name = "FILE.aabbs")]
+    pub(crate) file: PathBuf,
+    /// The frame, counted from 0. All frames before it are stepped too.
+    #[arg(long)]
+    pub(crate) frame: u32,
+    #[command(flatten)]
+    pub(crate) engine: EngineArgs,
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct RecordArgs {
+    /// What happens.
+    #[arg(long)]
+    pub(crate) scene: SceneName,
+    /// Which boxes there are.
+    #[arg(long, default_value = "cubes")]
+    pub(crate) objects: ObjectsName,
+    /// The number of boxes. Above 32,000 they must come from splitting fewer bodies into 8 boxes each, once or more often.
+    #[arg(short, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=MAX_COUNT))]
+    pub(crate) n: u32,
+    /// The number of frames, at 30 a second.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) frames: u32,
+    /// Frames to simulate before the first one that is recorded.
+    #[arg(long, default_value_t = 0)]
+    pub(crate) skip: u32,
+    /// The seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The file to write.
+    #[arg(long, value_name = "FILE.aabbs")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct LayoutArgs {
+    /// Numbers of objects; four pairs an object.
+    #[arg(required = true, value_name = "N")]
+    pub(crate) objects: Vec<u32>,
+}
+
+/// The most objects that a world can hold.
+const MAX_COUNT: i64 = 1 << 27;
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum SceneName {
+    /// No gravity; one box in a hundred gets a new speed in each frame.
+    Brownian,
+    /// Boxes fall and come to rest.
+    Freefall,
+    /// Strong gravity whose direction turns.
+    Gravity,
+}
+
+impl From<SceneName> for Kind {
+    fn from(name: SceneName) -> Self {
+        match name {
+            SceneName::Brownian => Self::Brownian,
+            SceneName::Freefall => Self::FreeFall,
+            SceneName::Gravity => Self::Gravity,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum ObjectsName {
+    /// Unit cubes.
+    Cubes,
+    /// Cubes, bars, planks, squares and random boxes.
+    Assorted,
+}
+
+impl From<ObjectsName> for Objects {
+    fn from(name: ObjectsName) -> Self {
+        match name {
+            ObjectsName::Cubes => Self::Cubes,
+            ObjectsName::Assorted => Self::Assorted,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum)]
+pub(crate) enum ModeName {
+    /// Exactly the overlaps of the boxes.
+    #[default]
+    Exact,
+    /// The overlaps of the boxes with their margins.
+    Fat,
+}
+
+fn margin(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(margin) if (0.0..=f32::MAX).contains(&margin) => Ok(margin),
+        _ => Err("a margin is a finite number, 0 or more".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Args::command().debug_assert();
+    }
+}

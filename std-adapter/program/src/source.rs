@@ -1,0 +1,132 @@
+//! Where boxes come from: a recording or a synthetic scene.
+
+use crate::args::RunArgs;
+use anyhow::{Context, Result};
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read, Seek};
+use std::path::Path;
+use trisap::Boxes;
+use trisap::recording::Reader;
+use trisap::scene::{Objects, Setup, Synthetic};
+
+/// The recording that is built in, so that the program shows something wherever it is started.
+const SHIPPED_NAME: &str = "freefall_cubes_1000.aabbs";
+static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
+
+/// The boxes of one frame after another.
+pub(crate) struct Source {
+    name: String,
+    objects: u32,
+    frames: u32,
+    next: u32,
+    content: Content,
+}
+
+enum Content {
+    Recording(Reader<Box<dyn ReadSeek>>),
+    Synthetic(Box<Synthetic>),
+}
+
+trait ReadSeek: Read + Seek {}
+impl<T: Read + Seek> ReadSeek for T {}
+
+impl Source {
+    /// What `trisap run` was told to step through.
+    pub(crate) fn of(args: &RunArgs) -> Result<Self> {
+        let mut source = match (&args.file, args.scene) {
+            (Some(file), _) => Self::open(file)?,
+            (None, Some(scene)) => Self::synthetic(Setup {
+                kind: scene.into(),
+                objects: args.objects.map_or(Objects::Cubes, Into::into),
+                count: args.n.unwrap_or(1000),
+                seed: args.seed.unwrap_or(1),
+            }),
+            (None, None) => {
+                Self::recording(SHIPPED_NAME, "the built-in recording", Box::new(Cursor::new(SHIPPED)))?
+            }
+        };
+        match (args.frames, &source.content) {
+            (Some(frames), Content::Synthetic(_)) => source.frames = frames,
+            (Some(frames), Content::Recording(_)) => source.frames = source.frames.min(frames),
+            (None, _) => {}
+        }
+        Ok(source)
+    }
+
+    /// A recording in a file.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let file = File::open(path).with_context(|| name.clone())?;
+        Self::recording(&name, "recording", Box::new(BufReader::new(file)))
+    }
+
+    fn recording(name: &str, kind: &str, bytes: Box<dyn ReadSeek>) -> Result<Self> {
+        let reader = Reader::new(bytes).with_context(|| name.to_owned())?;
+        let header = reader.header();
+        Ok(Self {
+            name: format!("{kind} {name} ({}, {})", header.scene, header.objects),
+            objects: header.count,
+            frames: header.frames,
+            next: 0,
+            content: Content::Recording(reader),
+        })
+    }
+
+    fn synthetic(setup: Setup) -> Self {
+        Self {
+            name: format!(
+                "synthetic scene {}, {}, seed {}",
+                setup.kind.name(),
+                setup.objects.name(),
+                setup.seed
+            ),
+            objects: setup.count,
+            frames: 100,
+            next: 0,
+            content: Content::Synthetic(Box::new(Synthetic::new(setup))),
+        }
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(crate) fn objects(&self) -> u32 {
+        self.objects
+    }
+
+    pub(crate) fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    /// The boxes of the next frame, or `None` after the last one.
+    pub(crate) fn next_frame(&mut self) -> Result<Option<Boxes<'_>>> {
+        if self.next == self.frames {
+            return Ok(None);
+        }
+        self.next += 1;
+        match &mut self.content {
+            Content::Recording(reader) => {
+                Ok(reader.next_frame().context("cannot read on")?.map(Boxes::padded))
+            }
+            Content::Synthetic(scene) => {
+                if self.next > 1 {
+                    scene.advance();
+                }
+                Ok(Some(Boxes::new(scene.boxes())))
+            }
+        }
+    }
+
+    /// Goes back to before the first frame.
+    pub(crate) fn rewind(&mut self) -> Result<()> {
+        self.next = 0;
+        match &mut self.content {
+            Content::Recording(reader) => reader.rewind().context("cannot read again"),
+            Content::Synthetic(scene) => {
+                **scene = Synthetic::new(*scene.setup());
+                Ok(())
+            }
+        }
+    }
+}

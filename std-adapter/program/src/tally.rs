@@ -1,0 +1,72 @@
+//! Collects the figures of all frames.
+
+use crate::check::Checker;
+use crate::drive::{Frame, Visitor};
+use crate::progress;
+use anyhow::Result;
+use indicatif::ProgressBar;
+use std::collections::BTreeMap;
+use trisap::Stats;
+
+pub(crate) struct Tally {
+    bar: ProgressBar,
+    new_checker: Option<Box<dyn Fn() -> Checker>>,
+    pub(crate) checker: Option<Checker>,
+    /// What the check found wrong.
+    pub(crate) wrong: Option<String>,
+    pub(crate) milliseconds: Vec<f64>,
+    pub(crate) stats: Vec<Stats>,
+    pub(crate) surplus: Vec<u64>,
+    /// Frames by the path that the step took.
+    pub(crate) paths: BTreeMap<String, u32>,
+    pub(crate) rejected: u64,
+}
+
+impl Tally {
+    /// For so many frames; with a function that begins a check, they are checked.
+    pub(crate) fn new(frames: u32, new_checker: Option<Box<dyn Fn() -> Checker>>) -> Self {
+        Self {
+            bar: progress::bar(frames, "stepping"),
+            new_checker,
+            checker: None,
+            wrong: None,
+            milliseconds: Vec::new(),
+            stats: Vec::new(),
+            surplus: Vec::new(),
+            paths: BTreeMap::new(),
+            rejected: 0,
+        }
+    }
+}
+
+impl Visitor for Tally {
+    fn start(&mut self) {
+        self.bar.reset();
+        self.checker = self.new_checker.as_ref().map(|begin| begin());
+        self.milliseconds.clear();
+        self.stats.clear();
+        self.surplus.clear();
+        self.paths.clear();
+        self.rejected = 0;
+    }
+
+    fn visit(&mut self, frame: &Frame<'_>) -> Result<bool> {
+        self.milliseconds.push(frame.time.as_secs_f64() * 1e3);
+        self.stats.push(frame.stats);
+        // What the exact mode dropped, or what the fat mode kept.
+        self.surplus.push(frame.surplus + frame.stats.surplus);
+        *self.paths.entry(format!("{:?}", frame.stats.path).to_lowercase()).or_default() += 1;
+        self.rejected += u64::from(frame.rejected.map_or(0, |rejected| rejected.count));
+        if let Some(checker) = &mut self.checker {
+            self.wrong = checker.compare(frame).err().map(|wrong| format!("frame {}: {wrong}", frame.number));
+        }
+        self.bar.inc(1);
+        Ok(self.wrong.is_none())
+    }
+}
+
+impl Drop for Tally {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

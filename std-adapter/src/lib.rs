@@ -1,0 +1,43 @@
+//! Broad-phase collision detection for programs with `std`: everything of [`trisap_core`], and
+//!
+//! - [`OwnedWorld`], a world that brings its own memory,
+//! - `Rayon`, an executor over a [rayon](https://docs.rs/rayon) thread pool (feature `rayon`, on by default),
+//! - [`recording`], Broadmark's `.aabbs` files,
+//! - `scene`, synthetic scenes of any size (feature `scene`, on by default).
+//!
+//! ```
+//! use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld, Serial};
+//!
+//! let mut boxes = [
+//!     Aabb::new([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]),
+//!     Aabb::new([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]), // touches the first
+//!     Aabb::new([5.0, 0.0, 0.0], [6.0, 1.0, 1.0]),
+//! ];
+//! let mut owned = OwnedWorld::<u32>::new(&Config::new(Capacity::for_objects(3)))?;
+//! let mut world = owned.world();
+//! world.insert_many(Boxes::new(&boxes), &mut [None; 3])?;
+//! assert_eq!(world.step(trisap::detect(), &Serial)?.pairs(), [[0, 1]]);
+//!
+//! boxes[2] = Aabb::new([1.5, 0.0, 0.0], [2.5, 1.0, 1.0]);
+//! let step = world.step_over(Boxes::new(&boxes), trisap::detect(), &Serial)?;
+//! assert_eq!(step.pairs().len(), 2);
+//! # Ok::<(), trisap::Error>(())
+//! ```
+
+mod owned;
+#[cfg(feature = "rayon")]
+mod pool;
+pub mod recording;
+#[cfg(feature = "scene")]
+pub mod scene;
+
+pub use owned::OwnedWorld;
+#[cfg(feature = "rayon")]
+pub use pool::Rayon;
+pub use trisap_core::*;
+
+/// The best kernels of this CPU. Asks the CPU once and remembers.
+#[must_use]
+pub fn detect() -> Kernels {
+    Kernels::detect()
+}

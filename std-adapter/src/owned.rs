@@ -1,0 +1,91 @@
+//! A world that brings its own memory.
+
+use bytemuck::{Pod, Zeroable};
+use core::fmt;
+use core::marker::PhantomData;
+use trisap_core::{Config, Error, Index, World, layout};
+
+/// As much memory as the strictest item of a world wants aligned.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Block([u8; 64]);
+
+/// A world in heap memory of its own, allocated once.
+///
+/// It owns the slab and nothing else: [`OwnedWorld::world`] opens the [`World`] in it, as often as wanted. All
+/// state is in the slab, so that a world opened again goes on where the last one stopped.
+pub struct OwnedWorld<I: Index = u32> {
+    slab: Box<[Block]>,
+    index: PhantomData<I>,
+}
+
+impl<I: Index> OwnedWorld<I> {
+    /// An empty world for `config`. Memory that cannot be had is [`Error::CapacityTooLarge`].
+    pub fn new(config: &Config) -> Result<Self, Error> {
+        let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        let blocks = bytes.div_ceil(size_of::<Block>());
+        let mut slab = bytemuck::allocation::try_zeroed_slice_box::<Block>(blocks)
+            .map_err(|()| Error::CapacityTooLarge)?;
+        World::<I>::new_in(bytemuck::cast_slice_mut(&mut slab), config)?;
+        Ok(Self { slab, index: PhantomData })
+    }
+
+    /// The world in the slab.
+    #[must_use]
+    pub fn world(&mut self) -> World<'_, I> {
+        World::open(bytemuck::cast_slice_mut(&mut self.slab))
+            .expect("`new` made a world of this width, and nobody else can write to the slab")
+    }
+
+    /// The bytes of the slab.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val::<[Block]>(&self.slab)
+    }
+}
+
+impl<I: Index> fmt::Debug for OwnedWorld<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OwnedWorld").field("bytes", &self.bytes()).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trisap_core::{Aabb, Capacity, Kernels, Serial};
+
+    const CUBE: Aabb = Aabb::new([0.0; 3], [1.0; 3]);
+
+    #[test]
+    fn state_outlives_the_view() -> Result<(), Error> {
+        let mut owned = OwnedWorld::<u16>::new(&Config::new(Capacity::for_objects(4)))?;
+        let first = owned.world().insert(CUBE)?;
+        let second = owned.world().insert(CUBE)?;
+        assert_eq!(owned.world().len(), 2);
+        owned.world().step(Kernels::SCALAR, &Serial)?;
+        assert_eq!(owned.world().pairs(), [[0, 1]]);
+        owned.world().remove(first)?;
+        assert!(owned.world().contains(second));
+        assert!(owned.world().step(Kernels::SCALAR, &Serial)?.pairs().is_empty());
+        Ok(())
+    }
+
+    #[test]
+    fn too_large_is_an_error() {
+        let more_than_u16 = Config::new(Capacity::for_objects(70_000));
+        assert_eq!(OwnedWorld::<u16>::new(&more_than_u16).unwrap_err(), Error::CapacityTooLarge);
+        let no_worker = Config::new(Capacity::for_objects(8)).with_workers(0);
+        assert!(OwnedWorld::<u32>::new(&no_worker).is_err());
+    }
+
+    #[test]
+    fn moves_between_threads() {
+        let mut owned = OwnedWorld::<u32>::new(&Config::new(Capacity::for_objects(1))).expect("small");
+        let len = std::thread::spawn(move || {
+            owned.world().insert(CUBE).expect("one fits");
+            owned.world().len()
+        });
+        assert_eq!(len.join().expect("no panic"), 1);
+    }
+}

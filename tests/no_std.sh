@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Builds the core for bare-metal targets against `core` alone: any use of std or alloc, or of an atomic that the
+# target lacks, is an error there. From the repository's root; needs Debian's rustc-web, cargo-web and rust-web-src,
+# and installs them where it may.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if ! dpkg -s rustc-web cargo-web rust-web-src >/dev/null 2>&1; then
+    apt-get update -qq
+    apt-get install -y -qq rustc-web cargo-web rust-web-src
+fi
+export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=target/no_std
+for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
+    /usr/bin/cargo build --release -p trisap-core -Zbuild-std=core --target "$target"
+done
+echo "the core builds without std and alloc"

@@ -1,0 +1,307 @@
+//! A world that is compared with the model after everything that is done to it.
+
+use crate::model::{Events, Model};
+use crate::worlds::Setup;
+use crate::{SlotPair, oracle, sorted};
+use trisap_core::{Aabb, Boxes, Config, Error, Id, Index, Mode, Pair, Rejected, Stats, Step, World};
+
+/// What a complete step said, copied out of the world in the order in which it said it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// The overlapping pairs.
+    pub pairs: Vec<SlotPair>,
+    /// The pairs that came.
+    pub found: Vec<SlotPair>,
+    /// The pairs that went.
+    pub lost: Vec<SlotPair>,
+    /// The boxes that the step refused.
+    pub rejected: Option<Rejected>,
+    /// Pairs beyond the exact ones.
+    pub surplus: u64,
+    /// The statistics.
+    pub stats: Stats,
+}
+
+impl Outcome {
+    /// Copies a step.
+    #[must_use]
+    pub fn of<I: Index>(step: &Step<'_, I>) -> Self {
+        Self {
+            pairs: slots(step.pairs()),
+            found: slots(step.found()),
+            lost: slots(step.lost()),
+            rejected: step.rejected(),
+            surplus: step.surplus(),
+            stats: step.stats(),
+        }
+    }
+}
+
+/// Pairs of any index width as slots.
+#[must_use]
+pub fn slots<I: Index>(pairs: &[Pair<I>]) -> Vec<SlotPair> {
+    pairs.iter().map(|pair| pair.map(Index::slot)).collect()
+}
+
+/// A world and its model.
+pub struct Checked<'m, I: Index = u32> {
+    world: World<'m, I>,
+    model: Model,
+    config: Config,
+}
+
+impl<'m, I: Index> Checked<'m, I> {
+    /// Follows an empty world.
+    pub fn new(world: World<'m, I>) -> Self {
+        assert!(world.is_empty(), "a world with a past needs its model: see resume");
+        Self::resume(world, Model::default())
+    }
+
+    /// Follows a world that the model has followed up to here.
+    pub fn resume(world: World<'m, I>, model: Model) -> Self {
+        let config = world.config();
+        let checked = Self { world, model, config };
+        checked.check();
+        checked
+    }
+
+    /// Gives the model back, to follow the world again when it has been reopened.
+    pub fn into_model(self) -> Model {
+        self.model
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The world, for calls that change nothing.
+    pub fn world(&self) -> &World<'m, I> {
+        &self.world
+    }
+
+    /// The world, for calls that must fail.
+    pub fn world_mut(&mut self) -> &mut World<'m, I> {
+        &mut self.world
+    }
+
+    /// Every invariant, and every object against the model.
+    ///
+    /// # Panics
+    /// If the world is not what the model says.
+    pub fn check(&self) {
+        if let Err(invalid) = self.world.validate() {
+            panic!("the world is not valid: {invalid}");
+        }
+        assert_eq!(self.world.len() as usize, self.model.len());
+        assert_eq!(self.world.is_empty(), self.model.is_empty());
+        for (aabb, slot) in self.model.boxes().iter().zip(0..) {
+            let id = self.model.id_at(slot);
+            assert_eq!(self.world.id_at(slot), id, "the id at slot {slot}");
+            if let Some(id) = id {
+                // Equal as numbers: a negative zero may come back as a positive one.
+                assert_eq!(self.world.aabb(id), *aabb, "the box of {id}");
+                assert!(self.world.contains(id));
+            }
+        }
+    }
+
+    /// Inserts one object.
+    pub fn insert(&mut self, aabb: Aabb) -> Id {
+        let id = self.world.insert(aabb).expect("room and a good box");
+        self.model.insert(id, aabb);
+        self.check();
+        id
+    }
+
+    /// Inserts several objects in one call.
+    pub fn insert_many(&mut self, boxes: &[Aabb]) -> Vec<Id> {
+        let mut ids = vec![None; boxes.len()];
+        self.world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
+        let ids: Vec<Id> = ids.into_iter().map(|id| id.expect("an id for each box")).collect();
+        for (id, aabb) in ids.iter().zip(boxes) {
+            self.model.insert(*id, *aabb);
+        }
+        self.check();
+        ids
+    }
+
+    /// Moves one object.
+    pub fn set(&mut self, id: Id, aabb: Aabb) {
+        self.world.set_aabb(id, aabb).expect("a living object and a good box");
+        self.model.set(id, aabb);
+        self.check();
+    }
+
+    /// Moves several objects in one call.
+    pub fn update_many(&mut self, ids: &[Id], boxes: &[Aabb]) {
+        self.world.update_many(ids, Boxes::new(boxes)).expect("living objects and good boxes");
+        for (id, aabb) in ids.iter().zip(boxes) {
+            self.model.set(*id, *aabb);
+        }
+        self.check();
+    }
+
+    /// Gives an object a margin of its own.
+    pub fn set_margin(&mut self, id: Id, length: f32) {
+        self.world.set_margin(id, length).expect("a living object and a good margin");
+        self.check();
+    }
+
+    /// Removes one object.
+    pub fn remove(&mut self, id: Id) {
+        self.world.remove(id).expect("a living object");
+        self.model.remove(id);
+        self.check();
+    }
+
+    /// Removes several objects in one call.
+    pub fn remove_many(&mut self, ids: &[Id]) {
+        self.world.remove_many(ids).expect("living objects");
+        for id in ids {
+            self.model.remove(*id);
+        }
+        self.check();
+    }
+
+    /// Makes a call that must fail, and sees that it changed nothing.
+    ///
+    /// # Panics
+    /// If the call succeeds, or changes anything.
+    pub fn refuse<T>(&mut self, call: impl FnOnce(&mut World<'m, I>) -> Result<T, Error>) -> Error {
+        let error = call(&mut self.world).err().expect("a refusal");
+        self.check();
+        error
+    }
+
+    /// A step that must be complete.
+    pub fn step(&mut self, setup: Setup) -> Outcome {
+        self.try_step(setup).unwrap_or_else(|error| panic!("{setup:?}: {error}"))
+    }
+
+    /// A step over a bounds array that must be complete.
+    pub fn step_over(&mut self, boxes: &[Aabb], setup: Setup) -> Outcome {
+        self.try_step_over(boxes, setup).unwrap_or_else(|error| panic!("{setup:?}: {error}"))
+    }
+
+    /// A step. An error must be a full pair buffer, and the right one.
+    pub fn try_step(&mut self, setup: Setup) -> Result<Outcome, Error> {
+        let result = self.world.step(setup.kernels, &setup.jobs).map(|step| Outcome::of(&step));
+        self.settle(result, None)
+    }
+
+    /// A step over a bounds array, which may have bad boxes in it, be shorter than the slots or longer.
+    pub fn try_step_over(&mut self, boxes: &[Aabb], setup: Setup) -> Result<Outcome, Error> {
+        let bounds = Boxes::new(boxes);
+        let result = self.world.step_over(bounds, setup.kernels, &setup.jobs).map(|step| Outcome::of(&step));
+        let mut rejected: Option<Rejected> = None;
+        for (aabb, slot) in boxes.iter().zip(0..) {
+            let Some(id) = self.model.id_at(slot) else { continue };
+            if aabb.is_valid() {
+                self.model.set(id, *aabb);
+            } else {
+                rejected.get_or_insert(Rejected { first: id, count: 0 }).count += 1;
+            }
+        }
+        self.settle(result, rejected)
+    }
+
+    fn settle(
+        &mut self,
+        result: Result<Outcome, Error>,
+        rejected: Option<Rejected>,
+    ) -> Result<Outcome, Error> {
+        self.check();
+        let exact = self.model.pairs();
+        match &result {
+            Ok(outcome) => {
+                assert_eq!(outcome.rejected, rejected, "the refused boxes");
+                self.check_pairs(outcome, &exact);
+                self.check_stats(outcome);
+                assert_eq!(slots(self.world.pairs()), outcome.pairs, "World::pairs after the step");
+                assert_eq!(slots(self.world.found()), outcome.found, "World::found after the step");
+                assert_eq!(slots(self.world.lost()), outcome.lost, "World::lost after the step");
+            }
+            Err(error) => self.check_overflow(*error, &exact),
+        }
+        result
+    }
+
+    fn check_pairs(&mut self, outcome: &Outcome, exact: &[SlotPair]) {
+        let pairs = sorted(&outcome.pairs);
+        assert!(pairs.iter().all(|[a, b]| a < b), "a pair has its lower slot first");
+        assert!(pairs.windows(2).all(|two| two[0] != two[1]), "no pair is told twice");
+        match self.config.mode {
+            Mode::Exact => assert_same(&pairs, exact, self.model.boxes()),
+            Mode::Fat => {
+                let missing = exact.iter().find(|pair| pairs.binary_search(pair).is_err());
+                assert_eq!(missing, None, "every overlap is among the fat pairs");
+            }
+        }
+        assert_eq!(outcome.surplus, (pairs.len() - exact.len()) as u64, "the surplus");
+        let events = self.model.complete(&pairs);
+        let told = Events { found: sorted(&outcome.found), lost: sorted(&outcome.lost) };
+        if self.config.events {
+            assert_eq!(told, events, "found and lost are the difference to the last complete step");
+        } else {
+            assert_eq!(told, Events::default(), "no events were asked for");
+        }
+    }
+
+    fn check_stats(&self, outcome: &Outcome) {
+        let stats = &outcome.stats;
+        assert_eq!(stats.objects, self.world.len());
+        assert_eq!(stats.pairs, outcome.pairs.len() as u64);
+        assert_eq!(stats.found, outcome.found.len() as u64);
+        assert_eq!(stats.lost, outcome.lost.len() as u64);
+        // Removed objects count as moved, once for each slot.
+        assert!(stats.moved as usize <= self.model.boxes().len(), "{} moved", stats.moved);
+    }
+
+    fn check_overflow(&self, error: Error, exact: &[SlotPair]) {
+        let Error::PairsFull { needed } = error else {
+            panic!("a step fails for lack of room only: {error:?}")
+        };
+        let capacity = self.config.capacity.pairs;
+        assert!(needed > u64::from(capacity), "{needed} pairs fit into {capacity}");
+        let prefix = sorted(&slots(self.world.pairs()));
+        if self.config.margin.is_none() {
+            assert_eq!(needed, exact.len() as u64, "the pairs that are needed");
+            assert_eq!(prefix.len(), capacity as usize, "the buffer is filled");
+        } else {
+            // The overlaps of fat boxes go through the buffer too.
+            assert!(needed >= exact.len() as u64, "{needed} are not enough for {} pairs", exact.len());
+            assert!(prefix.len() <= capacity as usize, "no more pairs than fit");
+        }
+        assert!(prefix.windows(2).all(|two| two[0] != two[1]), "no pair is told twice");
+        if self.config.mode == Mode::Exact {
+            let wrong = prefix.iter().find(|pair| exact.binary_search(pair).is_err());
+            assert_eq!(wrong, None, "every pair of the prefix is an overlap");
+        }
+        assert!(self.world.found().is_empty() && self.world.lost().is_empty(), "no events without all pairs");
+    }
+}
+
+/// Compares two ascending lists of pairs, and shows the boxes of the first difference.
+///
+/// # Panics
+/// If they differ.
+pub fn assert_same(pairs: &[SlotPair], expected: &[SlotPair], boxes: &[Option<Aabb>]) {
+    if pairs == expected {
+        return;
+    }
+    let show = |pair: Option<&SlotPair>| pair.map(|pair| (*pair, pair.map(|slot| boxes[slot as usize])));
+    let missing = show(expected.iter().find(|pair| pairs.binary_search(pair).is_err()));
+    let wrong = show(pairs.iter().find(|pair| expected.binary_search(pair).is_err()));
+    panic!(
+        "{} pairs for {}; first missing: {missing:?}; first wrong: {wrong:?}",
+        pairs.len(),
+        expected.len()
+    );
+}
+
+/// All pairs of a scene, ascending, in the way that suits its size.
+#[must_use]
+pub fn expected(boxes: &[Aabb]) -> Vec<SlotPair> {
+    oracle::overlaps(&oracle::all_live(boxes))
+}

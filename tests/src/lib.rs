@@ -1,0 +1,25 @@
+//! What the conformance tests share: independent oracles, a naive model of a world, scenes, recordings, and
+//! worlds on every kernel and under every kind of job system.
+//!
+//! Nothing here is fast or clever on purpose: it is what the fast code is compared with.
+
+pub mod checked;
+pub mod denormals;
+pub mod jobs;
+pub mod model;
+pub mod oracle;
+pub mod play;
+pub mod recordings;
+pub mod scenes;
+pub mod worlds;
+
+/// A pair of slots, the lower one first, whatever the index width of the world that it comes from.
+pub type SlotPair = [u32; 2];
+
+/// The pairs in ascending order.
+#[must_use]
+pub fn sorted(pairs: &[SlotPair]) -> Vec<SlotPair> {
+    let mut sorted = pairs.to_vec();
+    sorted.sort_unstable();
+    sorted
+}

@@ -1,0 +1,163 @@
+//! A world as simple as can be: what every call must do, without any structure to make it fast.
+
+use crate::{SlotPair, oracle};
+use trisap_core::{Aabb, Id};
+
+/// One pair of a complete step, with the generations of its slots: a slot that was given away in between makes
+/// it another pair.
+type Held = (SlotPair, [u32; 2]);
+
+/// The naive model of a world.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    boxes: Vec<Option<Aabb>>,
+    generations: Vec<u32>,
+    last: Vec<Held>,
+}
+
+/// What came and went between two complete steps, ascending.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Events {
+    /// Pairs that the earlier step did not have.
+    pub found: Vec<SlotPair>,
+    /// Pairs that the later step does not have.
+    pub lost: Vec<SlotPair>,
+}
+
+impl Model {
+    /// A model that follows events alone: objects in the first `count` slots, which never change.
+    #[must_use]
+    pub fn of_events(count: usize) -> Self {
+        Self { boxes: vec![None; count], generations: vec![1; count], last: Vec::new() }
+    }
+
+    /// Takes a new object under the id that the world gave it.
+    ///
+    /// # Panics
+    /// If the id cannot be right: a slot in use, or a generation that is not the slot's next one.
+    pub fn insert(&mut self, id: Id, aabb: Aabb) {
+        let slot = id.slot() as usize;
+        if slot >= self.boxes.len() {
+            self.boxes.resize(slot + 1, None);
+            self.generations.resize(slot + 1, 0);
+        }
+        assert!(self.boxes[slot].is_none(), "{id} was given out, but its slot is in use");
+        self.generations[slot] += 1;
+        assert_eq!(id.generation(), self.generations[slot], "{id} has not the next generation of its slot");
+        self.boxes[slot] = Some(aabb);
+    }
+
+    /// Moves an object.
+    pub fn set(&mut self, id: Id, aabb: Aabb) {
+        assert!(self.contains(id), "the test moves {id}, which is not alive");
+        self.boxes[id.slot() as usize] = Some(aabb);
+    }
+
+    /// Removes an object.
+    pub fn remove(&mut self, id: Id) {
+        assert!(self.contains(id), "the test removes {id}, which is not alive");
+        self.boxes[id.slot() as usize] = None;
+    }
+
+    /// Whether the id names a living object.
+    #[must_use]
+    pub fn contains(&self, id: Id) -> bool {
+        self.id_at(id.slot()) == Some(id)
+    }
+
+    /// The object of a slot.
+    #[must_use]
+    pub fn id_at(&self, slot: u32) -> Option<Id> {
+        self.boxes.get(slot as usize)?.as_ref()?;
+        Id::from_bits((u64::from(self.generations[slot as usize]) << 32) | u64::from(slot))
+    }
+
+    /// The living objects by ascending slot.
+    #[must_use]
+    pub fn ids(&self) -> Vec<Id> {
+        (0..self.boxes.len() as u32).filter_map(|slot| self.id_at(slot)).collect()
+    }
+
+    /// How many objects are alive.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.boxes.iter().flatten().count()
+    }
+
+    /// Whether no object is alive.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The boxes by slot; dead slots are empty.
+    #[must_use]
+    pub fn boxes(&self) -> &[Option<Aabb>] {
+        &self.boxes
+    }
+
+    /// The pairs that an exact step must return, ascending.
+    #[must_use]
+    pub fn pairs(&self) -> Vec<SlotPair> {
+        oracle::overlaps(&self.boxes)
+    }
+
+    /// Takes the pairs of a complete step (ascending) and tells what has changed since the last one.
+    pub fn complete(&mut self, pairs: &[SlotPair]) -> Events {
+        let generation = |slot: u32| self.generations[slot as usize];
+        let held: Vec<Held> = pairs.iter().map(|&[a, b]| ([a, b], [generation(a), generation(b)])).collect();
+        let events =
+            Events { found: only_in_first(&held, &self.last), lost: only_in_first(&self.last, &held) };
+        self.last = held;
+        events
+    }
+}
+
+/// The pairs of one ascending list that another does not have.
+fn only_in_first(first: &[Held], second: &[Held]) -> Vec<SlotPair> {
+    let mut rest = second.iter().peekable();
+    let mut only = Vec::new();
+    for held in first {
+        while rest.next_if(|other| *other < held).is_some() {}
+        if rest.peek() != Some(&held) {
+            only.push(held.0);
+        }
+    }
+    only
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn id(slot: u32, generation: u32) -> Id {
+        Id::from_bits((u64::from(generation) << 32) | u64::from(slot)).unwrap()
+    }
+
+    #[test]
+    fn reuse_of_an_id_loses_and_finds_the_pair() {
+        let unit = Aabb::new([0.0; 3], [1.0; 3]);
+        let mut model = Model::default();
+        model.insert(id(0, 1), unit);
+        model.insert(id(1, 1), unit);
+        let pairs = model.pairs();
+        assert_eq!(model.complete(&pairs), Events { found: vec![[0, 1]], lost: vec![] });
+        assert_eq!(model.complete(&pairs), Events::default());
+        model.remove(id(1, 1));
+        model.insert(id(1, 2), unit);
+        let pairs = model.pairs();
+        assert_eq!(model.complete(&pairs), Events { found: vec![[0, 1]], lost: vec![[0, 1]] });
+        model.remove(id(0, 1));
+        let pairs = model.pairs();
+        assert_eq!(model.complete(&pairs), Events { found: vec![], lost: vec![[0, 1]] });
+    }
+
+    #[test]
+    #[should_panic(expected = "next generation")]
+    fn a_generation_that_comes_back_is_noticed() {
+        let mut model = Model::default();
+        model.insert(id(0, 1), Aabb::default());
+        model.remove(id(0, 1));
+        model.insert(id(0, 1), Aabb::default());
+    }
+}
