@@ -66,7 +66,12 @@ impl<'a> Boxes<'a> {
     /// Boxes one after another.
     #[must_use]
     pub fn new(boxes: &'a [Aabb]) -> Self {
-        Self { bytes: bytemuck::cast_slice(boxes), stride: size_of::<Aabb>(), max_at: CORNER, count: boxes.len() }
+        Self {
+            bytes: bytemuck::cast_slice(boxes),
+            stride: size_of::<Aabb>(),
+            max_at: CORNER,
+            count: boxes.len(),
+        }
     }
 
     /// Boxes whose corners are padded to four floats, as SIMD maths libraries and `.aabbs` recordings have them:

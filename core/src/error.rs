@@ -64,7 +64,9 @@ impl fmt::Display for Error {
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),
             Self::LengthMismatch { needed } => write!(f, "the output slice needs {needed} items"),
-            Self::PairsFull { needed } => write!(f, "the pair buffer is full: {needed} pairs would have to fit"),
+            Self::PairsFull { needed } => {
+                write!(f, "the pair buffer is full: {needed} pairs would have to fit")
+            }
         }
     }
 }

@@ -121,7 +121,11 @@ impl KeyBox {
         (0..3).any(|k| {
             let (low, high) = (self.min[k], self.max[k]);
             let near_zero = low < 0 && high >= 0;
-            !near_zero && low != high && high.wrapping_sub(low) < 4 && high < POSITIVE_INFINITY && low > NEGATIVE_INFINITY
+            !near_zero
+                && low != high
+                && high.wrapping_sub(low) < 4
+                && high < POSITIVE_INFINITY
+                && low > NEGATIVE_INFINITY
         })
     }
 }

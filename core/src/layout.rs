@@ -102,7 +102,11 @@ impl Sizes {
             pairs,
             previous: if config.events { pairs } else { 0 },
             // Every block may leave a chunk unfinished.
-            staged: if config.workers > 1 { pairs.div_ceil(CHUNK) + leaves.div_ceil(LEAVES_PER_BLOCK) + 1 } else { 0 },
+            staged: if config.workers > 1 {
+                pairs.div_ceil(CHUNK) + leaves.div_ceil(LEAVES_PER_BLOCK) + 1
+            } else {
+                0
+            },
             workers: config.workers as usize,
             bag: scratch::bag(objects),
         })

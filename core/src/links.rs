@@ -151,8 +151,8 @@ mod tests {
     use super::*;
     use crate::aabb::Aabb;
     use proptest::prelude::*;
-    use std::vec::Vec;
     use std::vec;
+    use std::vec::Vec;
 
     fn boxes(minima: &[f32]) -> impl Iterator<Item = KeyBox> + '_ {
         minima.iter().map(|&x| KeyBox::from_aabb(&Aabb::new([x; 3], [f32::INFINITY; 3])).unwrap())

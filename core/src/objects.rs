@@ -69,7 +69,8 @@ impl Objects<'_> {
 
     /// The object goes; `next` is the free slot behind it.
     pub(crate) fn leave(&mut self, at: usize, next: u32) {
-        let reported = if self.has_margins() && self.mode == Mode::Fat { self.fat.at(at) } else { self.now.at(at) };
+        let reported =
+            if self.has_margins() && self.mode == Mode::Fat { self.fat.at(at) } else { self.now.at(at) };
         self.report(at, reported);
         self.now.put(at, KeyBox::free(next));
         if self.has_margins() {

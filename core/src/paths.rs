@@ -7,6 +7,7 @@ use crate::exec::Executor;
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
+use crate::links;
 use crate::results::carry_resting;
 use crate::state::{Path, Progress};
 use crate::storage::Parts;
@@ -14,11 +15,9 @@ use crate::sweep::Collector;
 use crate::sweep::leaves::{Grove, SweepLeaves};
 use crate::sweep::list::SweepList;
 use crate::sweep::movers::{SweepLargeMovers, SweepMovers};
-use crate::links;
 use crate::tree::cells::frame_all;
 use crate::tree::relocate::Relocate;
 use crate::tree::{assign, balance};
-
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
 const MOVERS_SHARE: u32 = 16;

@@ -163,7 +163,11 @@ impl State {
     pub(crate) fn config(&self, index_bytes: usize) -> Option<Config> {
         let known = self.magic == MAGIC && self.index_bytes == index_bytes as u32;
         known.then_some(Config {
-            capacity: Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs_capacity },
+            capacity: Capacity {
+                objects: self.objects,
+                leaf_refs: self.leaf_refs,
+                pairs: self.pairs_capacity,
+            },
             mode: self.mode(),
             margin: self.margin(),
             events: self.events != 0,

@@ -5,8 +5,8 @@ use crate::config::{Config, Mode};
 use crate::error::Error;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
-use crate::objects::Objects;
 use crate::layout::{ALIGN, CHUNK, SLOT_BLOCKS, Sizes, layout, section};
+use crate::objects::Objects;
 use crate::state::State;
 use crate::sweep::scratch;
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
@@ -175,7 +175,8 @@ impl<'m, I: Index> Parts<'m, I> {
     /// Finds the world in a slab that holds one.
     pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
         check(slab, size_of::<State>())?;
-        let state = slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
+        let state =
+            slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
         let config = state.and_then(|state| state.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
         let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
         let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;

@@ -83,7 +83,11 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let lives = !parts.boxes.now.at(slot).is_empty();
         check(!lives || bits::test(parts.listed, slot), "a living object is not marked as listed", slot)?;
     }
-    check(bits::count(parts.listed) as usize == listed, "the marks of the lists are not counted right", listed)?;
+    check(
+        bits::count(parts.listed) as usize == listed,
+        "the marks of the lists are not counted right",
+        listed,
+    )?;
     for order in &parts.order {
         // The sum of distinct marked slots is that of all marked slots only if each stands there once.
         let mut sum = 0u64;
@@ -135,7 +139,11 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let mut node = leaves + index;
             while node > 0 {
                 let reach = parts.tree.reach.at(node);
-                check((0..3).all(|k| bounds.max[k] <= reach[k]), "a node does not reach as far as a member", node)?;
+                check(
+                    (0..3).all(|k| bounds.max[k] <= reach[k]),
+                    "a node does not reach as far as a member",
+                    node,
+                )?;
                 node /= 2;
             }
         }
@@ -180,8 +188,16 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &parts.state;
     check(state.found <= state.result_pairs, "more pairs are found than there are", state.found as usize)?;
-    check(state.result_pairs <= state.swept_pairs, "more pairs are exact than swept", state.swept_pairs as usize)?;
-    check(state.swept_pairs <= parts.output.pairs.len() as u64, "more pairs than room", state.swept_pairs as usize)?;
+    check(
+        state.result_pairs <= state.swept_pairs,
+        "more pairs are exact than swept",
+        state.swept_pairs as usize,
+    )?;
+    check(
+        state.swept_pairs <= parts.output.pairs.len() as u64,
+        "more pairs than room",
+        state.swept_pairs as usize,
+    )?;
     if state.complete == 0 || bits::count(parts.changed) > 0 || bits::count(parts.moved) > 0 {
         return Ok(());
     }
@@ -190,7 +206,11 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(pair[0] < pair[1], "a pair is not in order", at)?;
         check(overlap(parts.boxes.swept(), pair), "a pair does not overlap", at)?;
         let exact = (at as u64) < state.result_pairs;
-        check(!exact || overlap(parts.boxes.reported(state.mode()), pair), "a reported pair does not overlap", at)?;
+        check(
+            !exact || overlap(parts.boxes.reported(state.mode()), pair),
+            "a reported pair does not overlap",
+            at,
+        )?;
     }
     Ok(())
 }

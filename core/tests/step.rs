@@ -1,6 +1,8 @@
 //! Steps of worlds of all sizes against brute force. The conformance crate in `tests/` goes further.
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Executor, Kernels, Margin, Mode, Path, Serial, World, layout};
+use trisap_core::{
+    Aabb, Boxes, Capacity, Config, Executor, Kernels, Margin, Mode, Path, Serial, World, layout,
+};
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -89,7 +91,10 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
         let movers = if frame == 3 || frame == 4 { count / 40 } else { count };
         for aabb in &mut boxes[..movers] {
             let by = [random.next() - 0.5, random.next() - 0.5, random.next() - 0.5];
-            *aabb = Aabb::new(std::array::from_fn(|k| aabb.min[k] + by[k]), std::array::from_fn(|k| aabb.max[k] + by[k]));
+            *aabb = Aabb::new(
+                std::array::from_fn(|k| aabb.min[k] + by[k]),
+                std::array::from_fn(|k| aabb.max[k] + by[k]),
+            );
         }
         if frame == 5 {
             boxes.iter_mut().for_each(|aabb| *aabb = random.boxed(side));
@@ -101,11 +106,20 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
 #[test]
 fn every_path_finds_the_pairs_of_brute_force() {
     for count in [0, 1, 2, 3, 100, 512, 513, 2000, 5000] {
-        let config = Config::new(Capacity { objects: count as u32, leaf_refs: count as u32 / 2, pairs: 20 * count as u32 }).with_events();
+        let config = Config::new(Capacity {
+            objects: count as u32,
+            leaf_refs: count as u32 / 2,
+            pairs: 20 * count as u32,
+        })
+        .with_events();
         let first = run(config, count, Kernels::SCALAR, &Serial);
         for kernels in Kernels::all() {
             for executor in [&Serial as &dyn Executor, &Threads(2), &Threads(5)] {
-                assert!(first == run(config.with_workers(3), count, kernels, executor), "{count}, {}", kernels.name());
+                assert!(
+                    first == run(config.with_workers(3), count, kernels, executor),
+                    "{count}, {}",
+                    kernels.name()
+                );
             }
         }
     }

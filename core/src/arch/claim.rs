@@ -37,7 +37,13 @@ pub(crate) struct Chunks<'a, T> {
 
 impl<'a, T> Chunks<'a, T> {
     pub(crate) fn new(slice: &'a mut [T], chunk: usize) -> Self {
-        Self { start: slice.as_mut_ptr(), len: slice.len(), chunk: chunk.max(1), absent: false, borrow: PhantomData }
+        Self {
+            start: slice.as_mut_ptr(),
+            len: slice.len(),
+            chunk: chunk.max(1),
+            absent: false,
+            borrow: PhantomData,
+        }
     }
 
     /// As `new`; but a slice that this world does not have, because it is empty, has any number of empty parts.

@@ -58,7 +58,8 @@ impl<'g> Grove<'g> {
     /// first `skip` of them, as many as fit. Returns how many there are in all.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, visitors: &mut [Record]) -> usize {
-        let mut gathered = Gathered { cell: self.cells.at(index), frame: self.frames.at(index), skip, count: 0, visitors };
+        let mut gathered =
+            Gathered { cell: self.cells.at(index), frame: self.frames.at(index), skip, count: 0, visitors };
         let cell = gathered.cell;
         // The cell is half-open: minima at its high side are in the next one.
         let high = cell.high.map(|key| key.saturating_sub(1));

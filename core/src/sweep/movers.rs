@@ -83,7 +83,8 @@ impl<I: Index> SweepMovers<'_, '_, '_, I> {
                 around.max[k] = around.max[k].max(bounds.max[k]);
             }
         }
-        let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink: &mut **sink };
+        let mut report =
+            Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink: &mut **sink };
         let mut tested = 0;
         let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
         while let Some(index) = visit.next() {
@@ -153,8 +154,8 @@ impl<I: Index> Report<'_, '_, I> {
     #[inline(always)]
     fn contact<S: Simd>(&mut self, simd: S, mover: &Record, bounds: &KeyBox, other: &Record) {
         let contact = simd.contact(mover, other);
-        let overlaps = contact.touches
-            && (!contact.tied || bounds.overlaps(&self.boxes.at(other.slot() as usize)));
+        let overlaps =
+            contact.touches && (!contact.tied || bounds.overlaps(&self.boxes.at(other.slot() as usize)));
         if overlaps {
             self.pair(mover.slot(), other.slot());
         }

@@ -25,11 +25,7 @@ pub(crate) const OVERRUN: usize = 64;
 /// The length of a worker's area.
 pub(crate) const fn records<I>(bag: usize) -> usize {
     let candidates = batch(bag) + OVERRUN;
-    1 + 2 * bag
-        + of::<u8>(columns(bag))
-        + of::<u32>(candidates)
-        + of::<Pair<I>>(candidates)
-        + of::<I>(bag)
+    1 + 2 * bag + of::<u8>(columns(bag)) + of::<u32>(candidates) + of::<Pair<I>>(candidates) + of::<I>(bag)
 }
 
 const fn columns(bag: usize) -> usize {

@@ -13,8 +13,8 @@ use crate::arch::shared::Shared;
 use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
 use crate::id::Index;
-use crate::key::KeyBox;
 use crate::kernels::Kernels;
+use crate::key::KeyBox;
 use crate::layout::{LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
@@ -64,7 +64,12 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
     }
 }
 
-fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, kernels: Kernels, executor: &dyn Executor) -> Census {
+fn count_at<I: Index>(
+    parts: &mut Parts<'_, I>,
+    depth: u32,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) -> Census {
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
     let row = parts.sizes.tally_row();
@@ -122,7 +127,10 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             extent.include(&bounds.min);
             coarse |= bounds.is_coarse();
             let mut leaf = home.at();
-            let stays = cells.get(..leaves).and_then(|cells| cells.get(leaf)).is_some_and(|cell| cell.holds(&bounds.min));
+            let stays = cells
+                .get(..leaves)
+                .and_then(|cells| cells.get(leaf))
+                .is_some_and(|cell| cell.holds(&bounds.min));
             if !stays {
                 leaf = leaf_of(planes, depth, &bounds.min);
             }
@@ -141,7 +149,12 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 }
 
 /// Writes every object's record by the counts of [`count`], and finds how far the leaves reach.
-pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, census: &Census, kernels: Kernels, executor: &dyn Executor) {
+pub(crate) fn fill<I: Index>(
+    parts: &mut Parts<'_, I>,
+    census: &Census,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) {
     let depth = parts.state.depth;
     let leaves = 1usize << depth;
     parts.state.set_extent(&census.extent);
@@ -194,7 +207,8 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
     let row = parts.sizes.tally_row();
     let boxes = parts.boxes.swept();
     let large_start = parts.state.large_start;
-    let (homes, cells, frames, bags) = (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
+    let (homes, cells, frames, bags) =
+        (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, fronts) = (Shared::new(parts.tree.records), Shared::new(parts.tree.fronts));
     let claims =
         Claims::new((Chunks::new(parts.place.span_mut(0, slots), len), Chunks::new(parts.tree.tally, row)));
@@ -240,7 +254,8 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, large_start, tally } = self;
+        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, large_start, tally } =
+            self;
         let (members, rest) = tally.split_at_mut_checked(leaves.len()).unwrap_or_default();
         let (front_ends, large) = rest.split_at_mut_checked(leaves.len()).unwrap_or_default();
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {

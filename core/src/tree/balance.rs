@@ -67,7 +67,8 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
 /// takes its room from the records from `first` on, as many as there are slots.
 fn make_planes<I: Index>(parts: &mut Parts<'_, I>, count: usize, root: usize, levels: u32, first: usize) {
     let boxes: &[KeyBox] = parts.boxes.swept();
-    let spare = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count)).unwrap_or_default();
+    let spare = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
+        .unwrap_or_default();
     let [x, y, z] = &mut parts.order;
     let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
     for (axis, list) in lists.iter_mut().enumerate() {
@@ -122,7 +123,8 @@ fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (u
     let mut levels = 0;
     loop {
         let first = (node << levels) - leaves;
-        let count: usize = parts.tree.leaves.span(first, 1 << levels).iter().map(|leaf| leaf.len as usize).sum();
+        let count: usize =
+            parts.tree.leaves.span(first, 1 << levels).iter().map(|leaf| leaf.len as usize).sum();
         if levels == depth || count <= (mean + mean / 2) << levels {
             return (node, levels, count);
         }

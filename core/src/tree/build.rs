@@ -67,7 +67,12 @@ impl<I: Index> Build<'_, I> {
             return (UNSPLIT, end);
         }
         let axis = axis_of(plane);
-        let below = links::position_of_key(self.lists[axis].span(start, end - start), self.boxes, axis, key_of(plane));
+        let below = links::position_of_key(
+            self.lists[axis].span(start, end - start),
+            self.boxes,
+            axis,
+            key_of(plane),
+        );
         self.divide(axis, start, start + below, end);
         (plane, start + below)
     }
@@ -82,7 +87,8 @@ impl<I: Index> Build<'_, I> {
             return Some(plane);
         }
         // The lower half is one value: the next value above it is the nearest plane that separates anything.
-        let above = list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(3));
+        let above =
+            list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(3));
         let plane = super::plane(axis, key(above)?);
         (key_of(plane) > first).then_some(plane)
     }

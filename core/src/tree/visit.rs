@@ -22,7 +22,13 @@ pub(crate) struct Visit<'v> {
 
 impl<'v> Visit<'v> {
     #[inline(always)]
-    pub(crate) fn new(planes: &'v [i32], reach: &'v [[i32; 3]], depth: u32, low: [i32; 3], high: [i32; 3]) -> Self {
+    pub(crate) fn new(
+        planes: &'v [i32],
+        reach: &'v [[i32; 3]],
+        depth: u32,
+        low: [i32; 3],
+        high: [i32; 3],
+    ) -> Self {
         // A node without members reaches the lowest key; no box does.
         let low = low.map(|key| key.max(i32::MIN + 1));
         let mut stack = [0; STACK];

@@ -107,8 +107,8 @@ impl Mover {
             Kind::Brownian => 1.0,
             Kind::FreeFall | Kind::Gravity => 0.4,
         };
-        for k in 0..3 {
-            self.velocity[k] += gravity[k] * FRAME_SECONDS;
+        for (k, pull) in gravity.into_iter().enumerate() {
+            self.velocity[k] += pull * FRAME_SECONDS;
             let (low, high) = (self.low[k], self.high[k]);
             let goal = self.position[k] + self.velocity[k] * FRAME_SECONDS;
             let (bounced, wall) = if goal < low {
