@@ -62,7 +62,7 @@ impl Margin {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let finite = |x: f32| x >= 0.0 && x <= f32::MAX;
+        let finite = |x: f32| (0.0..=f32::MAX).contains(&x);
         let good = finite(self.per_extent) && finite(self.min) && finite(self.max) && self.min <= self.max;
         if good { Ok(()) } else { Err(Error::BadMargin) }
     }

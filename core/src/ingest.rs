@@ -54,7 +54,6 @@ pub(crate) fn ingest<I: Index>(
             found.fill(kernels.run(IngestBlock { first, bounds, objects }));
         }
     });
-    drop(claims);
     let mut sum = Intake::default();
     for intake in &found {
         sum.crept |= intake.crept;

@@ -28,6 +28,17 @@ pub(crate) const fn value(key: i32) -> f32 {
     f32::from_bits((key ^ (((key >> 31) as u32) >> 1) as i32) as u32)
 }
 
+/// Lengths below this (2^-100) count as zero: so near to the denormals, hosts that flush them to zero would compute
+/// another number.
+const SHORTEST: f32 = f32::from_bits(27 << 23);
+
+/// The length from one key to a higher one.
+#[inline]
+pub(crate) fn length(low: i32, high: i32) -> f32 {
+    let length = value(high) - value(low);
+    if length < SHORTEST { 0.0 } else { length }
+}
+
 /// A closed box in keys.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -96,9 +107,12 @@ impl KeyBox {
     }
 
     /// The box grown by a length on all sides (erratum E1): two single-rounded operations an axis that saturate
-    /// at the largest float. Where rounding or a flush-to-zero mode would shrink it, the tight side stays.
+    /// at the largest float. Where rounding would shrink it, the tight side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
         let mut fat = *self;
+        if length < SHORTEST {
+            return fat;
+        }
         for k in 0..3 {
             let low = value(self.min[k]) - length;
             let high = value(self.max[k]) + length;
@@ -110,22 +124,22 @@ impl KeyBox {
 
     /// The largest extent as a length, infinite where the box is unbounded.
     pub(crate) fn largest_extent(&self) -> f32 {
-        let extent = |k: usize| value(self.max[k]) - value(self.min[k]);
+        let extent = |k: usize| length(self.min[k], self.max[k]);
         // The box [inf, inf] has no extent that arithmetic could tell; `max` passes over its NaN.
         extent(0).max(extent(1)).max(extent(2)).max(0.0)
     }
 
-    /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: the least extent
-    /// that is not zero is below four steps of the coordinate.
+    /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: a side, or, where a side
+    /// has vanished, the largest one, is below four steps of the coordinate.
     pub(crate) fn is_coarse(&self) -> bool {
+        let largest = self.largest_extent();
         (0..3).any(|k| {
             let (low, high) = (self.min[k], self.max[k]);
+            let bounded = high < POSITIVE_INFINITY && low > NEGATIVE_INFINITY;
             let near_zero = low < 0 && high >= 0;
-            !near_zero
-                && low != high
-                && high.wrapping_sub(low) < 4
-                && high < POSITIVE_INFINITY
-                && low > NEGATIVE_INFINITY
+            let distance = value(low).abs();
+            let vanished = distance > 1e-20 && largest > 0.0 && largest < distance * (4.0 * f32::EPSILON);
+            bounded && !near_zero && if low == high { vanished } else { high.wrapping_sub(low) < 4 }
         })
     }
 }

@@ -82,10 +82,10 @@ impl Objects<'_> {
     /// Keeps the box that the last complete step has reported, the first time that it changes.
     #[inline(always)]
     fn report(&mut self, at: usize, old: KeyBox) {
-        if bits::set(self.changed, at) {
-            if let Some(before) = self.before.get_mut(at) {
-                *before = old;
-            }
+        if bits::set(self.changed, at)
+            && let Some(before) = self.before.get_mut(at)
+        {
+            *before = old;
         }
     }
 }

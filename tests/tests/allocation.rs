@@ -84,7 +84,6 @@ fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
         world.step(kernels, &counted).expect("room");
         // Failures allocate nothing either.
         assert!(world.remove(last).is_err() && world.insert(Aabb::new([1.0; 3], [0.0; 3])).is_err());
-        drop(world);
         let mut world = World::<u32>::open(slab.bytes_mut()).expect("the same world");
         world.step(kernels, &counted).expect("room");
         world.validate().expect("a valid world");

@@ -149,7 +149,8 @@ fn infinite_boxes_are_unbounded() {
     let mut boxes = scenes::uniform(2000, 21);
     boxes.extend(&frames[0]);
     let outcomes = on_every_setup(EXACT, &[boxes], &Jobs::USUAL);
-    assert!(outcomes[0].stats.large >= 4, "{:?}", outcomes[0].stats);
+    // Ground, half-space and space; the rest reaches far only where no plane is.
+    assert!(outcomes[0].stats.large >= 3, "{:?}", outcomes[0].stats);
     assert!(outcomes[0].stats.leaves > 1, "{:?}", outcomes[0].stats);
     // Many of them, in every mixture.
     let mut rng = Rng::new(22);
@@ -196,10 +197,10 @@ fn negative_zero_is_zero() {
     let mut place = |i: usize| {
         let mut aabb = at([0.0, (i / 40) as f32, (i % 40) as f32], [0.0, 1.0, 1.0]);
         (aabb.min[0], aabb.max[0]) = (zero(&mut rng), zero(&mut rng));
-        if i % 3 == 0 {
+        if i.is_multiple_of(3) {
             aabb.min[0] = -1.0
         }
-        if i % 5 == 0 {
+        if i.is_multiple_of(5) {
             aabb.max[0] = 1.0
         }
         aabb
@@ -420,13 +421,13 @@ fn far_from_the_origin_the_pairs_are_right_and_the_statistics_warn() {
 #[test]
 fn slow_creep_inside_the_fat_box_is_filtered_tightly() {
     for (boxes, jobs) in
-        [(scenes::uniform(60, 37), &Jobs::ALL[..]), (scenes::uniform(1500, 37), &Jobs::USUAL)]
+        [(scenes::uniform(400, 37), &Jobs::ALL[..]), (scenes::uniform(1500, 37), &Jobs::USUAL)]
     {
         let mut rng = Rng::new(38);
         let mut frames = vec![boxes];
         for _ in 0..10 {
             let mut next = frames[frames.len() - 1].clone();
-            scenes::walk(&mut next, 300, 0.02, &mut rng);
+            scenes::walk(&mut next, 300, 0.04, &mut rng);
             frames.push(next);
         }
         let outcomes = on_every_setup(with_margin(0.5), &frames, jobs);

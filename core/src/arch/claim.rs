@@ -237,7 +237,6 @@ mod tests {
             b.fill(index as u16 + 1);
         }
         assert!(claims.claim().is_none());
-        drop(claims);
         assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
         assert_eq!(b, [1, 2, 3, 4]);
     }

@@ -135,7 +135,7 @@ fn sweep_sorted<S: Simd, I: Index>(
             }
             let rows = bench.columns.span(block * 4 * S::ROWS, 4 * S::ROWS);
             let mask = simd.rows_at_most(rows, query) & window;
-            collected += unpack(mask, (at << 16 | block * S::ROWS) as u32, bench.candidates, collected);
+            collected += unpack(mask, ((at << 16) | (block * S::ROWS)) as u32, bench.candidates, collected);
             if collected >= full {
                 test(simd, collected, bench, boxes, sink);
                 collected = 0;

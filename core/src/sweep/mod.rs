@@ -44,6 +44,13 @@ impl<I: Index> Sink<I> for Ordered<'_, I> {
     }
 }
 
+/// Sweeps one block of leaves.
+type BlockWork<'w, I> = dyn Fn(usize, &mut Scratch<'_, I>, &mut dyn Sink<I>) + Sync + 'w;
+/// A chunk of staged pairs and its entry in the table.
+type StagedChunk<'s, I> = (&'s mut [Pair<I>], &'s mut [[u32; 3]]);
+/// All of them.
+type StagedChunks<'o, I> = (Chunks<'o, Pair<I>>, Chunks<'o, [u32; 3]>);
+
 /// The buffers that pairs are collected in.
 pub(crate) struct Collector<'o, I> {
     pub(crate) pairs: &'o mut [Pair<I>],
@@ -67,7 +74,7 @@ impl<'o, I: Index> Collector<'o, I> {
         executor: &dyn Executor,
         from: u64,
         blocks: usize,
-        work: &(dyn Fn(usize, &mut Scratch<'_, I>, &mut dyn Sink<I>) + Sync),
+        work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.bag);
         for area in self.scratch.chunks_exact_mut(area) {
@@ -93,7 +100,7 @@ impl<'o, I: Index> Collector<'o, I> {
         executor: &dyn Executor,
         from: u64,
         blocks: usize,
-        work: &(dyn Fn(usize, &mut Scratch<'_, I>, &mut dyn Sink<I>) + Sync),
+        work: &BlockWork<'_, I>,
     ) -> Option<u64> {
         let area = scratch::records::<I>(self.bag);
         let full = AtomicBool::new(false);
@@ -110,7 +117,6 @@ impl<'o, I: Index> Collector<'o, I> {
             scratch.finish();
         });
         let used = chunks.claimed();
-        drop(chunks);
         if full.load(Relaxed) {
             // The blocks are swept once more, so what was counted must not count twice.
             for area in self.scratch.chunks_exact_mut(area) {
@@ -136,10 +142,10 @@ impl<'o, I: Index> Collector<'o, I> {
 
 /// The staged pairs of one block, in as many chunks as they need.
 struct Staged<'s, 'o, I> {
-    chunks: &'s Claims<(Chunks<'o, Pair<I>>, Chunks<'o, [u32; 3]>)>,
+    chunks: &'s Claims<StagedChunks<'o, I>>,
     full: &'s AtomicBool,
     block: u32,
-    chunk: Option<(&'s mut [Pair<I>], &'s mut [[u32; 3]])>,
+    chunk: Option<StagedChunk<'s, I>>,
 }
 
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {

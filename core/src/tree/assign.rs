@@ -90,7 +90,6 @@ fn count_at<I: Index>(
             found.fill(census);
         }
     });
-    drop(claims);
     let mut sum = Census { extent: Extent::NONE, coarse: false };
     for census in &found {
         sum.extent.union(&census.extent);
@@ -304,7 +303,6 @@ fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor
             }
         }
     });
-    drop(claims);
     for node in (1..leaves).rev() {
         let mut sum = [i32::MIN; 3];
         for child in [2 * node, 2 * node + 1] {

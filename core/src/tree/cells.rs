@@ -2,7 +2,7 @@
 
 use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
-use crate::key::value;
+use crate::key::{key, length, value};
 
 /// How many times its cell a box may reach beyond it before it is a large object.
 const FAR: f32 = 2.0;
@@ -20,8 +20,8 @@ impl Extent {
     /// Takes in one minimum corner; unbounded coordinates would only blur the frames.
     #[inline(always)]
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
-        const LOWEST: i32 = crate::key::key(f32::MIN);
-        const HIGHEST: i32 = crate::key::key(f32::MAX);
+        const LOWEST: i32 = key(f32::MIN);
+        const HIGHEST: i32 = key(f32::MAX);
         for k in 0..3 {
             self.low[k] = self.low[k].min(min[k].max(LOWEST));
             self.high[k] = self.high[k].max(min[k].min(HIGHEST));
@@ -72,8 +72,8 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
             cell.far[k] = if cell.high[k] == i32::MAX {
                 i32::MAX
             } else {
-                let side = value(high[k]) - value(low[k]);
-                crate::key::key((value(cell.high[k]) + FAR * side).min(f32::MAX))
+                let reach = FAR * length(low[k], high[k]);
+                if reach > 0.0 { key((value(cell.high[k]) + reach).min(f32::MAX)) } else { cell.high[k] }
             };
         }
     }
@@ -84,7 +84,7 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
         let (low, high) = extent.clip(cell);
         *frame = Frame::over(low, high);
-        let side = |k: usize| value(high[k]) - value(low[k]);
+        let side = |k: usize| length(low[k], high[k]);
         // Any axis is correct (errata E16 and E17); along the longest side a box meets the fewest others.
         let longest = if side(1) > side(0) { 1 } else { 0 };
         leaf.axis = if side(2) > side(longest) { 2 } else { longest as u32 };
@@ -94,7 +94,7 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
 /// The frame over a whole world, and the axis to sweep it along: `axis` unless another is clearly longer, since
 /// the list of that one is in order already.
 pub(crate) fn frame_all(extent: &Extent, axis: usize) -> (Frame, usize) {
-    let side = |k: usize| value(extent.high[k % 3]) - value(extent.low[k % 3]);
+    let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
     let longest = (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best });
     (Frame::over(extent.low, extent.high), longest)
 }
@@ -103,7 +103,6 @@ pub(crate) fn frame_all(extent: &Extent, axis: usize) -> (Frame, usize) {
 mod tests {
     use super::super::{leaf_of, plane};
     use super::*;
-    use crate::key::key;
 
     #[test]
     fn each_corner_is_in_the_cell_of_its_leaf_alone() {

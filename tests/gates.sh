@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
+# a million objects, more pairs than 32 bits can count, the folder of recordings that TRISAP_RECORDINGS names, and
+# Miri where it is installed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+case "${1-}" in
+"") all=false ;;
+--all) all=true ;;
+*) echo "usage: tests/gates.sh [--all]" >&2 && exit 2 ;;
+esac
+
+cargo fmt --all --check
+cargo clippy --workspace --all-targets -- -D warnings
+RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+cargo check -p trisap-core --features glam
+cargo test --workspace
+
+if $all; then
+    TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests
+    cargo run --release -p trisap-tests --example million
+    cargo run --release -p trisap-tests --example overflow
+    if cargo +nightly miri --version >/dev/null 2>&1; then
+        cargo +nightly miri test -p trisap-core --lib
+    else
+        echo "skipped: Miri is not installed"
+    fi
+fi
+echo "all gates passed"
