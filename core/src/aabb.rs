@@ -110,9 +110,18 @@ impl<'a> Boxes<'a> {
     #[must_use]
     #[inline(always)]
     pub fn get(&self, index: usize) -> Option<Aabb> {
-        let item = self.bytes.get(index.checked_mul(self.stride)?..)?;
-        let corner = |at: usize| item.get(at..at + CORNER).map(bytemuck::pod_read_unaligned::<[f32; 3]>);
-        Some(Aabb { min: corner(0)?, max: corner(self.max_at)? })
+        let [min, max] = self.corners(index)?;
+        Some(Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
+    }
+
+    /// The bytes of the corners of the box at `index`.
+    #[inline(always)]
+    pub(crate) fn corners(&self, index: usize) -> Option<[&'a [u8; CORNER]; 2]> {
+        if index >= self.count {
+            return None;
+        }
+        let item = self.bytes.get(index * self.stride..)?;
+        Some([item.first_chunk()?, item.get(self.max_at..)?.first_chunk()?])
     }
 }
 

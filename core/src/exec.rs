@@ -2,15 +2,42 @@
 
 /// A job system, as far as a step needs one.
 ///
-/// The job that a step hands over is index-less and idempotent: every call of it claims blocks of work until
-/// none remain, and the step makes a last call itself. An executor may therefore run it more often than asked,
-/// less often, one after the other or not at all; the result is the same, byte for byte. A job never blocks,
-/// nests, locks or allocates.
+/// A step has a few stages, one after another, that can be shared. For each it makes a *job* on its own stack and
+/// lends it to [`fork_join`](Self::fork_join). Every call of the job takes blocks of work, one by one, until none is
+/// left, and then returns; a call that comes when nothing is left returns at once. When `fork_join` is back, the step
+/// calls the job once more itself, so that nothing remains undone whatever the executor did.
+///
+/// # What an executor may do
+/// The result is the same, byte for byte, if the executor
+/// - makes `width` calls (what it should do), fewer, more, or none;
+/// - makes them at the same time, one after another, in any order, on any threads, the calling thread included: it is
+///   idle until `fork_join` returns, so a good executor has it make one of the calls, or run other tasks;
+/// - makes a call late, when others have done all of the work, as long as that is before `fork_join` returns;
+/// - calls the job from inside a task that it runs while it waits for something else, on a stack however deep.
+///
+/// # What it must do
+/// - **Complete:** `fork_join` returns only when every call of the job that has begun or may still begin has returned.
+///   That is the only sign of completion, and the job's memory is gone afterwards. The borrow checker sees to it;
+///   where a lifetime is lengthened to hand the job to a long-lived thread, and behind a C interface, the executor has
+///   to.
+/// - **Order memory:** all that the calling thread did before `fork_join` *happens before* every call, and every call
+///   happens before the return of `fork_join`. Starting and joining threads, mutexes, channels, and release stores
+///   that acquire loads read all do that; relaxed counters do not. The job itself adds no ordering: its blocks are
+///   claimed with relaxed atomics.
+///
+/// # What it can rely on
+/// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job, and needs
+/// less than 16 KiB of stack. A step never has two jobs at once.
+///
+/// If `fork_join` unwinds, so does the step, and the world is then half way through it: make it anew with
+/// [`World::new_in`](crate::World::new_in). Memory stays sound.
+///
+/// Targets without 32-bit atomic exchange (`thumbv6m`) never call `fork_join`: steps are serial there.
 ///
 /// ```
 /// use trisap_core::Executor;
 ///
-/// /// Runs jobs on freshly started threads.
+/// /// Runs jobs on freshly started threads and on the calling one.
 /// struct Threads(u32);
 ///
 /// impl Executor for Threads {
@@ -19,19 +46,23 @@
 ///     }
 ///     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
 ///         std::thread::scope(|scope| {
-///             for _ in 0..width {
+///             for _ in 1..width {
 ///                 scope.spawn(job);
 ///             }
+///             job();
 ///         });
 ///     }
 /// }
 /// ```
 pub trait Executor {
-    /// How many calls of a job can run at once, the calling thread included.
+    /// How many calls of a job can run at once, the calling thread's own included where it makes one. A hint: below 2
+    /// nothing is shared, and the answer may change from call to call.
     fn workers(&self) -> u32;
 
-    /// Calls `job` up to `width` times, on any threads, and returns when all these calls have returned. The
-    /// return is the only completion signal.
+    /// Calls `job` `width` times, at once if it can be, and returns when all these calls have returned.
+    ///
+    /// `width` is 2 or more, and at most the least of [`workers`](Self::workers), of
+    /// [`Config::workers`](crate::Config::workers) and of the blocks of work. See the trait for what else may be done.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
 }
 
@@ -50,8 +81,9 @@ impl Executor for Serial {
 /// work are enough to share.
 pub(crate) fn run(executor: &dyn Executor, scratches: usize, blocks: usize, job: &(dyn Fn() + Sync)) {
     let width = (executor.workers() as usize).min(scratches).min(blocks);
-    if width > 1 {
-        executor.fork_join(width as u32 - 1, job);
+    // Claims are exclusive only where they can be made in one piece.
+    if cfg!(target_has_atomic = "32") && width > 1 {
+        executor.fork_join(width as u32, job);
     }
     job();
 }

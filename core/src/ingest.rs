@@ -7,7 +7,6 @@ use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::KeyBox;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
 use crate::objects::Objects;
 use crate::storage::Parts;
@@ -75,15 +74,18 @@ impl Phase for IngestBlock<'_, '_> {
     type Output = Intake;
 
     #[inline(always)]
-    fn run<S: Simd>(mut self, _: S) -> Intake {
+    fn run<S: Simd>(self, simd: S) -> Intake {
+        let Self { first, bounds, mut objects } = self;
         let mut intake = Intake::default();
-        for at in 0..self.objects.now.len() {
-            if self.objects.now.at(at).is_empty() {
+        for at in 0..objects.now.len() {
+            let old = objects.now.at(at);
+            if old.is_empty() {
                 continue;
             }
-            let slot = self.first + at;
-            match self.bounds.get(slot).as_ref().and_then(KeyBox::from_aabb) {
-                Some(bounds) => intake.crept |= self.objects.accept(at, bounds),
+            let slot = first + at;
+            match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
+                Some(keys) if simd.same(keys, simd.keys(&old)) => {}
+                Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
                 None => {
                     if intake.rejected == 0 {
                         intake.first_rejected = slot as u32;

@@ -8,9 +8,9 @@ use crate::aabb::Aabb;
 use bytemuck::{Pod, Zeroable};
 
 /// The key of +infinity, the largest that a box can hold.
-const POSITIVE_INFINITY: i32 = 0x7f80_0000;
+pub(crate) const POSITIVE_INFINITY: i32 = 0x7f80_0000;
 /// The key of -infinity, the smallest.
-const NEGATIVE_INFINITY: i32 = i32::MIN + 0x7f_ffff;
+pub(crate) const NEGATIVE_INFINITY: i32 = i32::MIN + 0x7f_ffff;
 /// What -0.0 would map to without care.
 const NEGATIVE_ZERO: i32 = -1;
 
@@ -50,6 +50,11 @@ pub(crate) struct KeyBox {
 impl KeyBox {
     /// Overlaps nothing, not even itself: the box of a slot without an object.
     pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
+
+    /// The box of one point.
+    pub(crate) const fn at(corner: [i32; 3]) -> Self {
+        Self { min: corner, max: corner }
+    }
 
     /// The box of a free slot: as empty, with a link to another slot where it does no harm.
     pub(crate) const fn free(next: u32) -> Self {

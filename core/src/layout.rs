@@ -112,9 +112,9 @@ impl Sizes {
         })
     }
 
-    /// Entries of one block's tally: objects and front boxes of each leaf, and the large objects.
+    /// Entries of one block's tally: objects and front boxes of each leaf, two by two, and the large objects last.
     pub(crate) const fn tally_row(&self) -> usize {
-        if self.tree > 0 { 2 * self.leaves + 2 } else { 0 }
+        if self.tree > 0 { 2 * self.leaves + 1 } else { 0 }
     }
 
     const fn bytes<I: Index>(&self) -> Option<usize> {

@@ -37,10 +37,13 @@ impl Objects<'_> {
     /// A new box. Returns whether the object crept: its box changed inside the fat box, which then stays.
     #[inline(always)]
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) -> bool {
+        bounds != self.now.at(at) && self.change(at, bounds)
+    }
+
+    /// A box that differs from the old one.
+    #[inline(always)]
+    pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) -> bool {
         let old = self.now.at(at);
-        if old == bounds {
-            return false;
-        }
         self.now.put(at, bounds);
         if !self.has_margins() {
             self.report(at, old);

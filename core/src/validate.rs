@@ -134,7 +134,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let home = leaf_of(parts.tree.planes, depth, &bounds.min);
             check(home == index, "an object is not where the planes say", slot)?;
             check(parts.tree.cells.at(index).holds(&bounds.min), "a minimum is outside its cell", slot)?;
-            let expected = Scalar.record(&parts.tree.frames.at(index), &bounds, slot as u32);
+            let expected = Scalar.record(&parts.tree.frames.at(index), bounds, slot as u32);
             check(record == expected, "a record is not that of its box", slot)?;
             let mut node = leaves + index;
             while node > 0 {
@@ -172,14 +172,20 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             planes.put(1, parts.tree.planes.at(node));
             let mut halves = [cell, cell];
             cut(&planes, 1, &parts.state.extent(), &mut halves);
+            let half = halves.at(right);
+            let (mut low, mut high) = (cell.low(), cell.high());
             for k in 0..3 {
-                let half = halves.at(right);
-                cell.low[k] = cell.low[k].max(half.low[k]);
-                cell.high[k] = cell.high[k].min(half.high[k]);
+                low[k] = low[k].max(half.low()[k]);
+                high[k] = high[k].min(half.high()[k]);
             }
+            cell = Cell::new(low, high, high);
         }
         let known = parts.tree.cells.at(index);
-        check((cell.low, cell.high) == (known.low, known.high), "a cell is not that of its planes", index)?;
+        check(
+            (cell.low(), cell.high()) == (known.low(), known.high()),
+            "a cell is not that of its planes",
+            index,
+        )?;
     }
     Ok(())
 }

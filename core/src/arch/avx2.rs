@@ -1,7 +1,7 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, Phase, Simd};
-use crate::key::KeyBox;
+use super::{Contact, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
+use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::tree::{Frame, GRID_MAX, Record};
 use core::arch::x86_64::*;
 
@@ -29,29 +29,150 @@ impl Avx2 {
     }
 }
 
-impl Simd for Avx2 {
-    const ROWS: usize = 32;
+/// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
+#[inline(always)]
+fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
+    let Ok(rows): Result<&[Row; 32], _> = rows.try_into() else { return 0 };
+    let eights: &[[i32; 8]; 4] = bytemuck::cast_ref(rows);
+    // SAFETY: the token proves AVX2; each load reads eight rows.
+    unsafe {
+        // The upper of each two bytes is the query's exactly where a row's byte is at most the query's.
+        let a =
+            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[0].as_ptr().cast())), query);
+        let b =
+            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[1].as_ptr().cast())), query);
+        let c =
+            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[2].as_ptr().cast())), query);
+        let d =
+            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[3].as_ptr().cast())), query);
+        // A byte for each row. The halves of the vectors are packed apart: put groups of four back in order.
+        let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
+        let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+        _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(bytes, order)) as u32
+    }
+}
 
-    type Query = [__m256i; 4];
+impl Simd for Avx2 {
+    /// The last two lanes are zero.
+    type Keys = __m256i;
+
+    type Axis = __m128i;
+
+    type Query = __m256i;
 
     #[inline(always)]
-    fn query(self, bytes: [u8; 4]) -> Self::Query {
-        // SAFETY: `self` proves AVX2.
-        bytes.map(|byte| unsafe { _mm256_set1_epi8(byte as i8) })
+    fn keys(self, bounds: &KeyBox) -> __m256i {
+        let keys: &[i32; 6] = bytemuck::cast_ref(bounds);
+        // SAFETY: `self` proves AVX2; 16 and then 8 of the 24 bytes are read.
+        unsafe {
+            let first = _mm_loadu_si128(keys.as_ptr().cast());
+            _mm256_set_m128i(_mm_loadl_epi64(keys.as_ptr().add(4).cast()), first)
+        }
     }
 
     #[inline(always)]
-    fn rows_at_most(self, block: &[u8], query: Self::Query) -> u64 {
-        let Some((block, _)) = block.split_first_chunk::<128>() else { return 0 };
-        // SAFETY: `self` proves AVX2; the four loads stay inside the 128 bytes.
+    fn bounds(self, keys: __m256i) -> KeyBox {
+        let mut bounds = [0; 6];
+        // SAFETY: `self` proves AVX2; 16 and then 8 of the 24 bytes are written.
         unsafe {
-            let column = |k: usize| _mm256_loadu_si256(block.as_ptr().add(32 * k).cast());
-            // Saturated subtraction leaves zero exactly where a byte is at most the query's.
-            let over = |k: usize| _mm256_subs_epu8(column(k), query[k]);
-            let over = _mm256_or_si256(_mm256_or_si256(over(0), over(1)), _mm256_or_si256(over(2), over(3)));
-            let inside = _mm256_cmpeq_epi8(over, _mm256_setzero_si256());
-            u64::from(_mm256_movemask_epi8(inside) as u32)
+            _mm_storeu_si128(bounds.as_mut_ptr().cast(), _mm256_castsi256_si128(keys));
+            _mm_storel_epi64(bounds.as_mut_ptr().add(4).cast(), _mm256_extracti128_si256::<1>(keys));
         }
+        bytemuck::cast(bounds)
+    }
+
+    #[inline(always)]
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<__m256i> {
+        // SAFETY: `self` proves AVX2; each read stays inside one of the arrays of 12 bytes.
+        unsafe {
+            let [_, _, z]: [i32; 3] = bytemuck::cast(*min);
+            let [x, _, _]: [i32; 3] = bytemuck::cast(*max);
+            let first = _mm_loadl_epi64(min.as_ptr().cast());
+            let first = _mm_insert_epi32::<3>(_mm_insert_epi32::<2>(first, z), x);
+            let bits = _mm256_set_m128i(_mm_loadl_epi64(max.as_ptr().add(4).cast()), first);
+            let keys = _mm256_xor_si256(bits, _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(bits)));
+            // -0.0 becomes 0.0: equality is -1, as is the key.
+            let keys = _mm256_sub_epi32(keys, _mm256_cmpeq_epi32(keys, _mm256_set1_epi32(-1)));
+            // Minima from -infinity to the maxima, maxima to +infinity.
+            let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
+            let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
+            let least = _mm256_setr_epi32(low, low, low, i32::MIN, i32::MIN, i32::MIN, 0, 0);
+            let most = _mm256_blend_epi32::<0b111000>(maxima, _mm256_set1_epi32(high));
+            let bad = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
+            (_mm256_testz_si256(bad, bad) != 0).then_some(keys)
+        }
+    }
+
+    #[inline(always)]
+    fn above(self, a: __m256i, b: __m256i) -> u32 {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b))) as u32 }
+    }
+
+    #[inline(always)]
+    fn same(self, a: __m256i, b: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let differs = _mm256_xor_si256(a, b);
+            _mm256_testz_si256(differs, differs) != 0
+        }
+    }
+
+    #[inline(always)]
+    fn lower(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_min_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn upper(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_max_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn narrow(self, keys: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
+            let apart = _mm256_sub_epi32(maxima, keys);
+            let few = _mm256_cmpeq_epi32(apart, _mm256_min_epu32(apart, _mm256_set1_epi32(3)));
+            _mm256_movemask_ps(_mm256_castsi256_ps(few)) as u32 & MINIMA != 0
+        }
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> __m128i {
+        // The high byte of a lane comes second.
+        let [a, b, c, d] = row_lanes(axis).map(|lane| 2 * lane as i8 + 1);
+        // SAFETY: `self` proves AVX2, which includes SSE2.
+        unsafe { _mm_setr_epi8(a, b, c, d, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1) }
+    }
+
+    #[inline(always)]
+    fn row(self, axis: __m128i, record: &Record) -> Row {
+        // SAFETY: `self` proves AVX2, which includes SSSE3.
+        unsafe { _mm_cvtsi128_si32(_mm_shuffle_epi8(bytemuck::cast(*record), axis)) }.to_le_bytes()
+    }
+
+    #[inline(always)]
+    fn query(self, row: Row) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let bytes = _mm256_set1_epi32(i32::from_le_bytes(row));
+            // All groups of four bytes are the same, so the first can serve them all.
+            let swap = _mm256_set1_epi32(0x0203_0001);
+            _mm256_xor_si256(_mm256_shuffle_epi8(bytes, swap), _mm256_set1_epi8(-1))
+        }
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row], at: usize, count: usize, query: __m256i) -> u64 {
+        let Some(rows) = rows.get(at..).and_then(|rows| rows.first_chunk::<WINDOW>()) else { return 0 };
+        let (first, second) = rows.split_at(WINDOW / 2);
+        let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
     }
 
     #[inline(always)]
@@ -86,28 +207,19 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn record(self, frame: &Frame, bounds: &KeyBox, tag: u32) -> Record {
-        let [x0, y0, z0] = bounds.min;
-        let [x1, y1, z1] = bounds.max;
-        let [ox, oy, oz] = frame.origin;
-        let [sx, sy, sz] = frame.scale;
-        // SAFETY: `self` proves AVX2.
+    fn record(self, frame: &Frame, keys: __m256i, tag: u32) -> Record {
+        // SAFETY: `self` proves AVX2; the frame's rows are eight floats each.
         unsafe {
-            let keys = _mm256_setr_epi32(x0, y0, z0, x1, y1, z1, 0, 0);
             let sign = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(keys));
             let x = _mm256_castsi256_ps(_mm256_xor_si256(keys, sign));
-            let origin = _mm256_setr_ps(ox, oy, oz, ox, oy, oz, 0.0, 0.0);
-            let scale = _mm256_setr_ps(sx, sy, sz, sx, sy, sz, 0.0, 0.0);
-            let at = _mm256_mul_ps(_mm256_sub_ps(x, origin), scale);
+            let at = _mm256_sub_ps(x, _mm256_loadu_ps(frame.origin.as_ptr()));
+            let at = _mm256_mul_ps(at, _mm256_loadu_ps(frame.scale.as_ptr()));
             // NaN falls to the second operand: zero.
             let at = _mm256_min_ps(_mm256_max_ps(at, _mm256_setzero_ps()), _mm256_set1_ps(GRID_MAX));
             let at = _mm256_cvttps_epi32(at);
-            let low = _mm256_castsi256_si128(at);
-            let high = _mm256_extracti128_si256::<1>(at);
-            let lanes = _mm_xor_si128(_mm_packus_epi32(low, high), _mm_setr_epi16(0, 0, 0, -1, -1, -1, 0, 0));
-            let mut record: Record = bytemuck::cast(lanes);
-            record.tag = tag;
-            record
+            let lanes = _mm_packus_epi32(_mm256_castsi256_si128(at), _mm256_extracti128_si256::<1>(at));
+            let lanes = _mm_xor_si128(lanes, _mm_setr_epi16(0, 0, 0, -1, -1, -1, 0, 0));
+            bytemuck::cast(_mm_insert_epi32::<3>(lanes, tag as i32))
         }
     }
 }

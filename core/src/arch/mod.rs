@@ -22,20 +22,59 @@ pub(crate) struct Contact {
     pub(crate) tied: bool,
 }
 
+/// Four bytes of a record: see [`Simd::row`].
+pub(crate) type Row = [u8; 4];
+
+/// Rows that are compared at a time: one bit each in a mask.
+pub(crate) const WINDOW: usize = 64;
+
 /// The operations of one instruction set. A value of the type is the proof that the CPU has it.
 pub(crate) trait Simd: Copy + Send + Sync {
-    /// Rows in a block of columns, and so in a mask: a power of two up to 64.
-    const ROWS: usize;
+    /// The six keys of a box, three minima and three maxima.
+    type Keys: Copy;
 
-    /// Four bytes that rows are compared with.
+    /// Where a row's bytes are in a record.
+    type Axis: Copy;
+
+    /// What rows are compared with.
     type Query: Copy;
 
-    /// Prepares a comparison.
-    fn query(self, bytes: [u8; 4]) -> Self::Query;
+    /// The keys of a box.
+    fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The rows of a block of four columns, one after another, whose bytes are all at most the query's: bit `i`
-    /// for row `i`. The block has `4 * ROWS` bytes; a shorter one has no rows.
-    fn rows_at_most(self, block: &[u8], query: Self::Query) -> u64;
+    /// The box of some keys.
+    fn bounds(self, keys: Self::Keys) -> KeyBox;
+
+    /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
+
+    /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
+    fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
+
+    /// Whether all keys are the same.
+    fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
+
+    /// The lower of each two keys.
+    fn lower(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
+
+    /// The upper of each two keys.
+    fn upper(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
+
+    /// Whether the two keys of some axis are less than four apart.
+    fn narrow(self, keys: Self::Keys) -> bool;
+
+    /// Prepares the rows of a sweep along an axis.
+    fn axis(self, axis: usize) -> Self::Axis;
+
+    /// The row of a record: the high bytes of the minimum and the complemented maximum on each of the two other axes.
+    fn row(self, axis: Self::Axis, record: &Record) -> Row;
+
+    /// Prepares a comparison with a row: its maxima and complemented minima.
+    fn query(self, row: Row) -> Self::Query;
+
+    /// The rows from `at` on, at most `count` and [`WINDOW`] of them, whose bytes are all at most the query's: bit `i`
+    /// for row `at + i`. Behind the rows there is room for a window; without that there are none.
+    fn window(self, rows: &[Row], at: usize, count: usize, query: Self::Query) -> u64;
 
     /// Compares two records.
     fn contact(self, a: &Record, b: &Record) -> Contact;
@@ -44,7 +83,21 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn touching(self, records: &[Record; 4], limit: Record) -> u32;
 
     /// A box on the grid of a leaf.
-    fn record(self, frame: &Frame, bounds: &KeyBox, tag: u32) -> Record;
+    fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;
+}
+
+/// Bits of a mask that speak of minima, and of maxima.
+pub(crate) const MINIMA: u32 = 0b111;
+pub(crate) const MAXIMA: u32 = 0b111 << 3;
+
+/// The lanes that a row comes from.
+#[inline(always)]
+const fn row_lanes(axis: usize) -> [usize; 4] {
+    match axis {
+        0 => [1, 4, 2, 5],
+        1 => [2, 5, 0, 3],
+        _ => [0, 3, 1, 4],
+    }
 }
 
 /// What another record's lanes must not exceed for it to touch this one: the maxima, then the complemented minima.

@@ -1,6 +1,8 @@
 //! The level that every CPU has. Also the definition of what each operation means.
 
-use super::{Contact, Simd};
+use super::{Contact, Row, Simd, WINDOW, row_lanes};
+use crate::aabb::Aabb;
+use crate::access::Access;
 use crate::key::{KeyBox, value};
 use crate::tree::{Frame, GRID_MAX, Record};
 
@@ -9,25 +11,83 @@ use crate::tree::{Frame, GRID_MAX, Record};
 pub(crate) struct Scalar;
 
 impl Simd for Scalar {
-    const ROWS: usize = 16;
+    type Keys = KeyBox;
 
-    type Query = [u8; 4];
+    type Axis = usize;
+
+    type Query = Row;
 
     #[inline(always)]
-    fn query(self, bytes: [u8; 4]) -> [u8; 4] {
-        bytes
+    fn keys(self, bounds: &KeyBox) -> KeyBox {
+        *bounds
     }
 
     #[inline(always)]
-    fn rows_at_most(self, block: &[u8], query: [u8; 4]) -> u64 {
-        let Some((block, _)) = block.split_first_chunk::<64>() else { return 0 };
+    fn bounds(self, keys: KeyBox) -> KeyBox {
+        keys
+    }
+
+    #[inline(always)]
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<KeyBox> {
+        KeyBox::from_aabb(&Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
+    }
+
+    #[inline(always)]
+    fn above(self, a: KeyBox, b: KeyBox) -> u32 {
         let mut mask = 0;
-        for row in 0..16 {
-            let inside = block[row] <= query[0]
-                && block[16 + row] <= query[1]
-                && block[32 + row] <= query[2]
-                && block[48 + row] <= query[3];
-            mask |= u64::from(inside) << row;
+        for k in 0..3 {
+            mask |= u32::from(a.min[k] > b.min[k]) << k;
+            mask |= u32::from(a.max[k] > b.max[k]) << (3 + k);
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn same(self, a: KeyBox, b: KeyBox) -> bool {
+        a == b
+    }
+
+    #[inline(always)]
+    fn lower(self, a: KeyBox, b: KeyBox) -> KeyBox {
+        let each = |a: [i32; 3], b: [i32; 3]| [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])];
+        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
+    }
+
+    #[inline(always)]
+    fn upper(self, a: KeyBox, b: KeyBox) -> KeyBox {
+        let each = |a: [i32; 3], b: [i32; 3]| [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])];
+        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
+    }
+
+    #[inline(always)]
+    fn narrow(self, keys: KeyBox) -> bool {
+        (0..3).any(|k| (keys.max[k].wrapping_sub(keys.min[k]) as u32) < 4)
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> usize {
+        axis
+    }
+
+    #[inline(always)]
+    fn row(self, axis: usize, record: &Record) -> Row {
+        row_lanes(axis).map(|lane| (record.lanes[lane] >> 8) as u8)
+    }
+
+    #[inline(always)]
+    fn query(self, [a, b, c, d]: Row) -> Row {
+        [!b, !a, !d, !c]
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row], at: usize, count: usize, query: Row) -> u64 {
+        let mut mask = 0;
+        for (index, row) in rows.span(at, count.min(WINDOW)).iter().enumerate() {
+            let mut inside = true;
+            for k in 0..4 {
+                inside &= row[k] <= query[k];
+            }
+            mask |= u64::from(inside) << index;
         }
         mask
     }
@@ -58,7 +118,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn record(self, frame: &Frame, bounds: &KeyBox, tag: u32) -> Record {
+    fn record(self, frame: &Frame, bounds: KeyBox, tag: u32) -> Record {
         let step = |k: usize, x: i32| {
             let at = (value(x) - frame.origin[k]) * frame.scale[k];
             // The cast takes NaN (an infinite coordinate times a zero scale) to zero, as the vectors do.

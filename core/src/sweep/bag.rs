@@ -2,20 +2,18 @@
 //! overlap there on the other two, and test what is left on all lanes.
 //!
 //! The sort is a counting sort on the high byte of the minimum, so a record's run of neighbours ends where the
-//! histogram says. The other two axes stand beside as byte columns, which a vector compares many rows at a time.
+//! histogram says. The high bytes of the other two axes stand beside as rows of four, and vectors compare many of them
+//! at a time.
 //! What passes is tested with the whole 16-bit records; only where two coordinates share a step of the grid do
 //! the exact boxes decide.
 
 use super::Sink;
-use super::scratch::{Bench, OVERRUN};
+use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::Simd;
-use crate::id::{Index, pair};
+use crate::arch::{Simd, WINDOW};
+use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
-use crate::tree::Record;
-
-/// The other two axes.
-const OTHERS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+use crate::tree::{Frame, Record};
 
 /// The ends of the runs of equal sort bytes, in a sorted bag.
 type Ends = [u16; 256];
@@ -48,21 +46,25 @@ pub(crate) fn sweep<S: Simd, I: Index>(
         start += core::mem::replace(end, start);
     }
     // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
+    let (sorted, rows) = (bench.sorted.span_mut(0, count), bench.rows.span_mut(0, count));
+    let lanes = simd.axis(axis);
     for bag in bags {
         for record in bag {
             let next = &mut ends[high(record.lanes[axis]) as usize];
-            place::<S, I>(bench, *next as usize, record, axis);
+            sorted.put(*next as usize, *record);
+            rows.put(*next as usize, simd.row(lanes, record));
             *next += 1;
         }
     }
     sweep_sorted(simd, count, axis, &ends, bench, boxes, sink);
 }
 
-/// Sweeps records that come in ascending order of their minimum on `axis`.
+/// Sweeps the objects of a list that is in ascending order of their minimum on `axis`.
 #[inline(always)]
 pub(crate) fn sweep_listed<S: Simd, I: Index>(
     simd: S,
-    records: impl Iterator<Item = Record>,
+    order: &[I],
+    frame: &Frame,
     axis: usize,
     bench: &mut Bench<'_, I>,
     boxes: &[KeyBox],
@@ -70,33 +72,19 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
 ) {
     let axis = axis.min(2);
     let mut ends: Ends = [0; 256];
-    let mut count = 0;
-    for record in records {
-        place::<S, I>(bench, count, &record, axis);
-        count += 1;
-        ends[high(record.lanes[axis]) as usize] = count as u16;
+    let lanes = simd.axis(axis);
+    for (at, slot) in order.iter().enumerate() {
+        let record = simd.record(frame, simd.keys(&boxes.at(slot.at())), slot.slot());
+        bench.sorted.put(at, record);
+        bench.rows.put(at, simd.row(lanes, &record));
+        ends[high(record.lanes[axis]) as usize] = at as u16 + 1;
     }
     let mut end = 0;
     for run in &mut ends {
         end = end.max(*run);
         *run = end;
     }
-    sweep_sorted(simd, count, axis, &ends, bench, boxes, sink);
-}
-
-/// Puts a record to its place in the sorted bag, and its bytes into the columns.
-#[inline(always)]
-fn place<S: Simd, I: Index>(bench: &mut Bench<'_, I>, at: usize, record: &Record, axis: usize) {
-    bench.sorted.put(at, *record);
-    let [u, v] = OTHERS[axis];
-    let row = at / S::ROWS * (4 * S::ROWS) + at % S::ROWS;
-    // One check for the four columns.
-    if let Some(block) = bench.columns.get_mut(row..row + 3 * S::ROWS + 1) {
-        block[0] = high(record.lanes[u]);
-        block[S::ROWS] = high(record.lanes[3 + u]);
-        block[2 * S::ROWS] = high(record.lanes[v]);
-        block[3 * S::ROWS] = high(record.lanes[3 + v]);
-    }
+    sweep_sorted(simd, order.len(), axis, &ends, bench, boxes, sink);
 }
 
 #[inline(always)]
@@ -109,42 +97,31 @@ fn sweep_sorted<S: Simd, I: Index>(
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
-    let [u, v] = OTHERS[axis];
-    let full = bench.candidates.len().saturating_sub(OVERRUN);
+    let Bench { sorted, rows, candidates, pairs, tested } = bench;
+    let sorted = sorted.span(0, count);
+    let rows = rows.span(0, count + WINDOW);
+    let full = candidates.len().saturating_sub(WINDOW);
     let mut collected = 0;
-    for at in 0..count {
-        let record = bench.sorted.at(at);
+    for (at, record) in sorted.iter().enumerate() {
         let end = ends[high(!record.lanes[3 + axis]) as usize] as usize;
-        let first = at + 1;
-        if end <= first {
+        let mut first = at + 1;
+        if first >= end {
             continue;
         }
-        // A row's minimum against this maximum; a row's complemented maximum against this complemented minimum.
-        let query = simd.query([
-            high(!record.lanes[3 + u]),
-            high(!record.lanes[u]),
-            high(!record.lanes[3 + v]),
-            high(!record.lanes[v]),
-        ]);
-        let last_block = (end - 1) / S::ROWS;
-        let mut block = first / S::ROWS;
-        let mut window = u64::MAX << (first % S::ROWS);
-        while block <= last_block {
-            if block == last_block {
-                window &= u64::MAX >> (63 - (end - 1) % S::ROWS);
-            }
-            let rows = bench.columns.span(block * 4 * S::ROWS, 4 * S::ROWS);
-            let mask = simd.rows_at_most(rows, query) & window;
-            collected += unpack(mask, ((at << 16) | (block * S::ROWS)) as u32, bench.candidates, collected);
+        let query = simd.query(rows.at(at));
+        while first < end {
+            let mask = simd.window(rows, first, end - first, query);
+            collected += unpack(mask, ((at << 16) | first) as u32, candidates, collected);
             if collected >= full {
-                test(simd, collected, bench, boxes, sink);
+                *tested += collected as u64;
+                test(simd, sorted, candidates.span_mut(0, collected), pairs, boxes, sink);
                 collected = 0;
             }
-            window = u64::MAX;
-            block += 1;
+            first += WINDOW;
         }
     }
-    test(simd, collected, bench, boxes, sink);
+    *tested += collected as u64;
+    test(simd, sorted, candidates.span_mut(0, collected), pairs, boxes, sink);
 }
 
 /// Writes a candidate for each set bit and returns how many there are.
@@ -152,50 +129,54 @@ fn sweep_sorted<S: Simd, I: Index>(
 fn unpack(mask: u64, base: u32, candidates: &mut [u32], from: usize) -> usize {
     let count = mask.count_ones() as usize;
     let mut rest = mask;
-    // Most masks have few bits, and how many is hard to predict: write four always, more in a loop.
-    if let Some(first) = candidates.get_mut(from..).and_then(|tail| tail.first_chunk_mut::<4>()) {
-        for candidate in first {
-            *candidate = base + rest.trailing_zeros();
-            rest &= rest.wrapping_sub(1);
+    let mut written = 0;
+    // Most masks have few bits, and how many is hard to predict: four are written always.
+    loop {
+        if let Some(four) = candidates.get_mut(from + written..).and_then(|tail| tail.first_chunk_mut::<4>())
+        {
+            for candidate in four {
+                *candidate = base + rest.trailing_zeros();
+                rest &= rest.wrapping_sub(1);
+            }
+        }
+        written += 4;
+        if written >= count {
+            return count;
         }
     }
-    if count > 4 {
-        for candidate in candidates.span_mut(from + 4, count - 4) {
-            *candidate = base + rest.trailing_zeros();
-            rest &= rest.wrapping_sub(1);
-        }
-    }
-    count
 }
 
 /// Tests candidates on all lanes and hands the pairs on.
 #[inline(always)]
 fn test<S: Simd, I: Index>(
     simd: S,
-    collected: usize,
-    bench: &mut Bench<'_, I>,
+    sorted: &[Record],
+    candidates: &mut [u32],
+    pairs: &mut [Pair<I>],
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
-    bench.tested += collected as u64;
-    let mut found = 0;
-    for &candidate in bench.candidates.span(0, collected) {
-        let a = bench.sorted.at((candidate >> 16) as usize);
-        let b = bench.sorted.at((candidate & 0xffff) as usize);
+    let pairs = pairs.span_mut(0, candidates.len());
+    let (mut found, mut tied) = (0, 0);
+    for index in 0..candidates.len() {
+        let candidate = candidates.at(index);
+        let a = sorted.at((candidate >> 16) as usize);
+        let b = sorted.at((candidate & 0xffff) as usize);
         let contact = simd.contact(&a, &b);
         // Records that share a mark belong to another leaf's report (erratum E9), or to another tile's.
-        let ours = a.tag & b.tag & !Record::SLOT == 0;
-        bench.pairs.put(found, pair::<I>(a.slot(), b.slot()));
-        found += usize::from(contact.touches & !contact.tied & ours);
-        if contact.touches & contact.tied & ours {
-            found += usize::from(overlap(boxes, a.slot(), b.slot()));
-        }
+        let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
+        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        pairs.put(found, pair::<I>(a.slot(), b.slot()));
+        found += usize::from(ours & !contact.tied);
+        candidates.put(tied, candidate);
+        tied += usize::from(ours & contact.tied);
     }
-    sink.take(bench.pairs.span(0, found));
-}
-
-/// The exact test, for boxes that share a step of the grid.
-#[cold]
-fn overlap(boxes: &[KeyBox], a: u32, b: u32) -> bool {
-    boxes.at(a as usize).overlaps(&boxes.at(b as usize))
+    // Of boxes that share a step of the grid only the keys can tell.
+    for &candidate in candidates.span(0, tied) {
+        let a = sorted.at((candidate >> 16) as usize).slot();
+        let b = sorted.at((candidate & 0xffff) as usize).slot();
+        pairs.put(found, pair::<I>(a, b));
+        found += usize::from(boxes.at(a as usize).overlaps(&boxes.at(b as usize)));
+    }
+    sink.take(pairs.span(0, found));
 }

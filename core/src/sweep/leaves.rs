@@ -8,13 +8,13 @@
 use super::scratch::Scratch;
 use super::{Sink, bag};
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::arch::{MINIMA, Phase, Simd};
 use crate::id::Index;
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::storage::TreeParts;
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Front, Leaf, Record};
+use crate::tree::{Cell, Frame, Front, Leaf, Record, Sides};
 
 /// What the sweeps of all leaves read.
 #[derive(Clone, Copy)]
@@ -58,45 +58,50 @@ impl<'g> Grove<'g> {
     /// first `skip` of them, as many as fit. Returns how many there are in all.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, visitors: &mut [Record]) -> usize {
+        let cell = self.cells.at(index);
+        let (sides, entrance) = (cell.sides(simd), cell.entrance(simd));
         let mut gathered =
-            Gathered { cell: self.cells.at(index), frame: self.frames.at(index), skip, count: 0, visitors };
-        let cell = gathered.cell;
+            Gathered { simd, sides, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
         // The cell is half-open: minima at its high side are in the next one.
-        let high = cell.high.map(|key| key.saturating_sub(1));
-        let mut visit = Visit::new(self.planes, self.reach, self.depth, cell.low, high);
+        let high = cell.high().map(|key| key.saturating_sub(1));
+        let mut visit = Visit::new(self.planes, self.reach, self.depth, cell.low(), high);
         while let Some(other) = visit.next() {
             if other != index {
                 let leaf = self.leaves.at(other);
-                gathered.enter(simd, self.fronts.span(leaf.front_start as usize, leaf.front_len as usize));
+                gathered.enter(self.fronts.span(leaf.front_start as usize, leaf.front_len as usize));
             }
         }
-        gathered.enter(simd, self.large);
+        gathered.enter(self.large);
         gathered.count
     }
 }
 
 /// The visitors of a leaf so far.
-struct Gathered<'v> {
-    cell: Cell,
+struct Gathered<'v, S: Simd> {
+    simd: S,
+    sides: Sides<S>,
+    entrance: S::Keys,
     frame: Frame,
     skip: usize,
     count: usize,
     visitors: &'v mut [Record],
 }
 
-impl Gathered<'_> {
+impl<S: Simd> Gathered<'_, S> {
     /// Adds those of some boxes that touch the cell.
     #[inline(always)]
-    fn enter<S: Simd>(&mut self, simd: S, fronts: &[Front]) {
+    fn enter(&mut self, fronts: &[Front]) {
+        let simd = self.simd;
         for front in fronts {
-            if !self.cell.is_entered_by(&front.bounds) {
+            let keys = simd.keys(&front.bounds);
+            // Minima below the high sides, maxima not below the low sides.
+            if simd.above(self.entrance, keys) != MINIMA {
                 continue;
             }
             let place = self.count.checked_sub(self.skip).and_then(|at| self.visitors.get_mut(at));
             if let Some(place) = place {
-                let below = |k: usize| u32::from(front.bounds.min[k] < self.cell.low[k]) << k;
-                let marks = Record::BELOW * (below(0) | below(1) | below(2));
-                *place = simd.record(&self.frame, &front.bounds, front.slot | marks);
+                let marks = Record::BELOW * self.sides.below(simd, keys);
+                *place = simd.record(&self.frame, keys, front.slot | marks);
             }
             self.count += 1;
         }

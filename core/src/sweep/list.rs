@@ -2,7 +2,6 @@
 
 use super::scratch::Scratch;
 use super::{Sink, bag};
-use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
 use crate::key::KeyBox;
@@ -24,8 +23,14 @@ impl<I: Index> Phase for SweepList<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let records =
-            self.order.iter().map(|slot| simd.record(&self.frame, &self.boxes.at(slot.at()), slot.slot()));
-        bag::sweep_listed(simd, records, self.axis, &mut self.scratch.bench, self.boxes, self.sink);
+        bag::sweep_listed(
+            simd,
+            self.order,
+            &self.frame,
+            self.axis,
+            &mut self.scratch.bench,
+            self.boxes,
+            self.sink,
+        );
     }
 }

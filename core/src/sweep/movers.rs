@@ -92,7 +92,7 @@ impl<I: Index> SweepMovers<'_, '_, '_, I> {
             let members = grove.members(&leaf);
             let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
             let reach = grove.reach.at((1 << grove.depth) + index);
-            let region = KeyBox { min: cell.low, max: reach };
+            let region = KeyBox { min: cell.low(), max: reach };
             for mover in movers {
                 let bounds = grove.boxes.at(mover.at());
                 if region.overlaps(&bounds) {
@@ -125,7 +125,7 @@ fn scan<S: Simd, I: Index>(
     bounds: &KeyBox,
     report: &mut Report<'_, '_, I>,
 ) {
-    let record = simd.record(frame, bounds, mover);
+    let record = simd.record(frame, simd.keys(bounds), mover);
     let limit = limit(&record);
     let (quads, rest) = members.as_chunks::<4>();
     for quad in quads {

@@ -1,5 +1,6 @@
 //! A worker's scratch: everything that a leaf's sweep needs, for a bag of records that stays in the cache.
 
+use crate::arch::{Row, WINDOW};
 use crate::id::{Index, Pair};
 use crate::tree::Record;
 use bytemuck::Pod;
@@ -19,17 +20,10 @@ const fn batch(bag: usize) -> usize {
     if bag < 1024 { bag } else { 1024 }
 }
 
-/// What one block of columns can add to a batch.
-pub(crate) const OVERRUN: usize = 64;
-
 /// The length of a worker's area.
 pub(crate) const fn records<I>(bag: usize) -> usize {
-    let candidates = batch(bag) + OVERRUN;
-    1 + 2 * bag + of::<u8>(columns(bag)) + of::<u32>(candidates) + of::<Pair<I>>(candidates) + of::<I>(bag)
-}
-
-const fn columns(bag: usize) -> usize {
-    4 * (bag + 64)
+    let candidates = batch(bag) + WINDOW;
+    1 + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates) + of::<I>(bag)
 }
 
 const fn of<T>(count: usize) -> usize {
@@ -60,8 +54,8 @@ pub(crate) struct Scratch<'s, I> {
 pub(crate) struct Bench<'s, I> {
     /// The bag, sorted along the sweep axis.
     pub(crate) sorted: &'s mut [Record],
-    /// The high bytes of the bag's other two axes, in blocks of columns.
-    pub(crate) columns: &'s mut [u8],
+    /// The bag's rows, and room for a window behind them.
+    pub(crate) rows: &'s mut [Row],
     /// Positions in the bag: `low << 16 | high`.
     pub(crate) candidates: &'s mut [u32],
     /// Pairs on their way out.
@@ -74,14 +68,14 @@ impl<'s, I: Index> Scratch<'s, I> {
     /// Divides a worker's area.
     pub(crate) fn carve(area: &'s mut [Record], bag: usize) -> Self {
         let mut rest = area;
-        let candidates = batch(bag) + OVERRUN;
+        let candidates = batch(bag) + WINDOW;
         Self {
             work: cut(&mut rest, 2),
             copies: 0,
             visitors: cut(&mut rest, bag),
             bench: Bench {
                 sorted: cut(&mut rest, bag),
-                columns: cut(&mut rest, columns(bag)),
+                rows: cut(&mut rest, bag + WINDOW),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
                 tested: 0,

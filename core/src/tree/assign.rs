@@ -44,8 +44,9 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
         let (mut fronts, mut large) = (0u64, 0u64);
         let row = parts.sizes.tally_row();
         for tally in parts.tree.tally.chunks_exact(row.max(1)) {
-            fronts += tally.span(leaves, leaves).iter().map(|&n| u64::from(n)).sum::<u64>();
-            large += u64::from(tally.at(2 * leaves));
+            let (counts, rest) = tally.as_chunks::<2>();
+            fronts += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
+            large += u64::from(rest.at(0));
         }
         let live = u64::from(parts.state.live);
         let fits = fronts + large <= parts.tree.fronts.len() as u64;
@@ -111,39 +112,45 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     type Output = Census;
 
     #[inline(always)]
-    fn run<S: Simd>(self, _: S) -> Census {
+    fn run<S: Simd>(self, simd: S) -> Census {
         let Self { boxes, homes, planes, cells, depth, tally } = self;
-        let leaves = 1usize << depth;
-        let (members, rest) = tally.split_at_mut_checked(leaves).unwrap_or_default();
-        let (fronts, large) = rest.split_at_mut_checked(leaves).unwrap_or_default();
-        let mut extent = Extent::NONE;
+        let cells = cells.span(0, 1 << depth);
+        let (counts, large) = tally.as_chunks_mut::<2>();
+        let finite = Extent::FINITE;
+        let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
+        let (mut low, mut high) = (most, least);
         let mut coarse = false;
         for (bounds, home) in boxes.iter().zip(homes) {
             if bounds.is_empty() {
                 *home = I::NONE;
                 continue;
             }
-            extent.include(&bounds.min);
-            coarse |= bounds.is_coarse();
-            let mut leaf = home.at();
-            let stays = cells
-                .get(..leaves)
-                .and_then(|cells| cells.get(leaf))
-                .is_some_and(|cell| cell.holds(&bounds.min));
-            if !stays {
-                leaf = leaf_of(planes, depth, &bounds.min);
+            let keys = simd.keys(bounds);
+            // Unbounded coordinates would only blur the frames.
+            low = simd.lower(low, simd.upper(keys, least));
+            high = simd.upper(high, simd.lower(keys, most));
+            if simd.narrow(keys) {
+                coarse |= bounds.is_coarse();
             }
-            let cell = cells.at(leaf);
-            if cell.is_dwarfed_by(bounds) {
+            let mut leaf = home.at();
+            // A home that is no leaf of this tree has a cell that holds nothing.
+            let mut sides = cells.get(leaf).unwrap_or(&Cell::NOWHERE).sides(simd);
+            if !sides.hold(simd, keys) {
+                leaf = leaf_of(planes, depth, &bounds.min);
+                sides = cells.at(leaf).sides(simd);
+            }
+            if sides.are_dwarfed_by(simd, keys) {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
                 continue;
             }
             *home = I::from_slot(leaf as u32);
-            members.put(leaf, members.at(leaf) + 1);
-            fronts.put(leaf, fronts.at(leaf) + u32::from(cell.is_left_by(bounds)));
+            if let Some([members, fronts]) = counts.get_mut(leaf) {
+                *members += 1;
+                *fronts += u32::from(sides.are_left_by(simd, keys));
+            }
         }
-        Census { extent, coarse }
+        Census { extent: Extent { low: simd.bounds(low).min, high: simd.bounds(high).min }, coarse }
     }
 }
 
@@ -174,13 +181,12 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         (leaf.front_start, leaf.front_len) = (front, 0);
         leaf.movers = 0;
         for tally in parts.tree.tally.chunks_exact_mut(row) {
-            // Positions in the leaf, as they become the objects' places.
-            let count = tally.at(index);
-            tally.put(index, leaf.len);
-            leaf.len += count;
-            let count = tally.at(leaves + index);
-            tally.put(leaves + index, front + leaf.front_len);
-            leaf.front_len += count;
+            let (counts, _) = tally.as_chunks_mut::<2>();
+            if let Some([members, fronts]) = counts.get_mut(index) {
+                // Positions in the leaf, as they become the objects' places.
+                leaf.len += core::mem::replace(members, leaf.len);
+                leaf.front_len += core::mem::replace(fronts, front + leaf.front_len);
+            }
         }
         if leaf.settled == 0 {
             leaf.settled = leaf.len;
@@ -193,8 +199,9 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     }
     parts.state.large_start = front;
     for tally in parts.tree.tally.chunks_exact_mut(row) {
-        let count = tally.at(2 * leaves);
-        tally.put(2 * leaves, front);
+        let (_, large) = tally.as_chunks_mut::<2>();
+        let count = large.at(0);
+        large.put(0, front);
         front += count;
     }
     parts.state.large = front - parts.state.large_start;
@@ -255,21 +262,20 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, large_start, tally } =
             self;
-        let (members, rest) = tally.split_at_mut_checked(leaves.len()).unwrap_or_default();
-        let (front_ends, large) = rest.split_at_mut_checked(leaves.len()).unwrap_or_default();
+        let (next, large) = tally.as_chunks_mut::<2>();
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
             if *home < I::LARGE {
                 let leaf = home.at();
-                let at = members.at(leaf);
-                members.put(leaf, at + 1);
-                *place = I::from_slot(at);
-                let record = simd.record(&frames.at(leaf), bounds, slot);
-                records.store((leaves.at(leaf).start + at) as usize, &record);
-                if cells.at(leaf).is_left_by(bounds) {
-                    let at = front_ends.at(leaf);
-                    front_ends.put(leaf, at + 1);
-                    fronts.store(at as usize, &Front { bounds: *bounds, slot, unused: 0 });
+                let Some([member, front]) = next.get_mut(leaf) else { continue };
+                *place = I::from_slot(*member);
+                let keys = simd.keys(bounds);
+                let record = simd.record(&frames.at(leaf), keys, slot);
+                records.store((leaves.at(leaf).start + *member) as usize, &record);
+                *member += 1;
+                if cells.at(leaf).sides(simd).are_left_by(simd, keys) {
+                    fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
+                    *front += 1;
                 }
             } else if *home == I::LARGE {
                 let at = large.at(0);
@@ -318,7 +324,7 @@ fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor
 
 /// How far members reach that stay inside their cell.
 pub(crate) fn own_reach(cell: &Cell) -> [i32; 3] {
-    cell.high.map(|high| high.saturating_sub(1))
+    cell.high().map(|high| high.saturating_sub(1))
 }
 
 /// Raises a reach to a maximum; tells whether that changed it.

@@ -41,7 +41,8 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
     let row = parts.sizes.tally_row().max(1);
-    let count = |leaf| parts.tree.tally.chunks_exact(row).map(|tally| u64::from(tally.at(leaf))).sum::<u64>();
+    let count =
+        |leaf| parts.tree.tally.chunks_exact(row).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>();
     (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
 }
 

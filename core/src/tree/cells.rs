@@ -17,14 +17,15 @@ pub(crate) struct Extent {
 impl Extent {
     pub(crate) const NONE: Self = Self { low: [i32::MAX; 3], high: [i32::MIN; 3] };
 
+    /// The least and the most that coordinates of a frame can be.
+    pub(crate) const FINITE: Self = Self { low: [key(f32::MIN); 3], high: [key(f32::MAX); 3] };
+
     /// Takes in one minimum corner; unbounded coordinates would only blur the frames.
     #[inline(always)]
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
-        const LOWEST: i32 = key(f32::MIN);
-        const HIGHEST: i32 = key(f32::MAX);
         for k in 0..3 {
-            self.low[k] = self.low[k].min(min[k].max(LOWEST));
-            self.high[k] = self.high[k].max(min[k].min(HIGHEST));
+            self.low[k] = self.low[k].min(min[k].max(Self::FINITE.low[k]));
+            self.high[k] = self.high[k].max(min[k].min(Self::FINITE.high[k]));
         }
     }
 
@@ -37,7 +38,7 @@ impl Extent {
 
     /// The part of a cell where minima can be.
     fn clip(&self, cell: &Cell) -> ([i32; 3], [i32; 3]) {
-        let (mut low, mut high) = (cell.low, cell.high);
+        let (mut low, mut high) = (cell.low(), cell.high());
         for k in 0..3 {
             low[k] = low[k].max(self.low[k]).min(self.high[k]);
             high[k] = high[k].min(self.high[k]).max(low[k]);
@@ -54,28 +55,28 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
         for index in (0..1usize << level).rev() {
             let parent = cells.at(index);
             let plane = planes.at((1 << level) + index);
-            let (mut left, mut right) = (parent, parent);
+            let (mut low, mut high) = (parent.low(), parent.high());
             let axis = axis_of(plane);
             if key_of(plane) == UNSPLIT {
-                right.low = [i32::MAX; 3];
+                low = [i32::MAX; 3];
             } else {
-                left.high[axis] = left.high[axis].min(key_of(plane));
-                right.low[axis] = right.low[axis].max(key_of(plane));
+                high[axis] = high[axis].min(key_of(plane));
+                low[axis] = low[axis].max(key_of(plane));
             }
-            cells.put(2 * index, left);
-            cells.put(2 * index + 1, right);
+            cells.put(2 * index, Cell::new(parent.low(), high, [i32::MAX; 3]));
+            cells.put(2 * index + 1, Cell::new(low, parent.high(), [i32::MAX; 3]));
         }
     }
     for cell in cells.span_mut(0, 1 << depth) {
         let (low, high) = extent.clip(cell);
+        let mut far = cell.high();
         for k in 0..3 {
-            cell.far[k] = if cell.high[k] == i32::MAX {
-                i32::MAX
-            } else {
-                let reach = FAR * length(low[k], high[k]);
-                if reach > 0.0 { key((value(cell.high[k]) + reach).min(f32::MAX)) } else { cell.high[k] }
-            };
+            let reach = FAR * length(low[k], high[k]);
+            if reach > 0.0 && far[k] < i32::MAX {
+                far[k] = key((value(far[k]) + reach).min(f32::MAX)) + 1;
+            }
         }
+        *cell = Cell::new(cell.low(), cell.high(), far);
     }
 }
 

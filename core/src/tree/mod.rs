@@ -20,6 +20,7 @@ pub(crate) mod relocate;
 pub(crate) mod visit;
 
 use crate::access::Access;
+use crate::arch::{MAXIMA, MINIMA, Simd};
 use crate::key::{KeyBox, value};
 use bytemuck::{Pod, Zeroable};
 
@@ -60,58 +61,82 @@ pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
 }
 
 /// The half-open box of minimum corners that belong to a leaf; `i32::MIN` and `i32::MAX` where unbounded.
+///
+/// Its numbers stand as the two boxes that one comparison each takes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Cell {
-    pub(crate) low: [i32; 3],
-    pub(crate) high: [i32; 3],
-    /// A box of this leaf that reaches this far is a large object: it would be copied into too many leaves.
-    pub(crate) far: [i32; 3],
+    /// The low sides, and from where on a box of this leaf is a large object: it would be copied into too many leaves.
+    from: KeyBox,
+    /// The high sides, for minima and for maxima.
+    until: KeyBox,
 }
 
 impl Cell {
-    pub(crate) const ALL: Self = Self { low: [i32::MIN; 3], high: [i32::MAX; 3], far: [i32::MAX; 3] };
+    pub(crate) const ALL: Self = Self::new([i32::MIN; 3], [i32::MAX; 3], [i32::MAX; 3]);
+
+    /// Holds nothing.
+    pub(crate) const NOWHERE: Self = Self::new([i32::MAX; 3], [i32::MIN; 3], [i32::MAX; 3]);
+
+    pub(crate) const fn new(low: [i32; 3], high: [i32; 3], far: [i32; 3]) -> Self {
+        Self { from: KeyBox { min: low, max: far }, until: KeyBox { min: high, max: high } }
+    }
+
+    pub(crate) const fn low(&self) -> [i32; 3] {
+        self.from.min
+    }
+
+    pub(crate) const fn high(&self) -> [i32; 3] {
+        self.until.min
+    }
 
     /// Whether a minimum corner is at home here.
-    #[inline(always)]
     pub(crate) fn holds(&self, min: &[i32; 3]) -> bool {
-        let mut inside = true;
-        for k in 0..3 {
-            inside &= self.low[k] <= min[k];
-            inside &= min[k] < self.high[k];
-        }
-        inside
+        (0..3).all(|k| self.low()[k] <= min[k] && min[k] < self.high()[k])
+    }
+
+    /// The sides in registers.
+    #[inline(always)]
+    pub(crate) fn sides<S: Simd>(&self, simd: S) -> Sides<S> {
+        Sides { from: simd.keys(&self.from), until: simd.keys(&self.until) }
+    }
+
+    /// The sides that a box from elsewhere must pass to touch this cell.
+    #[inline(always)]
+    pub(crate) fn entrance<S: Simd>(&self, simd: S) -> S::Keys {
+        simd.keys(&KeyBox { min: self.until.min, max: self.from.min })
+    }
+}
+
+/// The sides of a cell, ready to be compared with boxes.
+pub(crate) struct Sides<S: Simd> {
+    from: S::Keys,
+    until: S::Keys,
+}
+
+impl<S: Simd> Sides<S> {
+    /// Whether a box's minimum corner is at home here.
+    #[inline(always)]
+    pub(crate) fn hold(&self, simd: S, keys: S::Keys) -> bool {
+        (simd.above(self.until, keys) & !simd.above(self.from, keys)) & MINIMA == MINIMA
     }
 
     /// Whether a box that is at home here touches other cells.
     #[inline(always)]
-    pub(crate) fn is_left_by(&self, bounds: &KeyBox) -> bool {
-        let mut leaves = false;
-        for k in 0..3 {
-            leaves |= bounds.max[k] >= self.high[k];
-        }
-        leaves
+    pub(crate) fn are_left_by(&self, simd: S, keys: S::Keys) -> bool {
+        simd.above(self.until, keys) & MAXIMA != MAXIMA
     }
 
     /// Whether a box that is at home here is a large object.
     #[inline(always)]
-    pub(crate) fn is_dwarfed_by(&self, bounds: &KeyBox) -> bool {
-        let mut large = false;
-        for k in 0..3 {
-            large |= bounds.max[k] > self.far[k];
-        }
-        large
+    pub(crate) fn are_dwarfed_by(&self, simd: S, keys: S::Keys) -> bool {
+        simd.above(self.from, keys) & MAXIMA != MAXIMA
     }
 
-    /// Whether a box from anywhere touches this cell.
+    /// Below which low sides a box's minimum lies: one bit an axis.
     #[inline(always)]
-    pub(crate) fn is_entered_by(&self, bounds: &KeyBox) -> bool {
-        let mut touches = true;
-        for k in 0..3 {
-            touches &= bounds.min[k] < self.high[k];
-            touches &= bounds.max[k] >= self.low[k];
-        }
-        touches
+    pub(crate) fn below(&self, simd: S, keys: S::Keys) -> u32 {
+        simd.above(self.from, keys) & MINIMA
     }
 }
 
@@ -141,8 +166,10 @@ pub(crate) struct Leaf {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Frame {
-    pub(crate) origin: [f32; 3],
-    pub(crate) scale: [f32; 3],
+    /// Twice the corner, as a box has two corners.
+    pub(crate) origin: [f32; 8],
+    /// Steps a unit of length, twice as well.
+    pub(crate) scale: [f32; 8],
 }
 
 /// The last step of a frame's grid.
@@ -161,8 +188,10 @@ impl Frame {
             // that a flush-to-zero mode of the host changes nothing.
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
             let extent = (high - low).max(floor).min(f32::MAX);
-            frame.origin[k] = low;
-            frame.scale[k] = GRID_MAX / extent;
+            for lane in [k, 3 + k] {
+                frame.origin[lane] = low;
+                frame.scale[lane] = GRID_MAX / extent;
+            }
         }
         frame
     }

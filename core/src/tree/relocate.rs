@@ -50,9 +50,10 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         parts.tree.fronts.put(parts.state.large_start as usize + parts.place.at(slot).at(), front);
         return true;
     }
-    let stays = home != I::NONE && parts.tree.cells.at(home.at()).holds(&bounds.min);
+    let keys = simd.keys(&bounds);
+    let stays = home != I::NONE && parts.tree.cells.at(home.at()).sides(simd).hold(simd, keys);
     let leaf = if stays { home.at() } else { leaf_of(parts.tree.planes, parts.state.depth, &bounds.min) };
-    if parts.tree.cells.at(leaf).is_dwarfed_by(&bounds) {
+    if parts.tree.cells.at(leaf).sides(simd).are_dwarfed_by(simd, keys) {
         withdraw(parts, slot);
         return admit_large(parts, slot, &bounds);
     }
@@ -70,7 +71,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
     let mut bag = parts.tree.leaves.at(leaf);
     bag.movers += 1;
     parts.tree.leaves.put(leaf, bag);
-    let record = simd.record(&parts.tree.frames.at(leaf), &bounds, slot as u32);
+    let record = simd.record(&parts.tree.frames.at(leaf), keys, slot as u32);
     parts.tree.records.put(bag.start as usize + parts.place.at(slot).at(), record);
     // An empty leaf reaches nowhere; its first member brings it back to its cell.
     let mut grown = bounds.max;
