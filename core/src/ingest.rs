@@ -40,16 +40,15 @@ pub(crate) fn ingest<I: Index>(
     let claims = Claims::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         Chunks::optional(parts.boxes.fat, len),
-        Chunks::optional(parts.boxes.before, len),
         Chunks::new(parts.moved, len / 32),
-        Chunks::new(parts.changed, len / 32),
+        Chunks::optional(parts.changed, len / 32),
         Chunks::new(&mut found, 1),
     ));
     exec::run(executor, parts.sizes.workers, blocks, &|| {
-        while let Some((block, (now, fat, before, moved, changed, found))) = claims.claim() {
+        while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let objects = Objects { now, fat, margins, before, moved, changed, mode };
+            let objects = Objects { now, fat, margins, moved, changed, mode };
             found.fill(kernels.run(IngestBlock { first, bounds, objects }));
         }
     });

@@ -126,7 +126,8 @@ impl Sizes {
         plan.add::<f32>(self.fat);
         plan.add::<KeyBox>(self.before);
         plan.add::<u32>(objects);
-        plan.add::<u32>(3 * crate::access::bits::words(objects));
+        plan.add::<u32>(2 * crate::access::bits::words(objects));
+        plan.add::<u32>(crate::access::bits::words(self.before));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);
         plan.add::<Record>(self.records);

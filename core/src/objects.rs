@@ -9,7 +9,6 @@ pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
     pub(crate) fat: &'o mut [KeyBox],
     pub(crate) margins: &'o [f32],
-    pub(crate) before: &'o mut [KeyBox],
     pub(crate) moved: &'o mut [u32],
     pub(crate) changed: &'o mut [u32],
     pub(crate) mode: Mode,
@@ -27,11 +26,7 @@ impl Objects<'_> {
             self.fat.put(at, bounds.grown(self.margins.at(at)));
         }
         bits::set(self.moved, at);
-        bits::set(self.changed, at);
-        // An object that had the slot since the last step is forgotten: its pairs are lost either way.
-        if let Some(before) = self.before.get_mut(at) {
-            *before = KeyBox::EMPTY;
-        }
+        self.note_change(at);
     }
 
     /// A new box. Returns whether the object crept: its box changed inside the fat box, which then stays.
@@ -43,15 +38,14 @@ impl Objects<'_> {
     /// A box that differs from the old one.
     #[inline(always)]
     pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) -> bool {
-        let old = self.now.at(at);
         self.now.put(at, bounds);
         if !self.has_margins() {
-            self.report(at, old);
+            self.note_change(at);
             bits::set(self.moved, at);
             return false;
         }
         if self.mode == Mode::Exact {
-            self.report(at, old);
+            self.note_change(at);
         }
         let anchor = self.fat.at(at);
         if anchor.contains(&bounds) {
@@ -64,7 +58,7 @@ impl Objects<'_> {
     /// Anchors the fat box at the current box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
         if self.mode == Mode::Fat {
-            self.report(at, self.fat.at(at));
+            self.note_change(at);
         }
         self.fat.put(at, bounds.grown(self.margins.at(at)));
         bits::set(self.moved, at);
@@ -72,9 +66,7 @@ impl Objects<'_> {
 
     /// The object goes; `next` is the free slot behind it.
     pub(crate) fn leave(&mut self, at: usize, next: u32) {
-        let reported =
-            if self.has_margins() && self.mode == Mode::Fat { self.fat.at(at) } else { self.now.at(at) };
-        self.report(at, reported);
+        self.note_change(at);
         self.now.put(at, KeyBox::free(next));
         if self.has_margins() {
             self.fat.put(at, KeyBox::EMPTY);
@@ -82,13 +74,11 @@ impl Objects<'_> {
         bits::set(self.moved, at);
     }
 
-    /// Keeps the box that the last complete step has reported, the first time that it changes.
+    /// Notes, where there are events, that the reported box is another one.
     #[inline(always)]
-    fn report(&mut self, at: usize, old: KeyBox) {
-        if bits::set(self.changed, at)
-            && let Some(before) = self.before.get_mut(at)
-        {
-            *before = old;
+    fn note_change(&mut self, at: usize) {
+        if !self.changed.is_empty() {
+            bits::set(self.changed, at);
         }
     }
 }

@@ -1,39 +1,16 @@
 //! From overlaps of swept boxes to the result: the exact test, and which pairs are new or gone.
 //!
 //! A pair is new exactly if its boxes did not overlap when the last complete step reported them, and gone exactly if
-//! it stood in that step's result and does not overlap now. That needs no search: only the boxes that changed are
-//! kept from then, and an object that is new or gone has the empty box. A reused slot follows by itself, since
-//! the empty box is between the two objects.
+//! it stood in that step's result and does not overlap now. That needs no search: the boxes from then are kept, and an
+//! object that is new or gone has the empty box. A reused slot follows by itself, since the empty box is between
+//! the two objects.
 
 use crate::access::{Access, bits};
+use crate::arch::{Phase, Simd};
+use crate::config::Mode;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::storage::Parts;
-
-/// The boxes that a result speaks of, now and at the last complete step.
-struct Reported<'r> {
-    now: &'r [KeyBox],
-    before: &'r [KeyBox],
-    changed: &'r [u32],
-}
-
-impl Reported<'_> {
-    fn overlap_now(&self, a: usize, b: usize) -> bool {
-        self.now.at(a).overlaps(&self.now.at(b))
-    }
-
-    fn then(&self, slot: usize) -> KeyBox {
-        if bits::test(self.changed, slot) { self.before.at(slot) } else { self.now.at(slot) }
-    }
-
-    fn overlapped_then(&self, a: usize, b: usize) -> bool {
-        self.then(a).overlaps(&self.then(b))
-    }
-
-    fn either_changed(&self, a: usize, b: usize) -> bool {
-        bits::test(self.changed, a) || bits::test(self.changed, b)
-    }
-}
 
 /// Keeps the pairs of two resting objects (erratum E6). With events they come from the other buffer, which stays as
 /// it is. Returns how many there are.
@@ -59,44 +36,107 @@ pub(crate) fn carry_resting<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
 
 /// Orders the first `swept` pairs of the buffer: persisting, found, surplus; and finds the lost ones. Events only where
 /// the pairs are complete: of a part nobody can tell what is lost.
-pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: u64, exact_test: bool, complete: bool) {
-    let events = parts.sizes.previous > 0 && complete;
-    parts.state.lost = 0;
-    let reported = Reported {
-        now: parts.boxes.reported(parts.state.mode()),
-        before: parts.boxes.before,
-        changed: parts.changed,
-    };
-    let pairs = parts.output.pairs.span_mut(0, swept as usize);
-    let result = if exact_test {
-        partition(pairs, |pair| reported.overlap_now(pair[0].at(), pair[1].at()))
-    } else {
-        pairs.len()
-    };
-    let mut persisting = result;
-    if events {
-        persisting = partition(pairs.span_mut(0, result), |pair| {
-            let (a, b) = (pair[0].at(), pair[1].at());
-            !reported.either_changed(a, b) || reported.overlapped_then(a, b)
-        });
-        let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
-        let lost = partition(previous, |pair| {
-            let (a, b) = (pair[0].at(), pair[1].at());
-            reported.either_changed(a, b) && !(reported.overlapped_then(a, b) && reported.overlap_now(a, b))
-        });
-        parts.state.lost = lost as u64;
-    }
-    parts.state.swept_pairs = swept;
-    parts.state.result_pairs = result as u64;
-    parts.state.found = (result - persisting) as u64;
+pub(crate) struct SortOut<'p, 'm, I> {
+    pub(crate) parts: &'p mut Parts<'m, I>,
+    pub(crate) swept: usize,
+    pub(crate) complete: bool,
 }
 
-/// Brings the pairs that `first` is true of to the front and returns how many there are.
-fn partition<I: Index>(pairs: &mut [Pair<I>], first: impl Fn(&Pair<I>) -> bool) -> usize {
+impl<I: Index> Phase for SortOut<'_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { parts, swept, complete } = self;
+        let events = parts.sizes.previous > 0 && complete;
+        let mode = parts.state.mode();
+        let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
+        let pairs = parts.output.pairs.span_mut(0, swept);
+        let margins = !parts.boxes.fat.is_empty();
+        let result =
+            if mode == Mode::Exact && margins { partition(simd, pairs, Overlap(now)) } else { swept };
+        let mut persisting = result;
+        parts.state.lost = 0;
+        if events {
+            persisting = partition(simd, pairs.span_mut(0, result), Overlap(before));
+            let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
+            // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
+            let lost = if parts.state.entered != 0 {
+                partition(simd, previous, Ended { now, before })
+            } else {
+                partition(simd, previous, Apart(now))
+            };
+            parts.state.lost = lost as u64;
+        }
+        parts.state.swept_pairs = swept as u64;
+        parts.state.result_pairs = result as u64;
+        parts.state.found = (result - persisting) as u64;
+    }
+}
+
+/// Keeps the boxes that a complete step reports, for the events of the next one.
+pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
+    let mode = parts.state.mode();
+    let boxes =
+        if mode == Mode::Fat && !parts.boxes.fat.is_empty() { &*parts.boxes.fat } else { &*parts.boxes.now };
+    for (word, changed) in parts.changed.iter_mut().enumerate() {
+        let first = word * 32;
+        if *changed == u32::MAX {
+            parts.boxes.before.span_mut(first, 32).copy_from_slice(boxes.span(first, 32));
+        } else {
+            for bit in bits::ones(&[*changed]) {
+                parts.boxes.before.put(first + bit, boxes.at(first + bit));
+            }
+        }
+        *changed = 0;
+    }
+}
+
+/// Something that is true or false of a pair.
+trait Test<I> {
+    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
+}
+
+/// The boxes overlap.
+struct Overlap<'b>(&'b [KeyBox]);
+
+impl<I: Index> Test<I> for Overlap<'_> {
+    #[inline(always)]
+    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
+        simd.overlap(&self.0.at(pair[0].at()), &self.0.at(pair[1].at()))
+    }
+}
+
+/// The boxes do not overlap.
+struct Apart<'b>(&'b [KeyBox]);
+
+impl<I: Index> Test<I> for Apart<'_> {
+    #[inline(always)]
+    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
+        !Overlap(self.0).holds(simd, pair)
+    }
+}
+
+/// The objects that overlapped are not the same any more, or do not overlap any more.
+struct Ended<'b> {
+    now: &'b [KeyBox],
+    before: &'b [KeyBox],
+}
+
+impl<I: Index> Test<I> for Ended<'_> {
+    #[inline(always)]
+    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
+        !(Overlap(self.now).holds(simd, pair) && Overlap(self.before).holds(simd, pair))
+    }
+}
+
+/// Brings the pairs that the test holds of to the front and returns how many there are.
+#[inline(always)]
+fn partition<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
     let mut front = 0;
     for index in 0..pairs.len() {
         let pair = pairs.at(index);
-        if first(&pair) {
+        if test.holds(simd, &pair) {
             pairs.put(index, pairs.at(front));
             pairs.put(front, pair);
             front += 1;

@@ -101,7 +101,8 @@ pub(crate) struct State {
     /// Bounds of the minima.
     pub(crate) low: [i32; 3],
     pub(crate) high: [i32; 3],
-    unused: u32,
+    /// Whether an object has come since the last complete step.
+    pub(crate) entered: u32,
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
     pub(crate) settled: u64,
 

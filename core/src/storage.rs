@@ -22,7 +22,7 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) generations: &'m mut [u32],
     /// One bit a slot: the swept box has changed since the last complete step (the paper's dynamic objects).
     pub(crate) moved: &'m mut [u32],
-    /// One bit a slot: the reported box has changed since the last complete step, and `before` holds the old one.
+    /// With events, one bit a slot: the reported box has changed since the last complete step.
     pub(crate) changed: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
     pub(crate) listed: &'m mut [u32],
@@ -44,7 +44,7 @@ pub(crate) struct BoxParts<'m> {
     pub(crate) fat: &'m mut [KeyBox],
     /// With a margin: the length that the box is grown by (erratum E2).
     pub(crate) margins: &'m mut [f32],
-    /// With events: the box that the last complete step reported, where `changed` is set.
+    /// With events: the boxes that the last complete step reported; empty for objects that are new since.
     pub(crate) before: &'m mut [KeyBox],
 }
 
@@ -116,8 +116,8 @@ impl<'m, I: Index> Parts<'m, I> {
         let before = slab.take(sizes.before)?;
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
-        let (moved, rest) = slab.take(3 * words)?.split_at_mut_checked(words)?;
-        let (changed, listed) = rest.split_at_mut_checked(words)?;
+        let (moved, listed) = slab.take(2 * words)?.split_at_mut_checked(words)?;
+        let changed = slab.take(bits::words(sizes.before))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
@@ -199,7 +199,6 @@ impl<'m, I: Index> Parts<'m, I> {
             now: self.boxes.now,
             fat: self.boxes.fat,
             margins: self.boxes.margins,
-            before: self.boxes.before,
             moved: self.moved,
             changed: self.changed,
             mode: self.state.mode(),

@@ -204,7 +204,7 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         "more pairs than room",
         state.swept_pairs as usize,
     )?;
-    if state.complete == 0 || bits::count(parts.changed) > 0 || bits::count(parts.moved) > 0 {
+    if state.complete == 0 || state.crept != 0 || bits::count(parts.moved) > 0 {
         return Ok(());
     }
     let overlap = |boxes: &[KeyBox], pair: &[I; 2]| boxes.at(pair[0].at()).overlaps(&boxes.at(pair[1].at()));

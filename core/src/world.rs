@@ -2,7 +2,7 @@
 
 use crate::aabb::{Aabb, Boxes};
 use crate::access::{Access, bits};
-use crate::config::{Config, Mode};
+use crate::config::Config;
 use crate::error::{Error, Rejected};
 use crate::exec::Executor;
 use crate::id::{Id, Index, Pair};
@@ -38,7 +38,7 @@ impl<I: Index> World<'_, I> {
             Self::turn_buffers(parts);
             let (path, progress) = paths::find(parts, path, means);
             parts.state.record(moved, path, &progress);
-            Self::conclude(parts, progress.pairs)?;
+            Self::conclude(parts, progress.pairs, means.kernels)?;
         }
         Ok(Step { rejected, world: self })
     }
@@ -75,18 +75,18 @@ impl<I: Index> World<'_, I> {
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
     /// the step that will be complete.
-    fn conclude(parts: &mut Parts<'_, I>, pairs: u64) -> Result<(), Error> {
-        let exact_test = parts.mode() == Mode::Exact && !parts.boxes.fat.is_empty();
+    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, kernels: Kernels) -> Result<(), Error> {
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
-        results::sort_out(parts, fitting, exact_test, complete);
+        kernels.run(results::SortOut { parts, swept: fitting as usize, complete });
         parts.state.complete = u32::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }
+        results::remember(parts);
         parts.moved.fill(0);
-        parts.changed.fill(0);
         parts.state.crept = 0;
+        parts.state.entered = 0;
         Ok(())
     }
 }
@@ -289,6 +289,11 @@ impl<I: Index> World<'_, I> {
             *length = margin_length(&margin, &bounds);
         }
         parts.objects().enter(at, bounds);
+        // An object that had the slot since the last step is forgotten: its pairs are lost either way.
+        if let Some(before) = parts.boxes.before.get_mut(at) {
+            *before = KeyBox::EMPTY;
+        }
+        parts.state.entered = 1;
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)

@@ -110,6 +110,20 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        let (a, b) = (self.keys(a), self.keys(b));
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let across = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 0, 1, 2, 6, 7));
+            // a's minima above b's maxima; b's minima above a's maxima.
+            let above = _mm256_cmpgt_epi32(a, across);
+            let below = _mm256_cmpgt_epi32(across, a);
+            let apart = _mm256_blend_epi32::<0b111000>(above, below);
+            _mm256_testz_si256(apart, apart) != 0
+        }
+    }
+
+    #[inline(always)]
     fn same(self, a: __m256i, b: __m256i) -> bool {
         // SAFETY: `self` proves AVX2.
         unsafe {

@@ -51,6 +51,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 
+    /// As [`KeyBox::overlaps`].
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
+
     /// Whether all keys are the same.
     fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
 

@@ -43,6 +43,11 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        a.overlaps(b)
+    }
+
+    #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {
         a == b
     }
