@@ -64,6 +64,34 @@ pub trait Executor {
     /// `width` is 2 or more, and at most the least of [`workers`](Self::workers), of
     /// [`Config::workers`](crate::Config::workers) and of the blocks of work. See the trait for what else may be done.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
+
+    /// A step enters a stage, on the calling thread. For profilers; nobody needs it for anything else.
+    fn enter(&self, _stage: Stage) {}
+}
+
+/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// Takes in the bounds array.
+    Intake,
+    /// Makes planes for all leaves, or puts the lists in order.
+    Build,
+    /// Brings the moved objects' boxes to their leaves.
+    Fill,
+    /// Finds the overlaps.
+    Sweep,
+    /// Makes planes anew for the few leaves that are out of balance.
+    Balance,
+    /// Sorts out the result and the events.
+    Results,
+    /// The step is done.
+    Done,
+}
+
+impl Stage {
+    /// All stages, in order.
+    pub const ALL: [Self; 7] =
+        [Self::Intake, Self::Build, Self::Fill, Self::Sweep, Self::Balance, Self::Results, Self::Done];
 }
 
 /// Everything on the calling thread.
@@ -75,6 +103,19 @@ impl Executor for Serial {
         1
     }
     fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
+}
+
+/// An executor that is told of stages but gets no work.
+pub(crate) struct Alone<'e>(pub(crate) &'e dyn Executor);
+
+impl Executor for Alone<'_> {
+    fn workers(&self) -> u32 {
+        1
+    }
+    fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
+    fn enter(&self, stage: Stage) {
+        self.0.enter(stage);
+    }
 }
 
 /// Runs `job` to its end, with help where the executor and the world's scratch allow it and the `blocks` of

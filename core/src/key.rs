@@ -56,6 +56,13 @@ impl KeyBox {
         Self { min: corner, max: corner }
     }
 
+    /// The box at a slot, without a copy.
+    #[inline(always)]
+    pub(crate) fn of(boxes: &[Self], slot: usize) -> &Self {
+        debug_assert!(slot < boxes.len(), "box {slot} of {}", boxes.len());
+        boxes.get(slot).unwrap_or(&Self::EMPTY)
+    }
+
     /// The box of a free slot: as empty, with a link to another slot where it does no harm.
     pub(crate) const fn free(next: u32) -> Self {
         let mut keys = Self::EMPTY;

@@ -68,7 +68,7 @@ mod world;
 pub use aabb::{Aabb, Boxes};
 pub use config::{Capacity, Config, Margin, Mode};
 pub use error::{Error, Rejected};
-pub use exec::{Executor, Serial};
+pub use exec::{Executor, Serial, Stage};
 pub use id::{Id, Index, Pair};
 pub use kernels::Kernels;
 pub use layout::{Layout, layout};

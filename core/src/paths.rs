@@ -3,7 +3,7 @@
 //! All give the same set. Which one is cheapest follows from counts alone, so equal calls choose equally.
 
 use crate::access::Access;
-use crate::exec::Executor;
+use crate::exec::{Executor, Stage};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
@@ -68,6 +68,7 @@ fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
 
 /// A small world: keep the list of one axis in order and sweep it.
 fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
+    means.executor.enter(Stage::Build);
     // Records of a tree that the world may have had are not kept up to date.
     parts.state.filled = 0;
     if parts.state.stale_lists != 0 || parts.state.listed != parts.state.live {
@@ -88,6 +89,7 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     .span_mut(0, live);
     links::repair(order, boxes, axis, bytemuck::try_cast_slice_mut(parts.output.scratch).unwrap_or_default());
     let order = &*order;
+    means.executor.enter(Stage::Sweep);
     let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
         means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
@@ -97,9 +99,11 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
 
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
 fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progress> {
+    means.executor.enter(Stage::Fill);
     if !means.kernels.run(Relocate(parts)) {
         return None;
     }
+    means.executor.enter(Stage::Sweep);
     let kept = carry_resting(parts);
     let leaf_count = 1usize << parts.state.depth;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
@@ -123,18 +127,23 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
 fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>) -> (Path, Progress) {
     let Means { kernels, executor } = means;
     if replant {
+        executor.enter(Stage::Build);
         balance::plant(parts);
     }
+    executor.enter(Stage::Fill);
     let mut census = assign::count(parts, kernels, executor);
     if !replant && balance::is_out_of_balance(parts) {
         replant = true;
+        executor.enter(Stage::Build);
         balance::plant(parts);
+        executor.enter(Stage::Fill);
         census = assign::count(parts, kernels, executor);
     }
     if replant {
         balance::settle(parts);
     }
     assign::fill(parts, &census, kernels, executor);
+    executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
@@ -144,6 +153,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
         kernels.run(SweepLeaves { grove: &grove, leaves, scratch, sink });
     });
+    executor.enter(Stage::Balance);
     let rebalanced = if replant { parts.state.live } else { balance::rebalance(parts) };
     let path = if replant { Path::Rebuilt } else { Path::Full };
     (path, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse: Some(census.coarse) })

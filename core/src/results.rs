@@ -103,7 +103,7 @@ struct Overlap<'b>(&'b [KeyBox]);
 impl<I: Index> Test<I> for Overlap<'_> {
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
-        simd.overlap(&self.0.at(pair[0].at()), &self.0.at(pair[1].at()))
+        simd.overlap(KeyBox::of(self.0, pair[0].at()), KeyBox::of(self.0, pair[1].at()))
     }
 }
 

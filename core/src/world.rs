@@ -4,7 +4,7 @@ use crate::aabb::{Aabb, Boxes};
 use crate::access::{Access, bits};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::exec::Executor;
+use crate::exec::{Alone, Executor, Stage};
 use crate::id::{Id, Index, Pair};
 use crate::ingest::ingest;
 use crate::kernels::Kernels;
@@ -24,10 +24,17 @@ pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
 }
 
+/// From this many objects on a step is shared between workers: below, to hand out the work takes longer than to do it.
+/// Miri is too slow for that many.
+const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
+
 /// A step.
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
+        let alone = Alone(means.executor);
+        let shared = parts.state.live >= SHARED_FROM;
+        let means = if shared { means } else { Means { executor: &alone, ..means } };
         let rejected = Self::take_in(parts, bounds, means);
         let moved = bits::count(parts.moved);
 
@@ -38,14 +45,18 @@ impl<I: Index> World<'_, I> {
             Self::turn_buffers(parts);
             let (path, progress) = paths::find(parts, path, means);
             parts.state.record(moved, path, &progress);
+            means.executor.enter(Stage::Results);
             Self::conclude(parts, progress.pairs, means.kernels)?;
         }
+        means.executor.enter(Stage::Done);
         Ok(Step { rejected, world: self })
     }
 
     /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
     fn take_in(parts: &mut Parts<'_, I>, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Option<Rejected> {
-        let intake = ingest(parts, &bounds?, means.kernels, means.executor);
+        let bounds = bounds?;
+        means.executor.enter(Stage::Intake);
+        let intake = ingest(parts, &bounds, means.kernels, means.executor);
         parts.state.crept |= u32::from(intake.crept);
         if intake.rejected == 0 {
             return None;

@@ -198,9 +198,11 @@ impl Simd for Avx2 {
             let halves = _mm_setr_epi8(6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -1, -1, -1);
             let limit = _mm_xor_si128(_mm_shuffle_epi8(b, halves), _mm_set1_epi8(-1));
             let zero = _mm_setzero_si128();
-            let inside = _mm_movemask_epi8(_mm_cmpeq_epi16(_mm_subs_epu16(a, limit), zero));
-            let equal = _mm_movemask_epi8(_mm_cmpeq_epi16(a, limit));
-            Contact { touches: inside & 0xfff == 0xfff, tied: equal & 0xfff != 0 }
+            let inside = _mm_cmpeq_epi16(_mm_subs_epu16(a, limit), zero);
+            let equal = _mm_cmpeq_epi16(a, limit);
+            // A bit for each lane; equal ones in the upper byte.
+            let mask = _mm_movemask_epi8(_mm_packs_epi16(inside, equal));
+            Contact { touches: mask & 0x3f == 0x3f, tied: mask & 0x3f00 != 0 }
         }
     }
 

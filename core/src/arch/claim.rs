@@ -251,4 +251,30 @@ mod tests {
         drop(first);
         assert_eq!(pool.borrow().unwrap().area(), [1, 2]);
     }
+
+    /// Small enough for Miri with many seeds; `tests/loom` has all interleavings.
+    #[test]
+    fn threads_share_blocks_and_scratch() {
+        let (mut items, mut sums) = ([0u32; 23], [0u32; 2]);
+        let claims = Claims::new(Chunks::new(&mut items, 4));
+        let pool = Pool::new(&mut sums, 1);
+        let job = || {
+            // More jobs than areas: some leave the work to others.
+            let Some(mut borrowed) = pool.borrow() else { return };
+            while let Some((block, items)) = claims.claim() {
+                items.iter_mut().for_each(|item| *item += block as u32 + 1);
+                borrowed.area()[0] += 1;
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..3 {
+                scope.spawn(job);
+            }
+            job();
+        });
+        job();
+        assert_eq!(claims.claimed(), 6);
+        assert!(items.iter().enumerate().all(|(at, &item)| item as usize == at / 4 + 1));
+        assert_eq!(sums.iter().sum::<u32>(), 6);
+    }
 }

@@ -73,4 +73,18 @@ mod tests {
         shared.store(0, &[1, 2]);
         assert_eq!(items, [[1, 2], [0, 0], [5, 6]]);
     }
+
+    /// Small enough for Miri with many seeds.
+    #[test]
+    fn threads_fill_one_slice() {
+        let mut items = [[0u64; 2]; 12];
+        let shared = &Shared::new(&mut items);
+        std::thread::scope(|scope| {
+            for worker in 0..3 {
+                let slots = (worker..12).step_by(3);
+                scope.spawn(move || slots.for_each(|slot| shared.store(slot, &[slot as u64, worker as u64])));
+            }
+        });
+        assert!(items.iter().enumerate().all(|(slot, item)| *item == [slot as u64, slot as u64 % 3]));
+    }
 }

@@ -10,7 +10,7 @@
 use super::Sink;
 use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::{Simd, WINDOW};
+use crate::arch::{Row, Simd, WINDOW};
 use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
 use crate::tree::{Frame, Record};
@@ -34,29 +34,41 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
+    let ends = sort(simd, bags, axis, 0, bench);
     let count = bags[0].len() + bags[1].len();
-    let mut ends: Ends = [0; 256];
-    for bag in bags {
-        for record in bag {
-            ends[high(record.lanes[axis]) as usize] += 1;
-        }
+    let mut scan = Scan::new(simd, axis, count, bench, boxes, sink);
+    for at in 0..count {
+        scan.rows(at, at + 1, scan.end(at, &ends));
     }
-    let mut start = 0;
-    for end in &mut ends {
-        start += core::mem::replace(end, start);
+    scan.test();
+}
+
+/// Sweeps two bags against each other along `axis`: each pair has a record of either.
+#[inline(always)]
+pub(crate) fn sweep_across<S: Simd, I: Index>(
+    simd: S,
+    bags: [&[Record]; 2],
+    axis: usize,
+    bench: &mut Bench<'_, I>,
+    boxes: &[KeyBox],
+    sink: &mut dyn Sink<I>,
+) {
+    let axis = axis.min(2);
+    let [left, right] = bags.map(<[Record]>::len);
+    let left_ends = sort(simd, [bags[0], &[]], axis, 0, bench);
+    let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
+    let mut scan = Scan::new(simd, axis, left + right, bench, boxes, sink);
+    // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
+    for at in 0..left {
+        let run = scan.start(at);
+        let first = if run == 0 { left } else { right_ends[run - 1] as usize };
+        scan.rows(at, first, scan.end(at, &right_ends));
     }
-    // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
-    let (sorted, rows) = (bench.sorted.span_mut(0, count), bench.rows.span_mut(0, count));
-    let lanes = simd.axis(axis);
-    for bag in bags {
-        for record in bag {
-            let next = &mut ends[high(record.lanes[axis]) as usize];
-            sorted.put(*next as usize, *record);
-            rows.put(*next as usize, simd.row(lanes, record));
-            *next += 1;
-        }
+    for at in left..left + right {
+        let first = left_ends[scan.start(at)] as usize;
+        scan.rows(at, first, scan.end(at, &left_ends));
     }
-    sweep_sorted(simd, count, axis, &ends, bench, boxes, sink);
+    scan.test();
 }
 
 /// Sweeps the objects of a list that is in ascending order of their minimum on `axis`.
@@ -84,44 +96,114 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         end = end.max(*run);
         *run = end;
     }
-    sweep_sorted(simd, order.len(), axis, &ends, bench, boxes, sink);
+    let mut scan = Scan::new(simd, axis, order.len(), bench, boxes, sink);
+    for at in 0..order.len() {
+        scan.rows(at, at + 1, scan.end(at, &ends));
+    }
+    scan.test();
 }
 
+/// Sorts records into the bench from position `start` on.
 #[inline(always)]
-fn sweep_sorted<S: Simd, I: Index>(
+fn sort<S: Simd, I>(
     simd: S,
-    count: usize,
+    bags: [&[Record]; 2],
     axis: usize,
-    ends: &Ends,
+    start: usize,
     bench: &mut Bench<'_, I>,
-    boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
-) {
-    let Bench { sorted, rows, candidates, pairs, tested } = bench;
-    let sorted = sorted.span(0, count);
-    let rows = rows.span(0, count + WINDOW);
-    let full = candidates.len().saturating_sub(WINDOW);
-    let mut collected = 0;
-    for (at, record) in sorted.iter().enumerate() {
-        let end = ends[high(!record.lanes[3 + axis]) as usize] as usize;
-        let mut first = at + 1;
-        if first >= end {
-            continue;
+) -> Ends {
+    let mut ends: Ends = [0; 256];
+    for bag in bags {
+        for record in bag {
+            ends[high(record.lanes[axis]) as usize] += 1;
         }
-        let query = simd.query(rows.at(at));
+    }
+    let mut next = start as u16;
+    for end in &mut ends {
+        next += core::mem::replace(end, next);
+    }
+    // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
+    let count = start + bags[0].len() + bags[1].len();
+    let (sorted, rows) = (bench.sorted.span_mut(0, count), bench.rows.span_mut(0, count));
+    let lanes = simd.axis(axis);
+    for bag in bags {
+        for record in bag {
+            let next = &mut ends[high(record.lanes[axis]) as usize];
+            sorted.put(*next as usize, *record);
+            rows.put(*next as usize, simd.row(lanes, record));
+            *next += 1;
+        }
+    }
+    ends
+}
+
+/// Looks for pairs in a sorted bag.
+struct Scan<'s, S, I> {
+    simd: S,
+    axis: usize,
+    sorted: &'s [Record],
+    rows: &'s [Row],
+    candidates: &'s mut [u32],
+    collected: usize,
+    pairs: &'s mut [Pair<I>],
+    tested: &'s mut u64,
+    boxes: &'s [KeyBox],
+    sink: &'s mut dyn Sink<I>,
+}
+
+impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
+    #[inline(always)]
+    fn new(
+        simd: S,
+        axis: usize,
+        count: usize,
+        bench: &'s mut Bench<'_, I>,
+        boxes: &'s [KeyBox],
+        sink: &'s mut dyn Sink<I>,
+    ) -> Self {
+        let Bench { sorted, rows, candidates, pairs, tested } = bench;
+        let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
+        Self { simd, axis, sorted, rows, candidates, collected: 0, pairs, tested, boxes, sink }
+    }
+
+    /// The sort byte of a record.
+    #[inline(always)]
+    fn start(&self, at: usize) -> usize {
+        high(self.sorted.at(at).lanes[self.axis]) as usize
+    }
+
+    /// The end of the last run that a record reaches.
+    #[inline(always)]
+    fn end(&self, at: usize, ends: &Ends) -> usize {
+        ends[high(!self.sorted.at(at).lanes[3 + self.axis]) as usize] as usize
+    }
+
+    /// Collects the candidates among the rows from `first` to `end` for the record at `at`.
+    #[inline(always)]
+    fn rows(&mut self, at: usize, mut first: usize, end: usize) {
+        if first >= end {
+            return;
+        }
+        let query = self.simd.query(self.rows.at(at));
         while first < end {
-            let mask = simd.window(rows, first, end - first, query);
-            collected += unpack(mask, ((at << 16) | first) as u32, candidates, collected);
-            if collected >= full {
-                *tested += collected as u64;
-                test(simd, sorted, candidates.span_mut(0, collected), pairs, boxes, sink);
-                collected = 0;
+            let mask = self.simd.window(self.rows, first, end - first, query);
+            let base = ((at << 16) | first) as u32;
+            self.collected += unpack(mask, base, self.candidates, self.collected);
+            if self.collected + WINDOW > self.candidates.len() {
+                self.test();
             }
             first += WINDOW;
         }
     }
-    *tested += collected as u64;
-    test(simd, sorted, candidates.span_mut(0, collected), pairs, boxes, sink);
+
+    /// Tests the candidates on all lanes and hands the pairs on.
+    #[inline(always)]
+    fn test(&mut self) {
+        *self.tested += self.collected as u64;
+        let candidates = self.candidates.span_mut(0, self.collected);
+        test(self.simd, self.sorted, candidates, self.pairs, self.boxes, self.sink);
+        self.collected = 0;
+    }
 }
 
 /// Writes a candidate for each set bit and returns how many there are.
@@ -146,7 +228,6 @@ fn unpack(mask: u64, base: u32, candidates: &mut [u32], from: usize) -> usize {
     }
 }
 
-/// Tests candidates on all lanes and hands the pairs on.
 #[inline(always)]
 fn test<S: Simd, I: Index>(
     simd: S,
@@ -163,7 +244,7 @@ fn test<S: Simd, I: Index>(
         let a = sorted.at((candidate >> 16) as usize);
         let b = sorted.at((candidate & 0xffff) as usize);
         let contact = simd.contact(&a, &b);
-        // Records that share a mark belong to another leaf's report (erratum E9), or to another tile's.
+        // Records that share a mark belong to another leaf's report (erratum E9).
         let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
         pairs.put(found, pair::<I>(a.slot(), b.slot()));
@@ -176,7 +257,7 @@ fn test<S: Simd, I: Index>(
         let a = sorted.at((candidate >> 16) as usize).slot();
         let b = sorted.at((candidate & 0xffff) as usize).slot();
         pairs.put(found, pair::<I>(a, b));
-        found += usize::from(boxes.at(a as usize).overlaps(&boxes.at(b as usize)));
+        found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
     }
     sink.take(pairs.span(0, found));
 }

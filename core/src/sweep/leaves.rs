@@ -147,7 +147,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     }
 }
 
-/// Sweeps a leaf that is too large for the bag: each two tiles of half a bag together.
+/// Sweeps a leaf that is too large for the bag: tiles of half a bag, each alone and each two against each other.
 #[inline(always)]
 fn sweep_tiles<S: Simd, I: Index>(
     simd: S,
@@ -157,38 +157,29 @@ fn sweep_tiles<S: Simd, I: Index>(
     scratch: &mut Scratch<'_, I>,
     sink: &mut dyn Sink<I>,
 ) {
-    let leaf = grove.leaves.at(index);
-    let size = (scratch.visitors.len() / 2).max(1);
-    for a in (0..count).step_by(size) {
-        fill_tile(simd, grove, index, a, scratch.visitors.span_mut(0, size.min(count - a)), 0);
-        for b in (a..count).step_by(size) {
-            let mut len = size.min(count - a);
-            if b != a {
-                // Two of the same tile share a mark, so that only pairs across the tiles are reported.
-                for record in scratch.visitors.span_mut(0, len) {
-                    record.tag |= Record::TILES[0];
-                }
-                let more = size.min(count - b);
-                fill_tile(simd, grove, index, b, scratch.visitors.span_mut(len, more), Record::TILES[1]);
-                len += more;
-            }
-            let tiles = scratch.visitors.span(0, len);
-            bag::sweep(simd, [tiles, &[]], leaf.axis as usize, &mut scratch.bench, grove.boxes, sink);
+    let axis = grove.leaves.at(index).axis as usize;
+    let half = (scratch.visitors.len() / 2).max(1);
+    let (left, right) = scratch.visitors.split_at_mut(half.min(scratch.visitors.len()));
+    for a in (0..count).step_by(half) {
+        let left = left.span_mut(0, half.min(count - a));
+        fill_tile(simd, grove, index, a, left);
+        bag::sweep(simd, [left, &[]], axis, &mut scratch.bench, grove.boxes, sink);
+        for b in (a + half..count).step_by(half) {
+            let right = right.span_mut(0, half.min(count - b));
+            fill_tile(simd, grove, index, b, right);
+            bag::sweep_across(simd, [left, right], axis, &mut scratch.bench, grove.boxes, sink);
         }
     }
 }
 
 /// Fills a tile with the members and visitors of a leaf from number `from` on.
 #[inline(always)]
-fn fill_tile<S: Simd>(simd: S, grove: &Grove<'_>, index: usize, from: usize, tile: &mut [Record], mark: u32) {
+fn fill_tile<S: Simd>(simd: S, grove: &Grove<'_>, index: usize, from: usize, tile: &mut [Record]) {
     let members = grove.members(&grove.leaves.at(index));
     let own = members.get(from..).unwrap_or_default();
     let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
     inside.copy_from_slice(own.span(0, inside.len()));
     if !outside.is_empty() {
         grove.gather(simd, index, from.saturating_sub(members.len()), outside);
-    }
-    for record in tile {
-        record.tag |= mark;
     }
 }

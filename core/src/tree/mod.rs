@@ -213,8 +213,6 @@ impl Record {
     pub(crate) const SLOT: u32 = (1 << 27) - 1;
     /// The lowest of three marks: the minimum lies below the cell's low side on this axis (erratum E9).
     pub(crate) const BELOW: u32 = 1 << 29;
-    /// Marks of the two tiles of a leaf that is too large to be swept at once.
-    pub(crate) const TILES: [u32; 2] = [1 << 27, 1 << 28];
 
     #[inline(always)]
     pub(crate) fn slot(&self) -> u32 {

@@ -2,6 +2,7 @@
 
 use crate::setup::{Engine, fits_u16};
 use crate::source::Source;
+use crate::stopwatch::{StageTimes, Stopwatch};
 use anyhow::{Context, Result, anyhow};
 use std::time::{Duration, Instant};
 use trisap::{Boxes, Config, Error, Index, OwnedWorld, Pair, Rejected, Stats};
@@ -12,6 +13,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) boxes: Boxes<'a>,
     /// Time of the step, the intake of the boxes included.
     pub(crate) time: Duration,
+    pub(crate) stages: StageTimes,
     pub(crate) stats: Stats,
     /// Pairs of fat mode whose boxes do not overlap.
     pub(crate) surplus: u64,
@@ -86,7 +88,10 @@ fn pass<I: Index>(
             world.insert_many(boxes, &mut ids).context("frame 0")?;
         }
         let start = Instant::now();
-        let step = engine.with_executor(|executor| world.step_over(boxes, engine.kernels, executor));
+        let (step, stages) = engine.with_executor(|executor| {
+            let stopwatch = Stopwatch::new(executor);
+            (world.step_over(boxes, engine.kernels, &stopwatch), stopwatch.times())
+        });
         let time = start.elapsed();
         let step = match step {
             Ok(step) => step,
@@ -97,6 +102,7 @@ fn pass<I: Index>(
             number,
             boxes,
             time,
+            stages,
             stats: step.stats(),
             surplus: if config.mode == trisap::Mode::Fat { step.surplus() } else { 0 },
             rejected: step.rejected(),

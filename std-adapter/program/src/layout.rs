@@ -7,29 +7,30 @@ use anyhow::Result;
 use std::io::{Write, stdout};
 use trisap::{Capacity, Config, Index};
 
+/// Four pairs an object; the widths of slots, each without and with found and lost pairs; bytes an object of the first
+/// that there is.
+const TITLES: [&str; 7] = ["objects", "pairs", "u16", "u16 events", "u32", "u32 events", "an object"];
+
 pub(crate) fn layout(args: &LayoutArgs) -> Result<Outcome> {
     let mut out = stdout().lock();
-    writeln!(
-        out,
-        "{:>11} {:>11} {:>15} {:>15} {:>11}",
-        "objects", "pairs", "u16 bytes", "u32 bytes", "an object"
-    )?;
+    row(&mut out, TITLES.map(String::from))?;
     for &objects in &args.objects {
         let capacity = Capacity { pairs: objects.saturating_mul(4), ..Capacity::for_objects(objects) };
-        let config = Config::new(capacity);
-        let (narrow, wide) = (bytes::<u16>(&config), bytes::<u32>(&config));
-        let an_object = narrow.or(wide).map(|bytes| bytes as f64 / f64::from(objects.max(1)));
-        writeln!(
-            out,
-            "{:>11} {:>11} {:>15} {:>15} {:>11}",
-            grouped(objects.into()),
-            grouped(capacity.pairs.into()),
-            or_dash(narrow.map(|bytes| grouped(bytes as u64))),
-            or_dash(wide.map(|bytes| grouped(bytes as u64))),
-            or_dash(an_object.map(|bytes| format!("{bytes:.1}"))),
-        )?;
+        let exact = Config::new(capacity);
+        let events = exact.with_events();
+        let bytes =
+            [bytes::<u16>(&exact), bytes::<u16>(&events), bytes::<u32>(&exact), bytes::<u32>(&events)];
+        let [a, b, c, d] = bytes.map(|bytes| or_dash(bytes.map(|bytes| grouped(bytes as u64))));
+        let each = bytes.iter().flatten().next().map(|&bytes| bytes as f64 / f64::from(objects.max(1)));
+        let each = or_dash(each.map(|each| format!("{each:.1}")));
+        row(&mut out, [grouped(objects.into()), grouped(capacity.pairs.into()), a, b, c, d, each])?;
     }
     Ok(Outcome::Good)
+}
+
+fn row(out: &mut impl Write, cells: [String; TITLES.len()]) -> Result<()> {
+    let line: Vec<String> = cells.iter().map(|cell| format!("{cell:>14}")).collect();
+    Ok(writeln!(out, "{}", line.join(" "))?)
 }
 
 fn bytes<I: Index>(config: &Config) -> Option<usize> {

@@ -16,6 +16,7 @@ mod simulate;
 mod source;
 #[cfg(feature = "record")]
 mod split;
+mod stopwatch;
 mod tally;
 
 use clap::Parser;

@@ -14,6 +14,8 @@ pub(crate) struct Report {
     /// Times of a step, the intake of all boxes included.
     pub(crate) step_ms: Times,
     pub(crate) ns_per_object: f64,
+    /// The median time of each stage.
+    pub(crate) stages_ms: BTreeMap<String, f64>,
     pub(crate) pairs: Counts,
     pub(crate) found: Option<Counts>,
     pub(crate) lost: Option<Counts>,
@@ -139,6 +141,10 @@ impl Report {
             "step     median {:.3} ms ({:.1} ns an object), 95 % within {:.3} ms, worst {:.3} ms; the first took {:.3} ms",
             step.median, self.ns_per_object, step.p95, step.worst, step.first
         )?;
+        let mut stages: Vec<_> = self.stages_ms.iter().filter(|(_, time)| **time > 0.0).collect();
+        stages.sort_by(|a, b| b.1.total_cmp(a.1));
+        let stages: Vec<_> = stages.iter().map(|(stage, time)| format!("{stage} {time:.3} ms")).collect();
+        writeln!(out, "stages   medians: {}", stages.join(", "))?;
         let an_object = self.pairs.median as f64 / f64::from(self.objects);
         writeln!(
             out,

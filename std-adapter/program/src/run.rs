@@ -11,7 +11,7 @@ use crate::source::Source;
 use crate::tally::Tally;
 use anyhow::{Context, Result};
 use std::io::stdout;
-use trisap::{Capacity, Config, Margin, Mode, Stats, layout};
+use trisap::{Capacity, Config, Margin, Mode, Stage, Stats, layout};
 
 /// The margin of the fat mode where none is given, as a share of the largest extent.
 const FAT_MARGIN: f32 = 0.1;
@@ -62,6 +62,15 @@ fn report(source: &Source, config: &Config, engine: &Engine, tally: &Tally) -> R
         frames: tally.stats.len(),
         ns_per_object: step_ms.median() * 1e6 / f64::from(objects),
         step_ms,
+        stages_ms: Stage::ALL
+            .iter()
+            .filter(|stage| **stage != Stage::Done)
+            .map(|stage| {
+                let times =
+                    after_first(&tally.stages).iter().map(|times| times[*stage as usize].as_secs_f64() * 1e3);
+                (format!("{stage:?}").to_lowercase(), median(&times.collect::<Vec<_>>()))
+            })
+            .collect(),
         pairs: Counts::of(tally.stats.iter().map(|stats| stats.pairs)),
         found: counts(|stats| stats.found),
         lost: counts(|stats| stats.lost),

@@ -3,6 +3,7 @@
 use crate::check::Checker;
 use crate::drive::{Frame, Visitor};
 use crate::progress;
+use crate::stopwatch::StageTimes;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use std::collections::BTreeMap;
@@ -15,6 +16,7 @@ pub(crate) struct Tally {
     /// What the check found wrong.
     pub(crate) wrong: Option<String>,
     pub(crate) milliseconds: Vec<f64>,
+    pub(crate) stages: Vec<StageTimes>,
     pub(crate) stats: Vec<Stats>,
     pub(crate) surplus: Vec<u64>,
     /// Frames by the path that the step took.
@@ -31,6 +33,7 @@ impl Tally {
             checker: None,
             wrong: None,
             milliseconds: Vec::new(),
+            stages: Vec::new(),
             stats: Vec::new(),
             surplus: Vec::new(),
             paths: BTreeMap::new(),
@@ -44,6 +47,7 @@ impl Visitor for Tally {
         self.bar.reset();
         self.checker = self.new_checker.as_ref().map(|begin| begin());
         self.milliseconds.clear();
+        self.stages.clear();
         self.stats.clear();
         self.surplus.clear();
         self.paths.clear();
@@ -52,6 +56,7 @@ impl Visitor for Tally {
 
     fn visit(&mut self, frame: &Frame<'_>) -> Result<bool> {
         self.milliseconds.push(frame.time.as_secs_f64() * 1e3);
+        self.stages.push(frame.stages);
         self.stats.push(frame.stats);
         // What the exact mode dropped, or what the fat mode kept.
         self.surplus.push(frame.surplus + frame.stats.surplus);

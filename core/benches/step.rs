@@ -1,0 +1,245 @@
+//! Times of whole steps: `cargo bench -p trisap-core`, or a part of it as in `cargo bench -p trisap-core -- degenerate`.
+//!
+//! Every benchmark hands over all boxes of the next frame; frames run forwards and backwards in turn. The pairs of a
+//! degenerate world are printed beside its time as throughput, since most of its cost is writing them.
+
+// The macro of criterion makes a public function.
+#![allow(missing_docs)]
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::Duration;
+use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Serial, World, layout};
+
+/// What a slab is made of: its alignment is that of a world.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Line([u8; 64]);
+
+/// Numbers from 0 to 1, the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn corner(&mut self, side: f32) -> [f32; 3] {
+        [(); 3].map(|()| self.next() * side)
+    }
+}
+
+type Frame = Vec<Aabb>;
+
+fn cube(min: [f32; 3], edge: f32) -> Aabb {
+    Aabb::new(min, min.map(|x| x + edge))
+}
+
+/// The side of the space in which unit cubes are as dense as in the recorded Brownian scene.
+fn side(count: usize) -> f32 {
+    (count as f32 * 8.0).cbrt()
+}
+
+fn cubes(count: usize) -> Frame {
+    let mut random = Random(7);
+    (0..count).map(|_| cube(random.corner(side(count)), 1.0)).collect()
+}
+
+/// Eight frames in which each box moves with this probability, by up to `length` on each axis.
+fn moving(first: Frame, share: f32, length: f32) -> Vec<Frame> {
+    let mut random = Random(11);
+    let mut frames = vec![first];
+    while frames.len() < 8 {
+        let mut next = frames[frames.len() - 1].clone();
+        for aabb in &mut next {
+            if random.next() < share {
+                let [x, y, z] = random.corner(2.0 * length).map(|x| x - length);
+                for corner in [&mut aabb.min, &mut aabb.max] {
+                    *corner = [corner[0] + x, corner[1] + y, corner[2] + z];
+                }
+            }
+        }
+        frames.push(next);
+    }
+    frames
+}
+
+/// A world in memory of its own.
+struct Fixture {
+    slab: Vec<Line>,
+    config: Config,
+    ids: Vec<Option<Id>>,
+}
+
+impl Fixture {
+    fn new(config: Config) -> Self {
+        let bytes = layout::<u32>(&config).expect("a layout").bytes;
+        let slab = vec![Line([0; 64]); bytes / 64];
+        Self { slab, config, ids: vec![None; config.capacity.objects as usize] }
+    }
+
+    /// A world that has made one step over the boxes.
+    fn world(&mut self, boxes: &[Aabb], kernels: Kernels) -> World<'_> {
+        let mut world =
+            World::new_in(bytemuck::cast_slice_mut(&mut self.slab), &self.config).expect("a world");
+        world.insert_many(Boxes::new(boxes), &mut self.ids).expect("room");
+        world.step(kernels, &Serial).expect("room for the pairs");
+        world
+    }
+}
+
+fn config(objects: usize, pairs: usize) -> Config {
+    Config::new(Capacity { objects: objects as u32, leaf_refs: objects as u32, pairs: pairs as u32 })
+}
+
+/// Times steps over frames that run to and fro. Returns the pairs of the last one.
+fn steps(bencher: &mut criterion::Bencher<'_>, config: Config, frames: &[Frame], kernels: Kernels) {
+    let mut fixture = Fixture::new(config);
+    let mut world = fixture.world(&frames[0], kernels);
+    let order: Vec<usize> = (1..frames.len()).chain((0..frames.len() - 1).rev()).collect();
+    let mut next = order.iter().cycle();
+    bencher.iter(|| {
+        let frame = &frames[*next.next().unwrap_or(&0)];
+        let step = world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+        black_box(step.pairs().len())
+    });
+}
+
+fn pairs_of(boxes: &[Aabb], room: usize) -> usize {
+    let mut fixture = Fixture::new(config(boxes.len(), room));
+    fixture.world(boxes, Kernels::detect()).pairs().len()
+}
+
+fn build(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("build");
+    for count in [1000, 8000, 32_000] {
+        let boxes = cubes(count);
+        let mut fixture = Fixture::new(config(count, 20 * count));
+        group.bench_function(BenchmarkId::from_parameter(count), |bencher| {
+            bencher.iter(|| fixture.world(&boxes, Kernels::detect()).pairs().len());
+        });
+    }
+}
+
+fn full(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("full");
+    for count in [1000, 8000, 32_000, 128_000] {
+        let frames = moving(cubes(count), 1.0, 0.2);
+        for kernels in Kernels::all() {
+            group.bench_function(BenchmarkId::new(kernels.name(), count), |bencher| {
+                steps(bencher, config(count, 20 * count), &frames, kernels);
+            });
+        }
+        group.bench_function(BenchmarkId::new("events", count), |bencher| {
+            steps(bencher, config(count, 20 * count).with_events(), &frames, Kernels::detect());
+        });
+    }
+}
+
+fn movers(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("movers");
+    let count = 128_000;
+    for (name, share) in [("0 %", 0.0), ("0.1 %", 0.001), ("1 %", 0.01), ("10 %", 0.1), ("100 %", 1.0)] {
+        let frames = moving(cubes(count), share, 0.2);
+        group.bench_function(name, |bencher| {
+            steps(bencher, config(count, 20 * count), &frames, Kernels::detect());
+        });
+    }
+    let frames: Vec<Frame> = (0..8)
+        .map(|seed| {
+            let mut random = Random(seed);
+            (0..count).map(|_| cube(random.corner(side(count)), 1.0)).collect()
+        })
+        .collect();
+    group.bench_function("all teleport", |bencher| {
+        steps(bencher, config(count, 20 * count), &frames, Kernels::detect());
+    });
+}
+
+fn churn(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("churn");
+    for count in [8000, 32_000] {
+        let boxes = cubes(count);
+        let tenth = count / 10;
+        let mut fixture = Fixture::new(config(count, 20 * count));
+        let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut fixture.slab), &fixture.config)
+            .expect("a world");
+        world.insert_many(Boxes::new(&boxes), &mut fixture.ids).expect("room");
+        let mut ids: Vec<Id> = fixture.ids.iter().flatten().copied().collect();
+        let mut first = 0;
+        group.bench_function(BenchmarkId::new("remove and insert 10 %", count), |bencher| {
+            bencher.iter(|| {
+                world.remove_many(&ids[first..first + tenth]).expect("living objects");
+                let mut new = vec![None; tenth];
+                world.insert_many(Boxes::new(&boxes[first..first + tenth]), &mut new).expect("room");
+                for (id, new) in ids[first..].iter_mut().zip(new.into_iter().flatten()) {
+                    *id = new;
+                }
+                first = (first + tenth) % (10 * tenth);
+                world.step(Kernels::detect(), &Serial).expect("room for the pairs").pairs().len()
+            });
+        });
+    }
+}
+
+fn small(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("small");
+    for count in [32, 64, 128, 256, 1000] {
+        let frames = moving(cubes(count), 1.0, 0.2);
+        group.bench_function(BenchmarkId::from_parameter(count), |bencher| {
+            steps(bencher, config(count, 20 * count), &frames, Kernels::detect());
+        });
+    }
+}
+
+fn degenerate(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("degenerate");
+    let count = 4000;
+    let mut random = Random(3);
+    let flat_side = (count as f32 * 4.0).sqrt();
+    let mut worlds: Vec<(&str, Frame)> = vec![("uniform", cubes(count))];
+    let flat = |_| {
+        let [x, y, _] = random.corner(flat_side);
+        cube([x, y, 0.0], 1.0)
+    };
+    worlds.push(("flat", (0..count).map(flat).collect()));
+    let mut random = Random(4);
+    let line = |_| cube([random.next() * count as f32 * 0.5, 0.0, 0.0], 1.0);
+    worlds.push(("line", (0..count).map(line).collect()));
+    worlds.push(("all identical", vec![cube([1.0; 3], 1.0); count]));
+    let mut huge = cubes(count);
+    huge[count / 2] = cube([-10.0; 3], side(count) + 20.0);
+    worlds.push(("one huge", huge));
+    let mut random = Random(5);
+    let clustered = |i: usize| {
+        let reach = if i.is_multiple_of(10) { 8.0 } else { 1.0 };
+        cube(random.corner(side(count) * reach), 1.0)
+    };
+    worlds.push(("90 % clustered", (0..count).map(clustered).collect()));
+    let mut random = Random(6);
+    let sizes = |_| {
+        let edge = 10f32.powf(6.0 * random.next() - 3.0);
+        cube(random.corner(4.0 * side(count)), edge)
+    };
+    worlds.push(("size ratio 1e6", (0..count).map(sizes).collect()));
+    for (name, boxes) in worlds {
+        let room = count * count / 2;
+        group.throughput(Throughput::Elements(pairs_of(&boxes, room) as u64));
+        // Moved by an amount that all boxes share, so that every one counts as moved and no pair changes.
+        let shift =
+            |by: f32| boxes.iter().map(|b| Aabb::new(b.min.map(|x| x + by), b.max.map(|x| x + by))).collect();
+        let frames = [shift(0.0), shift(0.25)];
+        group.bench_function(name, |bencher| steps(bencher, config(count, room), &frames, Kernels::detect()));
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(30)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
+    targets = build, full, movers, churn, small, degenerate
+}
+criterion_main!(benches);

@@ -1,0 +1,154 @@
+//! Runs the core's claiming of blocks and lending of scratch under every interleaving that loom finds, with every
+//! value that a relaxed load may see. The code is the core's own file, letter by letter; only its atomics are loom's.
+//!
+//! `cargo run --manifest-path tests/loom/Cargo.toml`
+
+/// Makes `core` mean this crate in the included file, and so `core::sync::atomic` mean loom's.
+extern crate self as core;
+#[doc(hidden)]
+pub use std::{marker, slice};
+#[doc(hidden)]
+pub mod sync {
+    pub use loom::sync::atomic;
+}
+
+// The models need a part of it.
+#[allow(dead_code)]
+#[path = "../../../core/src/arch/claim.rs"]
+mod claim;
+
+use claim::{Chunks, Claims, Indices, Pool};
+use loom::cell::Cell;
+use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicUsize;
+
+/// An item of a slice whose accesses loom watches: two at once, or one that does not see the one before, fail.
+type Item = Cell<u32>;
+type Part = &'static mut [Item];
+
+/// Items that start at zero.
+fn items(count: usize) -> Part {
+    // Loom's threads may outlive any borrow; executions are many, but small.
+    (0..count).map(|_| Cell::new(0)).collect::<Vec<_>>().leak()
+}
+
+fn leak<T>(value: T) -> &'static T {
+    Box::leak(Box::new(value))
+}
+
+fn add(item: &Item, value: u32) {
+    item.set(item.get() + value);
+}
+
+/// What an executor does, and then the step itself: `width` calls at once, one of them here, then a last one.
+fn fork_join<T: 'static>(width: usize, job: &'static (dyn Fn() -> T + Sync)) -> Vec<T> {
+    let threads: Vec<_> = (1..width).map(|_| loom::thread::spawn(job)).collect();
+    let mut results = vec![job()];
+    results.extend(threads.into_iter().map(|thread| thread.join().expect("no panic")));
+    results.push(job());
+    results
+}
+
+/// Every block is claimed once, by one, and what was written to it is seen when all calls have returned.
+fn every_block_is_claimed_once(width: usize, blocks: usize) {
+    let claims = leak(Claims::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1))));
+    let job = leak(move || {
+        let mut claimed: Vec<(usize, Part, Part)> = Vec::new();
+        while let Some((block, (pair, single))) = claims.claim() {
+            pair.iter().chain(&*single).for_each(|item| add(item, block as u32 + 1));
+            claimed.push((block, pair, single));
+        }
+        claimed
+    });
+    let mut results = fork_join(width, job);
+    assert!(results.pop().is_some_and(|last| last.is_empty()), "nothing is left for the last call");
+    let mut all: Vec<_> = results.into_iter().flatten().collect();
+    all.sort_unstable_by_key(|&(block, ..)| block);
+    assert_eq!(all.len(), blocks);
+    for (at, (block, pair, single)) in all.iter().enumerate() {
+        assert_eq!((*block, pair.len()), (at, if at + 1 == blocks { 1 } else { 2 }));
+        assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
+    }
+    assert_eq!(claims.claimed(), blocks);
+}
+
+/// Nobody shares an area of scratch with another, and the next borrower sees what the last one wrote.
+fn scratch_is_lent_to_one_at_a_time(width: usize, areas: usize) {
+    let pool = leak(Pool::new(items(areas), 1));
+    let job = leak(move || {
+        let Some(mut borrowed) = pool.borrow() else { return 0 };
+        add(&borrowed.area()[0], 1);
+        1
+    });
+    let borrowers: u32 = fork_join(width, job).into_iter().sum();
+    // Those that found no area free have left the work to others, but the last call never has to.
+    assert!((2..=width as u32 + 1).contains(&borrowers));
+    let mut all: Vec<_> = (0..areas).map(|_| pool.borrow().expect("all are free")).collect();
+    let sum: u32 = all.iter_mut().map(|area| area.area()[0].get()).sum();
+    assert_eq!(sum, borrowers, "a borrower's sum is lost");
+}
+
+/// How a sweep collects pairs: blocks by index, scratch from a pool, chunks of output as they fill, put in order at the
+/// end. Block `b` has `b % 3` chunks of pairs. With fewer chunks than that, everybody notices.
+fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
+    let chunks_of = |block: usize| block % 3;
+    let needed: usize = (0..blocks).map(chunks_of).sum();
+    let next = leak(Indices::new(blocks));
+    let output = leak(Claims::new(Chunks::new(items(chunks), 1)));
+    let pool = leak(Pool::new(items(width), 1));
+    let full = leak(AtomicBool::new(false));
+    let job = leak(move || {
+        let mut filled: Vec<([usize; 2], Part)> = Vec::new();
+        let Some(mut scratch) = pool.borrow() else { return filled };
+        while let Some(block) = next.claim() {
+            add(&scratch.area()[0], 1);
+            for number in 0..chunks_of(block) {
+                let Some((index, chunk)) = output.claim() else {
+                    full.store(true, Relaxed);
+                    break;
+                };
+                add(&chunk[0], (10 * block + number) as u32);
+                filled.push(([block, index], chunk));
+            }
+        }
+        filled
+    });
+    let mut all: Vec<_> = fork_join(width, job).into_iter().flatten().collect();
+    assert_eq!(full.load(Relaxed), chunks < needed);
+    assert_eq!((output.claimed(), all.len()), (needed.min(chunks), needed.min(chunks)));
+    let mut areas: Vec<_> = std::iter::from_fn(|| pool.borrow()).collect();
+    let swept: u32 = areas.iter_mut().map(|area| area.area()[0].get()).sum();
+    assert_eq!(swept as usize, blocks, "every block is swept once");
+    if chunks >= needed {
+        all.sort_unstable_by_key(|&(entry, _)| entry);
+        let merged: Vec<u32> = all.iter().map(|(_, chunk)| chunk[0].get()).collect();
+        let serial =
+            (0..blocks).flat_map(|block| (0..chunks_of(block)).map(move |n| (10 * block + n) as u32));
+        assert_eq!(merged, serial.collect::<Vec<_>>());
+    }
+}
+
+/// Runs a model; with a bound, under every interleaving with no more than so many preemptions.
+fn model(name: &str, preemptions: Option<usize>, run: impl Fn() + Send + Sync + 'static) {
+    static RUNS: AtomicUsize = AtomicUsize::new(0);
+    RUNS.store(0, Relaxed);
+    let mut builder = loom::model::Builder::new();
+    builder.preemption_bound = preemptions;
+    builder.check(move || {
+        RUNS.fetch_add(1, Relaxed);
+        run();
+    });
+    println!("{name}: {} interleavings", RUNS.load(Relaxed));
+}
+
+fn main() {
+    model("2 workers claim 3 blocks", None, || every_block_is_claimed_once(2, 3));
+    model("3 workers claim 2 blocks", None, || every_block_is_claimed_once(3, 2));
+    model("4 workers claim 4 blocks", Some(2), || every_block_is_claimed_once(4, 4));
+    model("2 workers borrow 1 area", None, || scratch_is_lent_to_one_at_a_time(2, 1));
+    model("3 workers borrow 2 areas", None, || scratch_is_lent_to_one_at_a_time(3, 2));
+    model("4 workers borrow 2 areas", Some(3), || scratch_is_lent_to_one_at_a_time(4, 2));
+    model("2 workers collect 3 blocks", None, || output_is_that_of_one_worker(2, 3, 3));
+    model("2 workers collect 3 blocks, short of room", None, || output_is_that_of_one_worker(2, 3, 2));
+    model("3 workers collect 4 blocks", Some(2), || output_is_that_of_one_worker(3, 4, 4));
+}
