@@ -15,14 +15,19 @@ cargo fmt --all --check
 cargo clippy --workspace --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 cargo check -p trisap-core --features glam
+cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
+(cd tests/firmware && cargo fmt --all --check && cargo clippy --workspace --all-targets -- -D warnings)
 cargo test --workspace
 
 if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests
     cargo run --release -p trisap-tests --example million
     cargo run --release -p trisap-tests --example overflow
+    tests/instructions.sh
     if cargo +nightly miri --version >/dev/null 2>&1; then
-        cargo +nightly miri test -p trisap-core --lib
+        MIRIFLAGS=-Zmiri-many-seeds=0..32 cargo +nightly miri test -p trisap-core --lib threads_
+        cargo +nightly miri test -p trisap-tests --test executors a_small_tree
+        cargo +nightly miri test -p trisap-ffi --test border
     else
         echo "skipped: Miri is not installed"
     fi

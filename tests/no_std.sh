@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the core for bare-metal targets against `core` alone: any use of std or alloc, or of an atomic that the
+# Builds the core and the C ABI for bare-metal targets against `core` alone: any use of std or alloc, or of an atomic that the
 # target lacks, is an error there. From the repository's root; needs Debian's rustc-web, cargo-web and rust-web-src,
 # and installs them where it may.
 set -euo pipefail
@@ -12,5 +12,7 @@ fi
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=target/no_std
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     /usr/bin/cargo build --release -p trisap-core -Zbuild-std=core --target "$target"
+    CARGO_PROFILE_RELEASE_PANIC=abort /usr/bin/cargo rustc --release -p trisap-ffi --no-default-features \
+        --features panic-handler --crate-type staticlib -Zbuild-std=core --target "$target"
 done
-echo "the core builds without std and alloc"
+echo "the core and the C ABI build without std and alloc"

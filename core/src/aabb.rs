@@ -1,5 +1,6 @@
 //! Boxes as callers give them, and views of boxes in callers' memory.
 
+use crate::key::KeyBox;
 use bytemuck::{Pod, Zeroable};
 
 /// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
@@ -22,17 +23,44 @@ impl Aabb {
         Self { min, max }
     }
 
+    /// The least box that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
+    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin.
+    ///
+    /// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds
+    /// belongs into the `f64` box, so that the rounding comes after it.
+    #[must_use]
+    pub fn from_f64(min: [f64; 3], max: [f64; 3], origin: [f64; 3]) -> Self {
+        let low = |k: usize| round_down(min[k], origin[k]);
+        let high = |k: usize| -round_down(-max[k], -origin[k]);
+        Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
+    }
+
     /// Whether the box can be accepted: no NaN, and `min <= max` on every axis.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        (0..3).all(|k| self.min[k] <= self.max[k])
+        KeyBox::from_aabb(self).is_some()
     }
 
-    /// Whether the closed boxes share a point. Exact: compares only, no arithmetic.
+    /// Whether the closed boxes share a point; false where one of them is not [valid](Self::is_valid). Exact, also
+    /// where the host flushes denormals to zero: integers are compared, as in a step.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
-        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+        match (KeyBox::from_aabb(self), KeyBox::from_aabb(other)) {
+            (Some(a), Some(b)) => a.overlaps(&b),
+            _ => false,
+        }
     }
+}
+
+/// The greatest `f32` that is not above `x - origin`, or NaN.
+fn round_down(x: f64, origin: f64) -> f32 {
+    let difference = x - origin;
+    // What the subtraction has rounded away, exactly; nothing where a number is infinite.
+    let back = difference - x;
+    let error = (x - (difference - back)) - (origin + back);
+    let difference = if error < 0.0 { difference.next_down() } else { difference };
+    let nearest = difference as f32;
+    if f64::from(nearest) > difference { nearest.next_down() } else { nearest }
 }
 
 #[cfg(feature = "glam")]

@@ -12,6 +12,20 @@ pub(crate) trait Access<T> {
         T: Copy + Default;
     /// Replaces the element.
     fn put(&mut self, index: usize, value: T);
+    /// Exchanges two elements.
+    fn swap_at(&mut self, a: usize, b: usize)
+    where
+        T: Copy + Default,
+    {
+        let (first, second) = (self.at(a), self.at(b));
+        self.put(a, second);
+        self.put(b, first);
+    }
+    /// Copies elements from the front of `from`, as many as both have. Not `copy_from_slice`, whose check of the lengths
+    /// can panic.
+    fn copy_in(&mut self, from: &[T])
+    where
+        T: Copy;
     /// `len` elements from `start`, or none.
     fn span(&self, start: usize, len: usize) -> &[T];
     /// `len` elements from `start`, or none.
@@ -33,6 +47,16 @@ impl<T> Access<T> for [T] {
         debug_assert!(index < self.len(), "write {index} of {}", self.len());
         if let Some(element) = self.get_mut(index) {
             *element = value;
+        }
+    }
+
+    #[inline(always)]
+    fn copy_in(&mut self, from: &[T])
+    where
+        T: Copy,
+    {
+        for (to, from) in self.iter_mut().zip(from) {
+            *to = *from;
         }
     }
 

@@ -8,6 +8,7 @@ use core::num::NonZeroU64;
 ///
 /// The bits are never zero, so that zero is null in C and `Option<Id>` costs nothing. A slot that is given
 /// to a new object gets a new generation, so the id of a removed object is recognised as stale.
+#[repr(transparent)]
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Id(NonZeroU64);
 

@@ -31,6 +31,13 @@ pub(crate) fn ingest<I: Index>(
     executor: &dyn Executor,
 ) -> Intake {
     let mode = parts.mode();
+    if parts.sizes.is_small() {
+        let slots = (parts.state.slots as usize).min(bounds.len());
+        let now = parts.boxes.now.span_mut(0, slots);
+        let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
+        let objects = Objects { now, fat, margins, moved: parts.moved, changed: parts.changed, mode };
+        return kernels.run(IngestBlock { first: 0, bounds, objects });
+    }
     let slots = (parts.state.slots as usize).min(bounds.len());
     // Whole words of the bit sets, whole cache lines of the boxes.
     let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);

@@ -39,6 +39,13 @@ pub(crate) fn length(low: i32, high: i32) -> f32 {
     if length < SHORTEST { 0.0 } else { length }
 }
 
+/// Whether something holds of all three axes. Written out, since a loop of three costs more than its body where code
+/// is made small.
+#[inline(always)]
+pub(crate) fn on_all_axes(holds: impl Fn(usize) -> bool) -> bool {
+    holds(0) && holds(1) && holds(2)
+}
+
 /// A closed box in keys.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -78,13 +85,12 @@ impl KeyBox {
     /// The keys of a box, or `None` where it has NaN in it or a minimum above its maximum.
     #[inline(always)]
     pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
-        let keys = Self { min: aabb.min.map(key), max: aabb.max.map(key) };
-        let mut good = true;
-        for k in 0..3 {
-            good &= keys.min[k] <= keys.max[k];
-            good &= keys.min[k] >= NEGATIVE_INFINITY;
-            good &= keys.max[k] <= POSITIVE_INFINITY;
-        }
+        let [a, b, c] = aabb.min;
+        let [d, e, f] = aabb.max;
+        let keys = Self { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
+        let good = on_all_axes(|k| {
+            keys.min[k] <= keys.max[k] && keys.min[k] >= NEGATIVE_INFINITY && keys.max[k] <= POSITIVE_INFINITY
+        });
         good.then_some(keys)
     }
 
@@ -99,23 +105,13 @@ impl KeyBox {
 
     #[inline(always)]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        let mut apart = false;
-        for k in 0..3 {
-            apart |= self.min[k] > other.max[k];
-            apart |= other.min[k] > self.max[k];
-        }
-        !apart
+        on_all_axes(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// Containment on all three axes (errata E3 and E4).
     #[inline(always)]
     pub(crate) fn contains(&self, inner: &Self) -> bool {
-        let mut inside = true;
-        for k in 0..3 {
-            inside &= self.min[k] <= inner.min[k];
-            inside &= inner.max[k] <= self.max[k];
-        }
-        inside
+        on_all_axes(|k| self.min[k] <= inner.min[k] && inner.max[k] <= self.max[k])
     }
 
     /// The box grown by a length on all sides (erratum E1): two single-rounded operations an axis that saturate
@@ -139,6 +135,12 @@ impl KeyBox {
         let extent = |k: usize| length(self.min[k], self.max[k]);
         // The box [inf, inf] has no extent that arithmetic could tell; `max` passes over its NaN.
         extent(0).max(extent(1)).max(extent(2)).max(0.0)
+    }
+
+    /// Whether a side is below four steps of its coordinate: only such a box can be coarse.
+    #[inline(always)]
+    pub(crate) fn is_narrow(&self) -> bool {
+        !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
     }
 
     /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: a side, or, where a side

@@ -22,6 +22,10 @@ pub struct Layout {
 /// A cache line; also more than any item asks for.
 pub(crate) const ALIGN: usize = 64;
 
+/// Worlds for up to this many objects are lean, and swept where their boxes are.
+pub(crate) const TINY: usize = 64;
+/// Lean worlds have at most this many objects.
+pub(crate) const SMALL: usize = 256;
 /// Up to this many objects are swept straight from a sorted list, without a tree.
 pub(crate) const ONE_LEAF: usize = 512;
 /// Objects that a leaf should have at most when planes are new.
@@ -71,6 +75,8 @@ pub(crate) struct Sizes {
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
+    /// Objects of a small world whose boxes are sorted before they are swept.
+    pub(crate) sorted: usize,
     /// Records in one worker's scratch.
     pub(crate) bag: usize,
 }
@@ -83,6 +89,10 @@ impl Sizes {
         }
         // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
         let objects = capacity.objects as usize;
+        let small = objects <= TINY || config.lean;
+        if small && objects > SMALL || !small && !cfg!(feature = "large") {
+            return None;
+        }
         let pairs = capacity.pairs as usize;
         let tree = if objects > ONE_LEAF { objects } else { 0 };
         let mut depth = 0;
@@ -102,14 +112,20 @@ impl Sizes {
             pairs,
             previous: if config.events { pairs } else { 0 },
             // Every block may leave a chunk unfinished.
-            staged: if config.workers > 1 {
+            staged: if config.workers > 1 && !small {
                 pairs.div_ceil(CHUNK) + leaves.div_ceil(LEAVES_PER_BLOCK) + 1
             } else {
                 0
             },
             workers: config.workers as usize,
-            bag: scratch::bag(objects),
+            sorted: if small && objects > TINY { objects } else { 0 },
+            bag: if small { 0 } else { scratch::bag(objects) },
         })
+    }
+
+    /// Whether the world is swept box by box.
+    pub(crate) const fn is_small(&self) -> bool {
+        !cfg!(feature = "large") || self.bag == 0
     }
 
     /// Entries of one block's tally: objects and front boxes of each leaf, two by two, and the large objects last.
@@ -142,6 +158,7 @@ impl Sizes {
         plan.add::<Pair<I>>(self.previous);
         plan.add::<Pair<I>>(self.staged * CHUNK);
         plan.add::<[u32; 3]>(self.staged);
+        plan.add::<KeyBox>(self.sorted);
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }

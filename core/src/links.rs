@@ -18,7 +18,9 @@ const INVERSIONS_PER_OBJECT: usize = 4;
 /// The total order of a list.
 #[inline(always)]
 pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
-    (boxes.at(a.at()).min[axis % 3], a) < (boxes.at(b.at()).min[axis % 3], b)
+    // No copy of a whole box for one of its numbers.
+    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
+    (low(a), a) < (low(b), b)
 }
 
 /// Adds a slot to the end of all three lists, where [`repair`] finds it. O(1).
@@ -78,7 +80,34 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, s
         order.put(to, slot);
         match budget.checked_sub(index - to) {
             Some(left) => budget = left,
+            None if spare.len() < 4 * order.len() => return heapsort(order, boxes, axis),
             None => return presort(order, boxes, axis, spare),
+        }
+    }
+}
+
+/// Sorts slots where they are, whatever order they are in, for worlds without scratch memory. O(n log n).
+fn heapsort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
+    // The first half makes the heap, the second one takes the last slots off it.
+    let count = order.len();
+    for round in (0..count + count / 2).rev() {
+        let (mut at, end) = if round >= count { (round - count, count) } else { (0, round) };
+        if round < count {
+            order.swap_at(0, round);
+        }
+        loop {
+            let mut child = 2 * at + 1;
+            if child >= end {
+                break;
+            }
+            if child + 1 < end && precedes(boxes, axis, order.at(child), order.at(child + 1)) {
+                child += 1;
+            }
+            if !precedes(boxes, axis, order.at(at), order.at(child)) {
+                break;
+            }
+            order.swap_at(at, child);
+            at = child;
         }
     }
 }
@@ -172,11 +201,13 @@ mod tests {
             if shuffled {
                 order.reverse();
             }
-            let mut repaired = order.clone();
+            let (mut repaired, mut in_place) = (order.clone(), order.clone());
             presort(&mut order, &boxes, 1, &mut spare);
             repair(&mut repaired, &boxes, 1, &mut spare);
+            repair(&mut in_place, &boxes, 1, &mut []);
             prop_assert_eq!(&order, &expected);
             prop_assert_eq!(&repaired, &expected);
+            prop_assert_eq!(&in_place, &expected);
             for (position, &slot) in order.iter().enumerate() {
                 prop_assert_eq!(position_of(&order, &boxes, 1, slot), position);
             }

@@ -6,18 +6,22 @@ use crate::access::Access;
 use crate::exec::{Executor, Stage};
 use crate::id::Index;
 use crate::kernels::Kernels;
+use crate::key::KeyBox;
 use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
 use crate::results::carry_resting;
-use crate::state::{Path, Progress};
+use crate::state::{Path, Progress, State};
 use crate::storage::Parts;
 use crate::sweep::Collector;
 use crate::sweep::leaves::{Grove, SweepLeaves};
 use crate::sweep::list::SweepList;
 use crate::sweep::movers::{SweepLargeMovers, SweepMovers};
-use crate::tree::cells::frame_all;
+use crate::sweep::scratch::Work;
+use crate::sweep::small;
+use crate::tree::assign::Census;
+use crate::tree::cells::longest_axis;
 use crate::tree::relocate::Relocate;
-use crate::tree::{assign, balance};
+use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
 const MOVERS_SHARE: u32 = 16;
@@ -35,7 +39,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
     let known = state.complete != 0;
     if known && moved == 0 {
         Path::Unchanged
-    } else if state.live as usize <= ONE_LEAF {
+    } else if parts.sizes.is_small() || state.live as usize <= ONE_LEAF {
         Path::Lists
     } else if known && state.filled != 0 && moved <= state.live / MOVERS_SHARE {
         Path::Movers
@@ -50,6 +54,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
 pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) -> (Path, Progress) {
     match path {
         Path::Unchanged => (path, unchanged(parts)),
+        _ if parts.sizes.is_small() => (path, small(parts, means)),
         Path::Lists => (path, lists(parts, means)),
         Path::Movers => match movers(parts, means) {
             Some(progress) => (path, progress),
@@ -66,35 +71,78 @@ fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
     Progress { pairs: carry_resting(parts), leaves, ..Progress::default() }
 }
 
-/// A small world: keep the list of one axis in order and sweep it.
+/// A world for few objects: keep the list of one axis in order and sweep its boxes.
+fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
+    means.executor.enter(Stage::Build);
+    clean_lists(parts);
+    let Parts { state, boxes, order, output, .. } = parts;
+    let boxes = boxes.swept();
+    let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
+    means.executor.enter(Stage::Sweep);
+    let found = small::sweep(order, boxes, axis, output.sorted, output.pairs);
+    let work = Work { copies: 0, candidates: found.candidates as u64 };
+    Progress {
+        pairs: found.pairs as u64,
+        work,
+        leaves: 1,
+        coarse: Some(census.coarse),
+        ..Progress::default()
+    }
+}
+
+/// A world for one leaf: keep the list of one axis in order and sweep it.
 fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     means.executor.enter(Stage::Build);
     // Records of a tree that the world may have had are not kept up to date.
     parts.state.filled = 0;
+    clean_lists(parts);
+    let Parts { state, boxes, order, output, .. } = parts;
+    let boxes = boxes.swept();
+    let spare = bytemuck::try_cast_slice_mut(output.scratch).unwrap_or_default();
+    let Sorted { order, axis, census } = sort_list(order, state, boxes, spare);
+    let frame = Frame::over(census.extent.low, census.extent.high);
+    means.executor.enter(Stage::Sweep);
+    let mut collector = Collector::new(output, parts.sizes.bag);
+    let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
+        means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
+    });
+    Progress { pairs, work, leaves: 1, coarse: Some(census.coarse), ..Progress::default() }
+}
+
+/// Makes the lists hold the living objects, where they do not.
+fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.stale_lists != 0 || parts.state.listed != parts.state.live {
         links::list_all(parts);
     }
-    let live = parts.state.live as usize;
-    let boxes = parts.boxes.swept();
-    let order = &*parts.order[0];
-    let census = assign::survey(order.span(0, live).iter().map(|slot| boxes.at(slot.at())));
-    let (frame, axis) = frame_all(&census.extent, parts.state.list_axis as usize);
-    parts.state.list_axis = axis as u32;
-    let [x, y, z] = &mut parts.order;
+}
+
+/// The list of one axis, in order.
+struct Sorted<'o, I> {
+    order: &'o [I],
+    axis: usize,
+    census: Census,
+}
+
+/// Puts the list of the longest axis in order.
+fn sort_list<'o, I: Index>(
+    order: &'o mut [&mut [I]; 3],
+    state: &mut State,
+    boxes: &[KeyBox],
+    spare: &mut [u32],
+) -> Sorted<'o, I> {
+    let live = state.live as usize;
+    let census = assign::survey(order[0].span(0, live).iter().filter_map(|slot| boxes.get(slot.at())));
+    let axis = longest_axis(&census.extent, state.list_axis as usize);
+    state.list_axis = axis as u32;
+    let [x, y, z] = order;
     let order = match axis {
         0 => x,
         1 => y,
         _ => z,
     }
     .span_mut(0, live);
-    links::repair(order, boxes, axis, bytemuck::try_cast_slice_mut(parts.output.scratch).unwrap_or_default());
-    let order = &*order;
-    means.executor.enter(Stage::Sweep);
-    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
-    let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
-        means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
-    });
-    Progress { pairs, work, leaves: 1, coarse: Some(census.coarse), ..Progress::default() }
+    links::repair(order, boxes, axis, spare);
+    Sorted { order, axis, census }
 }
 
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.

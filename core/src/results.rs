@@ -82,7 +82,7 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     for (word, changed) in parts.changed.iter_mut().enumerate() {
         let first = word * 32;
         if *changed == u32::MAX {
-            parts.boxes.before.span_mut(first, 32).copy_from_slice(boxes.span(first, 32));
+            parts.boxes.before.span_mut(first, 32).copy_in(boxes.span(first, 32));
         } else {
             for bit in bits::ones(&[*changed]) {
                 parts.boxes.before.put(first + bit, boxes.at(first + bit));

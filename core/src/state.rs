@@ -72,7 +72,8 @@ pub(crate) struct State {
     mode: u32,
     has_margin: u32,
     margin: [f32; 3],
-    events: u32,
+    /// Whether there are events, and whether the world is lean.
+    flags: u32,
     workers: u32,
 
     /// Living objects.
@@ -153,7 +154,7 @@ impl State {
             mode: (config.mode == Mode::Fat) as u32,
             has_margin: config.margin.is_some() as u32,
             margin: [margin.per_extent, margin.min, margin.max],
-            events: config.events as u32,
+            flags: config.events as u32 | (config.lean as u32) << 1,
             workers: config.workers,
             complete: 1,
             ..Self::zeroed()
@@ -171,7 +172,8 @@ impl State {
             },
             mode: self.mode(),
             margin: self.margin(),
-            events: self.events != 0,
+            events: self.flags & 1 != 0,
+            lean: self.flags & 2 != 0,
             workers: self.workers,
         })
     }

@@ -90,6 +90,8 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
+    /// In a small world: the boxes in the order of the swept list.
+    pub(crate) sorted: &'m mut [KeyBox],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -147,6 +149,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 previous: slab.take(sizes.previous)?,
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
+                sorted: slab.take(sizes.sorted)?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
             },
             sizes,

@@ -419,6 +419,54 @@ fn far_from_the_origin_the_pairs_are_right_and_the_statistics_warn() {
 }
 
 #[test]
+fn world_coordinates_in_f64_lose_no_pair() {
+    let mut rng = Rng::new(61);
+    for far in [0.0, 1e3, 1e6, 1e9, 1e12] {
+        for origin in [[0.0; 3], [far, 0.0, -far]] {
+            // Boxes that touch exactly in f64, at places that f32 cannot tell.
+            let mut place = |_| {
+                let corner = rng.point(0.0, 6.0).map(f64::from);
+                [corner[0] + far, corner[1] / 3.0, corner[2] - far]
+            };
+            let boxes: Vec<([f64; 3], [f64; 3])> = (0..200)
+                .map(&mut place)
+                .flat_map(|min| {
+                    let max = min.map(|x| x + 0.7);
+                    [(min, max), (max, max.map(|x| x + 0.1))]
+                })
+                .collect();
+            let rounded: Vec<Aabb> =
+                boxes.iter().map(|(min, max)| Aabb::from_f64(*min, *max, origin)).collect();
+            let outcomes = play_alone(EXACT, &[rounded.clone()]);
+            let mut overlaps = 0;
+            for (a, (low, high)) in boxes.iter().enumerate() {
+                // Outward, by no more than a step of f32.
+                for k in 0..3 {
+                    let (min, max) = (f64::from(rounded[a].min[k]), f64::from(rounded[a].max[k]));
+                    assert!(min + origin[k] <= low[k] && high[k] <= max + origin[k], "{far} {origin:?}");
+                    assert!(f64::from(rounded[a].min[k].next_up()) + origin[k] >= low[k]);
+                }
+                for (b, (other_low, other_high)) in boxes.iter().enumerate().skip(a + 1) {
+                    if (0..3).all(|k| low[k] <= other_high[k] && other_low[k] <= high[k]) {
+                        overlaps += 1;
+                        assert!(outcomes[0].pairs.contains(&[a as u32, b as u32]), "{far}: {a} and {b}");
+                    }
+                }
+            }
+            assert!(overlaps >= 200, "each box touches its neighbour");
+        }
+    }
+    // Beyond f32, and no numbers.
+    let huge = Aabb::from_f64([-1e300; 3], [1e300; 3], [0.0; 3]);
+    assert_eq!((huge.min, huge.max), ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]));
+    let beyond = Aabb::from_f64([1e300; 3], [1e300; 3], [0.0; 3]);
+    assert_eq!((beyond.min, beyond.max), ([f32::MAX; 3], [f32::INFINITY; 3]));
+    assert!(!Aabb::from_f64([f64::NAN; 3], [0.0; 3], [0.0; 3]).is_valid());
+    let unbounded = Aabb::from_f64([f64::NEG_INFINITY; 3], [f64::INFINITY; 3], [5.0; 3]);
+    assert_eq!((unbounded.min, unbounded.max), ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]));
+}
+
+#[test]
 fn slow_creep_inside_the_fat_box_is_filtered_tightly() {
     for (boxes, jobs) in
         [(scenes::uniform(400, 37), &Jobs::ALL[..]), (scenes::uniform(1500, 37), &Jobs::USUAL)]

@@ -64,7 +64,7 @@ unsafe impl<T: Send> Parted for Chunks<'_, T> {
         Self: 'p;
 
     fn count(&self) -> usize {
-        if self.absent { usize::MAX } else { self.len.div_ceil(self.chunk) }
+        if self.absent { usize::MAX } else { self.len.div_ceil(self.chunk.max(1)) }
     }
 
     unsafe fn part(&self, index: usize) -> &mut [T] {

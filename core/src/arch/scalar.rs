@@ -29,7 +29,12 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<KeyBox> {
-        KeyBox::from_aabb(&Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
+        // Word by word: a copy of twelve bytes would be a call.
+        let corner = |b: &[u8; 12]| {
+            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
+            [word(0), word(4), word(8)]
+        };
+        KeyBox::from_aabb(&Aabb { min: corner(min), max: corner(max) })
     }
 
     #[inline(always)]
@@ -49,7 +54,9 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {
-        a == b
+        // Not with `==`, which would be a call.
+        let differs = |k: usize| (a.min[k] ^ b.min[k]) | (a.max[k] ^ b.max[k]);
+        differs(0) | differs(1) | differs(2) == 0
     }
 
     #[inline(always)]
@@ -66,7 +73,7 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn narrow(self, keys: KeyBox) -> bool {
-        (0..3).any(|k| (keys.max[k].wrapping_sub(keys.min[k]) as u32) < 4)
+        keys.is_narrow()
     }
 
     #[inline(always)]
@@ -76,7 +83,7 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn row(self, axis: usize, record: &Record) -> Row {
-        row_lanes(axis).map(|lane| (record.lanes[lane] >> 8) as u8)
+        row_lanes(axis).map(|lane| (record.lanes.at(lane) >> 8) as u8)
     }
 
     #[inline(always)]

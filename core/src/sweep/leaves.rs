@@ -178,7 +178,7 @@ fn fill_tile<S: Simd>(simd: S, grove: &Grove<'_>, index: usize, from: usize, til
     let members = grove.members(&grove.leaves.at(index));
     let own = members.get(from..).unwrap_or_default();
     let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
-    inside.copy_from_slice(own.span(0, inside.len()));
+    inside.copy_in(own);
     if !outside.is_empty() {
         grove.gather(simd, index, from.saturating_sub(members.len()), outside);
     }

@@ -8,6 +8,7 @@ pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod movers;
 pub(crate) mod scratch;
+pub(crate) mod small;
 
 use crate::access::Access;
 use crate::arch::claim::{Chunks, Claims, Indices, Pool};
@@ -77,7 +78,7 @@ impl<'o, I: Index> Collector<'o, I> {
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.bag);
-        for area in self.scratch.chunks_exact_mut(area) {
+        for area in self.scratch.chunks_exact_mut(area.max(1)) {
             area.put(0, Record::default());
         }
         let shared = executor.workers() > 1 && blocks > 1 && !self.staged.is_empty();
@@ -119,7 +120,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let used = chunks.claimed();
         if full.load(Relaxed) {
             // The blocks are swept once more, so what was counted must not count twice.
-            for area in self.scratch.chunks_exact_mut(area) {
+            for area in self.scratch.chunks_exact_mut(area.max(1)) {
                 area.put(0, Record::default());
             }
             return None;
@@ -132,11 +133,24 @@ impl<'o, I: Index> Collector<'o, I> {
     fn merge(&mut self, from: u64, used: usize) -> u64 {
         let mut sink = Ordered { pairs: self.pairs, count: from };
         let chunks = self.chunks.span_mut(0, used);
-        chunks.sort_unstable();
+        insertion_sort(chunks);
         for &[_, index, len] in &*chunks {
             sink.take(self.staged.span(index as usize * CHUNK, len as usize));
         }
         sink.count
+    }
+}
+
+/// Sorts what is nearly in order: workers claim blocks and chunks in ascending order.
+fn insertion_sort(chunks: &mut [[u32; 3]]) {
+    for index in 1..chunks.len() {
+        let chunk = chunks.at(index);
+        let mut to = index;
+        while to > 0 && chunks.at(to - 1) > chunk {
+            chunks.put(to, chunks.at(to - 1));
+            to -= 1;
+        }
+        chunks.put(to, chunk);
     }
 }
 
@@ -161,7 +175,7 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
             };
             let filled = entry[2] as usize;
             let (now, later) = pairs.split_at(pairs.len().min(room.len() - filled));
-            room.span_mut(filled, now.len()).copy_from_slice(now);
+            room.span_mut(filled, now.len()).copy_in(now);
             entry[2] += now.len() as u32;
             pairs = later;
             if entry[2] as usize == room.len() {

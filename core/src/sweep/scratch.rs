@@ -22,6 +22,9 @@ const fn batch(bag: usize) -> usize {
 
 /// The length of a worker's area.
 pub(crate) const fn records<I>(bag: usize) -> usize {
+    if bag == 0 {
+        return 0;
+    }
     let candidates = batch(bag) + WINDOW;
     1 + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates) + of::<I>(bag)
 }

@@ -180,7 +180,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         (leaf.start, leaf.len) = (record, 0);
         (leaf.front_start, leaf.front_len) = (front, 0);
         leaf.movers = 0;
-        for tally in parts.tree.tally.chunks_exact_mut(row) {
+        for tally in parts.tree.tally.chunks_exact_mut(row.max(1)) {
             let (counts, _) = tally.as_chunks_mut::<2>();
             if let Some([members, fronts]) = counts.get_mut(index) {
                 // Positions in the leaf, as they become the objects' places.
@@ -198,7 +198,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         parts.tree.leaves.put(index, leaf);
     }
     parts.state.large_start = front;
-    for tally in parts.tree.tally.chunks_exact_mut(row) {
+    for tally in parts.tree.tally.chunks_exact_mut(row.max(1)) {
         let (_, large) = tally.as_chunks_mut::<2>();
         let count = large.at(0);
         large.put(0, front);
@@ -338,11 +338,11 @@ pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
 }
 
 /// The bounds of the minima of some boxes, and whether one of them is coarse.
-pub(crate) fn survey(boxes: impl Iterator<Item = KeyBox>) -> Census {
+pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
     let mut census = Census { extent: Extent::NONE, coarse: false };
     for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
         census.extent.include(&bounds.min);
-        census.coarse |= bounds.is_coarse();
+        census.coarse |= bounds.is_narrow() && bounds.is_coarse();
     }
     census
 }

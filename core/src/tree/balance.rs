@@ -41,8 +41,9 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
     let row = parts.sizes.tally_row().max(1);
-    let count =
-        |leaf| parts.tree.tally.chunks_exact(row).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>();
+    let count = |leaf| {
+        parts.tree.tally.chunks_exact(row.max(1)).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>()
+    };
     (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
 }
 
@@ -53,7 +54,7 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
     links::list_all(parts);
     parts.state.depth = depth;
     parts.state.planted = parts.state.live;
-    let extent = super::assign::survey(parts.boxes.swept().iter().copied()).extent;
+    let extent = super::assign::survey(parts.boxes.swept().iter()).extent;
     parts.state.set_extent(&extent);
     for leaf in &mut *parts.tree.leaves {
         leaf.settled = 0;

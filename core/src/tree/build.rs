@@ -127,7 +127,7 @@ impl<I: Index> Build<'_, I> {
                     left += 1;
                 }
             }
-            list.span_mut(left, right).copy_from_slice(self.spare.span(0, right));
+            list.span_mut(left, right).copy_in(self.spare.span(0, right));
         }
         for slot in self.lists[axis].span(middle, end - middle) {
             bits::clear(self.sides, slot.at());

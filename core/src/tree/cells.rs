@@ -23,10 +23,13 @@ impl Extent {
     /// Takes in one minimum corner; unbounded coordinates would only blur the frames.
     #[inline(always)]
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
-        for k in 0..3 {
+        let mut include = |k: usize| {
             self.low[k] = self.low[k].min(min[k].max(Self::FINITE.low[k]));
             self.high[k] = self.high[k].max(min[k].min(Self::FINITE.high[k]));
-        }
+        };
+        include(0);
+        include(1);
+        include(2);
     }
 
     pub(crate) fn union(&mut self, other: &Self) {
@@ -92,12 +95,11 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     }
 }
 
-/// The frame over a whole world, and the axis to sweep it along: `axis` unless another is clearly longer, since
-/// the list of that one is in order already.
-pub(crate) fn frame_all(extent: &Extent, axis: usize) -> (Frame, usize) {
+/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that one is in
+/// order already.
+pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
     let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
-    let longest = (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best });
-    (Frame::over(extent.low, extent.high), longest)
+    (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best })
 }
 
 #[cfg(test)]

@@ -181,19 +181,16 @@ impl Frame {
     /// Any monotone map is conservative: it can make apart boxes touch, which the exact test finds, but never the
     /// other way. Maxima beyond the cell land on the last step, above every minimum, so that no tie comes of it.
     pub(crate) fn over(low: [i32; 3], high: [i32; 3]) -> Self {
-        let mut frame = Self::default();
-        for k in 0..3 {
-            let (low, high) = (value(low[k]), value(high[k]));
+        let origin = low.map(value);
+        let scale = |k: usize| {
+            let (low, high) = (origin[k], value(high[k]));
             // A flat cell still needs a step above zero for the maxima; the floor also keeps denormals out, so
             // that a flush-to-zero mode of the host changes nothing.
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
-            let extent = (high - low).max(floor).min(f32::MAX);
-            for lane in [k, 3 + k] {
-                frame.origin[lane] = low;
-                frame.scale[lane] = GRID_MAX / extent;
-            }
-        }
-        frame
+            GRID_MAX / (high - low).max(floor).min(f32::MAX)
+        };
+        let twice = |[x, y, z]: [f32; 3]| [x, y, z, x, y, z, 0.0, 0.0];
+        Self { origin: twice(origin), scale: twice([scale(0), scale(1), scale(2)]) }
     }
 }
 

@@ -1,0 +1,39 @@
+//! The C ABI of trisap. `include/trisap.h` is generated from this crate; `ffi/README.md` is its manual.
+//!
+//! Each file is a part of the header: `status`, `structs`, `world`, `objects`, `step`, `version`. `border` is where the
+//! caller's pointers become Rust's.
+//!
+//! # Safety
+//!
+//! What a caller can get wrong and a callee can see is a status. The rest is the contract of every function here:
+//!
+//! - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
+//!   initialised.
+//! - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
+//!   next step.
+//! - Nobody else writes to the memory of a world, and it stays where it is while a call runs.
+//! - The callbacks of [`trisap_jobs`](structs::trisap_jobs) return, by no other way than returning: no exception, no
+//!   `longjmp`.
+//!
+//! # Panics
+//!
+//! `trisap-core` does not panic, and neither does this crate. If they did, the panic would end the process, not cross
+//! the border: Rust aborts where an unwinding panic reaches the end of an `extern "C"` function. So nothing is caught
+//! here.
+
+#![no_std]
+#![allow(non_camel_case_types, reason = "the types are named as in the header")]
+#![allow(clippy::missing_safety_doc, reason = "one contract for all functions, above")]
+
+#[cfg(any(feature = "std", test))]
+extern crate std;
+
+mod border;
+pub mod objects;
+#[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
+mod panic;
+pub mod status;
+pub mod step;
+pub mod structs;
+pub mod version;
+pub mod world;

@@ -1,0 +1,197 @@
+//! Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
+
+use crate::border;
+use crate::status::trisap_status;
+use crate::structs::{TRISAP_NULL_ID, trisap_aabb, trisap_boxes, trisap_id};
+use crate::world::{Call, trisap_world, with};
+use trisap_core::{Error, Id};
+
+fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
+    let stale = crate::status::Refusal { status: trisap_status::StaleId, detail: id };
+    Id::from_bits(id).ok_or(stale)
+}
+
+/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_id_slot(id: trisap_id) -> u32 {
+    id as u32
+}
+
+/// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
+/// order from 0. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_insert(
+    world: *mut trisap_world,
+    aabb: *const trisap_aabb,
+    id: *mut trisap_id,
+) -> trisap_status {
+    let insert = |call: &mut Call| {
+        border::check(aabb)?;
+        border::span(id, 1, &call.range())?;
+        // SAFETY: aligned, not null, and initialised by the caller's promise.
+        let aabb = unsafe { aabb.read() };
+        let new = call.world()?.insert(aabb.into())?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { id.write(new.to_bits()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, insert) }
+}
+
+/// Gives an object another box. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_update(
+    world: *mut trisap_world,
+    id: trisap_id,
+    aabb: *const trisap_aabb,
+) -> trisap_status {
+    let update = |call: &mut Call| {
+        border::check(aabb)?;
+        // SAFETY: aligned, not null, and initialised by the caller's promise.
+        let aabb = unsafe { aabb.read() };
+        Ok(call.world()?.set_aabb(living(id)?, aabb.into())?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, update) }
+}
+
+/// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisap_id) -> trisap_status {
+    // SAFETY: the caller's promise.
+    unsafe { with(world, |call| Ok(call.world()?.remove(living(id)?)?)) }
+}
+
+/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
+/// Does nothing in a world without margins. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_margin(
+    world: *mut trisap_world,
+    id: trisap_id,
+    length: f32,
+) -> trisap_status {
+    // SAFETY: the caller's promise.
+    unsafe { with(world, |call| Ok(call.world()?.set_margin(living(id)?, length)?)) }
+}
+
+/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. Where it adds none for the sake of a box or
+/// of the capacity, the ids are null. O(n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_insert_many(
+    world: *mut trisap_world,
+    boxes: *const trisap_boxes,
+    ids: *mut trisap_id,
+) -> trisap_status {
+    let insert = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let boxes = unsafe { border::boxes(boxes, &call.range())? };
+        // SAFETY: the caller's promise.
+        let ids = unsafe { border::new_ids(ids, boxes.len(), &call.range())? };
+        Ok(call.world()?.insert_many(boxes, ids)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, insert) }
+}
+
+/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_update_many(
+    world: *mut trisap_world,
+    ids: *const trisap_id,
+    boxes: *const trisap_boxes,
+) -> trisap_status {
+    let update = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let boxes = unsafe { border::boxes(boxes, &call.range())? };
+        // SAFETY: the caller's promise.
+        let ids = unsafe { border::ids(ids, boxes.len(), &call.range())? };
+        Ok(call.world()?.update_many(ids, boxes)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, update) }
+}
+
+/// Removes objects, all or none. O(n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_remove_many(
+    world: *mut trisap_world,
+    ids: *const trisap_id,
+    count: usize,
+) -> trisap_status {
+    let remove = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let ids = unsafe { border::ids(ids, count, &call.range())? };
+        Ok(call.world()?.remove_many(ids)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, remove) }
+}
+
+/// `TRISAP_STATUS_OK` if `id` names a living object, else `TRISAP_STATUS_STALE_ID`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_contains(world: *const trisap_world, id: trisap_id) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let id = living(id)?;
+        if call.world()?.contains(id) { Ok(()) } else { Err(Error::StaleId { id }.into()) }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the box of an object, as it was given last, to `aabb`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_aabb(
+    world: *const trisap_world,
+    id: trisap_id,
+    aabb: *mut trisap_aabb,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        border::span(aabb, 1, &call.range())?;
+        let id = living(id)?;
+        let known = call.world()?.aabb(id).ok_or(Error::StaleId { id })?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { aabb.write(known.into()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u32) -> trisap_id {
+    let mut id = TRISAP_NULL_ID;
+    let ask = |call: &mut Call| {
+        id = call.world()?.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) };
+    id
+}
+
+/// Living objects; 0 for misuse. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_len(world: *const trisap_world) -> u32 {
+    let mut len = 0;
+    let ask = |call: &mut Call| {
+        len = call.world()?.len();
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) };
+    len
+}

@@ -1,0 +1,19 @@
+//! The end of a program that has found a mistake of trisap's.
+
+use core::panic::PanicInfo;
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    #[cfg(any(unix, windows))]
+    {
+        unsafe extern "C" {
+            safe fn abort() -> !;
+        }
+        abort()
+    }
+    // Where there is nobody to tell, the watchdog will notice.
+    #[cfg(not(any(unix, windows)))]
+    loop {
+        core::hint::spin_loop();
+    }
+}

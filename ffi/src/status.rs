@@ -1,0 +1,108 @@
+//! Status codes.
+
+use core::ffi::c_char;
+use trisap_core::Error;
+
+/// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
+/// was before the call.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum trisap_status {
+    /// Done.
+    Ok = 0,
+    /// A pointer is null that must not be.
+    NullPointer = 1,
+    /// A pointer is not aligned to its type, or the memory of a world not to `trisap_world_align()`.
+    Misaligned = 2,
+    /// A `struct_size` is not that of this ABI: the struct was not made by its `trisap_default_...` function, or by
+    /// that of another version.
+    StructSize = 3,
+    /// An argument is out of its range.
+    InvalidArgument = 4,
+    /// An array reaches into the memory of the world.
+    Overlap = 5,
+    /// The memory is shorter than `trisap_world_size()` says.
+    MemoryTooSmall = 6,
+    /// The memory holds no world of this ABI version.
+    NotAWorld = 7,
+    /// The world is inside another call: one of another thread, or the step that has called the job system.
+    Busy = 8,
+    /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
+    /// workers is not 1 to 32.
+    CapacityTooLarge = 9,
+    /// A margin is negative, not finite, or its bounds are out of order.
+    BadMargin = 10,
+    /// More objects than the capacity. The detail says how many would have to fit.
+    ObjectsFull = 11,
+    /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
+    BadBox = 12,
+    /// An id names no living object, or comes twice in a batch of removals. The detail is the id.
+    StaleId = 13,
+    /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
+    /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
+    /// one.
+    PairsFull = 14,
+    /// The memory of the world was written to by others.
+    Corrupt = 15,
+    /// Refused for a reason that this version of the ABI has no word for.
+    Other = 16,
+}
+
+/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
+    const TEXTS: [&core::ffi::CStr; 17] = [
+        c"done",
+        c"a pointer is null",
+        c"a pointer is misaligned",
+        c"the struct_size is not that of this ABI version",
+        c"an argument is out of its range",
+        c"an array reaches into the memory of the world",
+        c"the memory is too small for the world",
+        c"the memory holds no world of this ABI version",
+        c"the world is inside another call",
+        c"the capacity is too large, or the number of workers is not 1 to 32",
+        c"a margin is negative, not finite or out of order",
+        c"more objects than the capacity",
+        c"a box has NaN in it or a minimum above its maximum",
+        c"an id names no living object",
+        c"more pairs than the capacity",
+        c"the memory of the world was written to by others",
+        c"refused",
+    ];
+    const _: () = assert!(TEXTS.len() == trisap_status::Other as usize + 1);
+    let text = usize::try_from(status).ok().and_then(|status| TEXTS.get(status));
+    text.copied().unwrap_or(c"not a status").as_ptr()
+}
+
+/// A status other than `Ok`, and its detail.
+pub(crate) struct Refusal {
+    pub(crate) status: trisap_status,
+    pub(crate) detail: u64,
+}
+
+impl From<trisap_status> for Refusal {
+    fn from(status: trisap_status) -> Self {
+        Self { status, detail: 0 }
+    }
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        let (status, detail) = match error {
+            Error::SlabTooSmall { needed } => (trisap_status::MemoryTooSmall, needed as u64),
+            Error::SlabMisaligned { align } => (trisap_status::Misaligned, align as u64),
+            Error::NotAWorld => (trisap_status::Corrupt, 0),
+            Error::CapacityTooLarge => (trisap_status::CapacityTooLarge, 0),
+            Error::BadMargin => (trisap_status::BadMargin, 0),
+            Error::ObjectsFull { needed } => (trisap_status::ObjectsFull, needed),
+            Error::BadBox { index } => (trisap_status::BadBox, u64::from(index)),
+            Error::StaleId { id } => (trisap_status::StaleId, id.to_bits()),
+            Error::LengthMismatch { needed } => (trisap_status::InvalidArgument, needed as u64),
+            Error::PairsFull { needed } => (trisap_status::PairsFull, needed),
+            _ => (trisap_status::Other, 0),
+        };
+        Self { status, detail }
+    }
+}

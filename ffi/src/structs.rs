@@ -1,0 +1,354 @@
+//! Plain data. Structs that may grow begin with their size; `trisap_default_...` functions fill it in.
+
+use crate::status::trisap_status;
+use core::ffi::{c_char, c_void};
+use trisap_core::{Aabb, Capacity, Config, Margin, Mode};
+
+/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// when its slot is used again.
+pub type trisap_id = u64;
+
+/// The id of no object.
+pub const TRISAP_NULL_ID: trisap_id = 0;
+
+/// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
+/// welcome; NaN and a minimum above its maximum are refused.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct trisap_aabb {
+    /// The lowest corner: x, y, z.
+    pub min: [f32; 3],
+    /// The highest corner: x, y, z.
+    pub max: [f32; 3],
+}
+
+impl From<trisap_aabb> for Aabb {
+    fn from(aabb: trisap_aabb) -> Self {
+        Self::new(aabb.min, aabb.max)
+    }
+}
+
+impl From<Aabb> for trisap_aabb {
+    fn from(aabb: Aabb) -> Self {
+        Self { min: aabb.min, max: aabb.max }
+    }
+}
+
+/// Two overlapping objects by slot.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct trisap_pair {
+    /// The lower slot.
+    pub a: u32,
+    /// The higher slot.
+    pub b: u32,
+}
+
+/// Exactly the overlaps of the boxes as given: for `trisap_config::mode`.
+pub const TRISAP_MODE_EXACT: u32 = 0;
+/// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
+pub const TRISAP_MODE_FAT: u32 = 1;
+
+/// What a world is made for. Filled by `trisap_default_config`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_config {
+    /// The size of this struct in bytes.
+    pub struct_size: u32,
+    /// Objects that can live at once. By default the number that the default function was given.
+    pub objects: u32,
+    /// Boxes that may reach beyond the leaf of the tree that they live in; with fewer than a scene needs, steps are
+    /// slower. By default half of `objects`.
+    pub leaf_refs: u32,
+    /// Pairs that a step can return. By default eight an object.
+    pub pairs: u32,
+    /// `TRISAP_MODE_EXACT` (the default) or `TRISAP_MODE_FAT`.
+    pub mode: u32,
+    /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
+    pub events: u32,
+    /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
+    /// By default 1.
+    pub workers: u32,
+    /// 1 if up to 256 objects are swept box by box, without vectors and their scratch memory: for microcontrollers. Worlds
+    /// for up to 64 objects are anyway. By default 0.
+    pub lean: u32,
+    /// 1 if boxes get a margin, which they can move in without costing a step more than a glance; pays where many
+    /// objects rest or creep. By default 0.
+    pub has_margin: u32,
+    /// The margin as a share of the object's largest extent. By default 0.
+    pub margin_per_extent: f32,
+    /// Lower bound of the margin, a length. By default 0.
+    pub margin_min: f32,
+    /// Upper bound of the margin, a length. By default the largest float.
+    pub margin_max: f32,
+}
+
+impl trisap_config {
+    pub(crate) fn to_core(self) -> Result<Config, trisap_status> {
+        let flag = |value: u32| match value {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(trisap_status::InvalidArgument),
+        };
+        let mode = match self.mode {
+            TRISAP_MODE_EXACT => Mode::Exact,
+            TRISAP_MODE_FAT => Mode::Fat,
+            _ => return Err(trisap_status::InvalidArgument),
+        };
+        let margin =
+            Margin { per_extent: self.margin_per_extent, min: self.margin_min, max: self.margin_max };
+        Ok(Config {
+            mode,
+            margin: flag(self.has_margin)?.then_some(margin),
+            events: flag(self.events)?,
+            lean: flag(self.lean)?,
+            workers: self.workers,
+            ..Config::new(Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs })
+        })
+    }
+
+    pub(crate) fn from_core(config: &Config) -> Self {
+        let margin = config.margin.unwrap_or(Margin::share(0.0));
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            objects: config.capacity.objects,
+            leaf_refs: config.capacity.leaf_refs,
+            pairs: config.capacity.pairs,
+            mode: match config.mode {
+                Mode::Exact => TRISAP_MODE_EXACT,
+                Mode::Fat => TRISAP_MODE_FAT,
+            },
+            events: u32::from(config.events),
+            workers: config.workers,
+            lean: u32::from(config.lean),
+            has_margin: u32::from(config.margin.is_some()),
+            margin_per_extent: margin.per_extent,
+            margin_min: margin.min,
+            margin_max: margin.max,
+        }
+    }
+}
+
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no margin,
+/// one worker.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_config(objects: u32) -> trisap_config {
+    trisap_config::from_core(&Config::new(Capacity::for_objects(objects)))
+}
+
+/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
+/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_boxes {
+    /// The size of this struct in bytes.
+    pub struct_size: u32,
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// floats.
+    pub max_offset: u32,
+    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    pub first: *const c_void,
+    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
+    pub stride: usize,
+    /// How many items there are.
+    pub count: usize,
+}
+
+/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// `max_offset`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_boxes(boxes: *const trisap_aabb, count: usize) -> trisap_boxes {
+    trisap_boxes {
+        struct_size: size_of::<trisap_boxes>() as u32,
+        max_offset: 12,
+        first: boxes.cast(),
+        stride: size_of::<trisap_aabb>(),
+        count,
+    }
+}
+
+/// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_jobs {
+    /// The size of this struct in bytes.
+    pub struct_size: u32,
+    /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
+    /// never called.
+    pub worker_count: u32,
+    /// Handed to `fork_join`.
+    pub user: *mut c_void,
+    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
+    ///
+    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
+    /// thousand objects, a step is done before it would be handed out, and never asks.
+    ///
+    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
+    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
+    /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
+    ///
+    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
+    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
+    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
+    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
+    pub fork_join: Option<
+        unsafe extern "C" fn(
+            user: *mut c_void,
+            run: Option<unsafe extern "C" fn(task: *mut c_void)>,
+            task: *mut c_void,
+            count: u32,
+            name: *const c_char,
+        ),
+    >,
+}
+
+/// A job system of one worker, to be filled in.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_jobs() -> trisap_jobs {
+    trisap_jobs {
+        struct_size: size_of::<trisap_jobs>() as u32,
+        worker_count: 1,
+        user: core::ptr::null_mut(),
+        fork_join: None,
+    }
+}
+
+/// What a step has found. Made by `trisap_default_result`, filled by the step.
+///
+/// The arrays lie in the memory of the world and stay as they are until its next step: inserting, updating and removing
+/// does not touch them. Never null, also where they are empty.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_result {
+    /// The size of this struct in bytes.
+    pub struct_size: u32,
+    /// `trisap_world_step_over`: how many objects have kept their boxes because the new ones had NaN in them or a
+    /// minimum above its maximum. Unknown, and zero, after `TRISAP_STATUS_PAIRS_FULL`.
+    pub rejected_count: u32,
+    /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
+    pub first_rejected: trisap_id,
+    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
+    /// for the same calls.
+    pub pairs: *const trisap_pair,
+    /// How many.
+    pub pair_count: usize,
+    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
+    /// slots counts as another pair.
+    pub found: *const trisap_pair,
+    /// How many.
+    pub found_count: usize,
+    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
+    /// another one by now.
+    pub lost: *const trisap_pair,
+    /// How many.
+    pub lost_count: usize,
+    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
+    pub pairs_needed: u64,
+}
+
+/// An empty result.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_result() -> trisap_result {
+    let none = core::ptr::null();
+    trisap_result {
+        struct_size: size_of::<trisap_result>() as u32,
+        rejected_count: 0,
+        first_rejected: TRISAP_NULL_ID,
+        pairs: none,
+        pair_count: 0,
+        found: none,
+        found_count: 0,
+        lost: none,
+        lost_count: 0,
+        pairs_needed: 0,
+    }
+}
+
+/// Nothing had moved: the pairs stayed.
+pub const TRISAP_PATH_UNCHANGED: u32 = 0;
+/// A small world: swept straight from a sorted list.
+pub const TRISAP_PATH_LISTS: u32 = 1;
+/// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.
+pub const TRISAP_PATH_MOVERS: u32 = 2;
+/// Many had moved: all leaves were filled and swept.
+pub const TRISAP_PATH_FULL: u32 = 3;
+/// As full, after new planes for the whole tree.
+pub const TRISAP_PATH_REBUILT: u32 = 4;
+
+/// What a step did. All are counts, so equal calls give equal statistics on any machine. Made by
+/// `trisap_default_stats`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_stats {
+    /// The size of this struct in bytes.
+    pub struct_size: u32,
+    /// How the pairs were found: one of `TRISAP_PATH_...`.
+    pub path: u32,
+    /// Living objects.
+    pub objects: u32,
+    /// Objects that were new or gone, or had left their margin, or, without margins, whose box had changed.
+    pub moved: u32,
+    /// Leaves of the tree; 1 where the world is swept from a list.
+    pub leaves: u32,
+    /// Large objects, which live in a list of their own.
+    pub large: u32,
+    /// Objects whose leaf got new planes for the next step.
+    pub rebalanced: u32,
+    /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
+    /// The boxes may have lost their shape before; shift the origin.
+    pub coarse_resolution: u32,
+    /// Boxes swept in leaves where they are not at home.
+    pub copies: u64,
+    /// Pairs of boxes that were tested on all axes.
+    pub candidates: u64,
+    /// Overlapping pairs.
+    pub pairs: u64,
+    /// Pairs that the last complete step did not have.
+    pub found: u64,
+    /// Pairs that only the last complete step had.
+    pub lost: u64,
+    /// Exact mode with a margin: overlaps of margins that the exact test dropped.
+    pub surplus: u64,
+}
+
+/// Statistics of no step.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_stats() -> trisap_stats {
+    trisap_stats {
+        struct_size: size_of::<trisap_stats>() as u32,
+        path: TRISAP_PATH_UNCHANGED,
+        objects: 0,
+        moved: 0,
+        leaves: 0,
+        large: 0,
+        rebalanced: 0,
+        coarse_resolution: 0,
+        copies: 0,
+        candidates: 0,
+        pairs: 0,
+        found: 0,
+        lost: 0,
+        surplus: 0,
+    }
+}
+
+// The header asserts the same on the other side of the border.
+const _: () = {
+    const POINTER: usize = size_of::<*const c_void>();
+    assert!(size_of::<trisap_aabb>() == 24);
+    assert!(size_of::<trisap_pair>() == 8);
+    assert!(size_of::<trisap_config>() == 48);
+    assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
+    assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
+    assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);
+    assert!(size_of::<trisap_stats>() == 80);
+    // Pairs are handed out as they stand in the world.
+    assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
+    assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());
+};

@@ -1,0 +1,334 @@
+//! Worlds in the caller's memory.
+//!
+//! The memory starts with a `Header`, a cache line that tells where the core's slab ends and who is inside; the slab
+//! follows. A `Call` enters, opens the core's world in the slab, and leaves.
+
+use crate::border;
+use crate::status::{Refusal, trisap_status};
+use crate::structs::{trisap_config, trisap_stats};
+use crate::version::TRISAP_ABI_VERSION;
+use core::ffi::c_void;
+use core::ops::Range;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use trisap_core::{Error, Path, World, layout};
+
+/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
+/// any other address of the same alignment, can be opened and goes on as the world would have.
+///
+/// One thread at a time may use it; there is nothing to free.
+pub struct trisap_world {
+    _opaque: [u8; 0],
+}
+
+/// What stands before the core's slab.
+#[repr(C, align(64))]
+struct Header {
+    magic: u32,
+    abi_version: u32,
+    slab_bytes: u64,
+    detail: u64,
+    /// Not zero while a call is inside.
+    busy: AtomicU32,
+}
+
+const MAGIC: u32 = u32::from_le_bytes(*b"trsp");
+const HEADER: usize = size_of::<Header>();
+const _: () = assert!(HEADER == 64);
+
+/// The bytes of a world, header and slab.
+fn size(config: &trisap_config) -> Result<usize, trisap_status> {
+    let config = config.to_core()?;
+    let slab = layout::<u32>(&config).ok_or(trisap_status::CapacityTooLarge)?;
+    const { assert!(align_of::<Header>().is_multiple_of(64)) };
+    debug_assert!(slab.align <= align_of::<Header>());
+    slab.bytes.checked_add(HEADER).ok_or(trisap_status::CapacityTooLarge)
+}
+
+/// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
+/// says why. Grows linearly with objects, leaf references and pairs.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_size(config: *const trisap_config) -> usize {
+    // SAFETY: the caller's promise.
+    unsafe { border::read(config) }.and_then(|config| size(&config)).unwrap_or(0)
+}
+
+/// The boundary that the memory of a world starts on: 64 bytes.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_world_align() -> usize {
+    align_of::<Header>()
+}
+
+/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`.
+///
+/// What was in the memory does not matter: so a world is cleared, too. What is beyond `trisap_world_size()` is not
+/// touched. Nothing is allocated, neither here nor later. O(bytes).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_init(
+    memory: *mut c_void,
+    bytes: usize,
+    config: *const trisap_config,
+    world: *mut *mut trisap_world,
+) -> trisap_status {
+    let header = memory.cast::<Header>();
+    let make = || {
+        border::check(header)?;
+        // SAFETY: the caller's promise.
+        let config = unsafe { border::read(config)? };
+        let needed = size(&config)?;
+        if bytes < needed {
+            return Err(trisap_status::MemoryTooSmall.into());
+        }
+        border::span(world, 1, &range(memory, needed))?;
+        let slab_bytes = needed - HEADER;
+        let core_config = config.to_core()?;
+        // What else may be wrong shows without memory, so that a refusal leaves the memory alone.
+        match World::<u32>::new_in(&mut [], &core_config) {
+            Err(Error::SlabTooSmall { .. }) | Ok(_) => {}
+            Err(error) => return Err(error.into()),
+        }
+        // SAFETY: by the caller's promise there are `bytes` bytes, and `needed` is no more. A slice needs initialised
+        // memory.
+        unsafe { memory.cast::<u8>().write_bytes(0, needed) };
+        // SAFETY: the bytes after the header, initialised just now.
+        let slab = unsafe { core::slice::from_raw_parts_mut(header.add(1).cast::<u8>(), slab_bytes) };
+        World::<u32>::new_in(slab, &core_config)?;
+        let made = Header {
+            magic: MAGIC,
+            abi_version: TRISAP_ABI_VERSION,
+            slab_bytes: slab_bytes as u64,
+            detail: 0,
+            busy: AtomicU32::new(0),
+        };
+        // SAFETY: aligned, and the first bytes of the memory.
+        unsafe { header.write(made) };
+        // SAFETY: aligned, not null, and outside of the memory.
+        unsafe { world.write(header.cast()) };
+        Ok(())
+    };
+    make().map_or_else(|refusal: Refusal| refusal.status, |()| trisap_status::Ok)
+}
+
+/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+///
+/// For snapshots within a program, and between programs that run the same version on the same kind of machine.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_open(
+    memory: *mut c_void,
+    bytes: usize,
+    world: *mut *mut trisap_world,
+) -> trisap_status {
+    let header = memory.cast::<Header>();
+    let find = || {
+        border::check(header)?;
+        if bytes < HEADER {
+            return Err(trisap_status::MemoryTooSmall.into());
+        }
+        // SAFETY: aligned, not null, and by the caller's promise as long as a header.
+        let slab_bytes = unsafe { check_header(header)? };
+        if bytes - HEADER < slab_bytes {
+            return Err(trisap_status::MemoryTooSmall.into());
+        }
+        border::span(world, 1, &range(memory, HEADER + slab_bytes))?;
+        // A copy may have been made inside of a call.
+        // SAFETY: as above.
+        unsafe { (*header).busy.store(0, Relaxed) };
+        // SAFETY: a world, as far as the header tells.
+        let mut call = unsafe { Call::enter(header.cast())? };
+        call.world()?;
+        drop(call);
+        // SAFETY: aligned, not null, and outside of the memory.
+        unsafe { world.write(header.cast()) };
+        Ok(())
+    };
+    find().map_or_else(|refusal: Refusal| refusal.status, |()| trisap_status::Ok)
+}
+
+/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_error_detail(world: *const trisap_world) -> u64 {
+    // SAFETY: the caller's promise.
+    let call = unsafe { Call::enter(world) };
+    // SAFETY: `enter` has checked the header.
+    call.map_or(0, |call| unsafe { (*call.header).detail })
+}
+
+/// The bytes that the world takes of its memory: what a snapshot has to copy. 0 for misuse.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {
+    // SAFETY: the caller's promise.
+    unsafe { Call::enter(world) }.map_or(0, |call| HEADER + call.slab_bytes)
+}
+
+/// Writes what the world was made for to `config`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_config(
+    world: *const trisap_world,
+    config: *mut trisap_config,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        unsafe { border::check_versioned(config)? };
+        let known = trisap_config::from_core(&call.world()?.config());
+        // SAFETY: checked above.
+        unsafe { config.write(known) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes what the last step did to `stats`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_stats(
+    world: *const trisap_world,
+    stats: *mut trisap_stats,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        unsafe { border::check_versioned(stats)? };
+        let known = call.world()?.stats();
+        let told = trisap_stats {
+            struct_size: size_of::<trisap_stats>() as u32,
+            path: match known.path {
+                Path::Unchanged => crate::structs::TRISAP_PATH_UNCHANGED,
+                Path::Lists => crate::structs::TRISAP_PATH_LISTS,
+                Path::Movers => crate::structs::TRISAP_PATH_MOVERS,
+                Path::Full => crate::structs::TRISAP_PATH_FULL,
+                Path::Rebuilt => crate::structs::TRISAP_PATH_REBUILT,
+            },
+            objects: known.objects,
+            moved: known.moved,
+            leaves: known.leaves,
+            large: known.large,
+            rebalanced: known.rebalanced,
+            coarse_resolution: u32::from(known.coarse_resolution),
+            copies: known.copies,
+            candidates: known.candidates,
+            pairs: known.pairs,
+            found: known.found,
+            lost: known.lost,
+            surplus: known.surplus,
+        };
+        // SAFETY: checked above.
+        unsafe { stats.write(told) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
+/// is broken. O(n log n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_validate(world: *const trisap_world) -> trisap_status {
+    let ask = |call: &mut Call| call.world()?.validate().map_err(|_| trisap_status::Corrupt.into());
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// A call that is inside a world, until it is dropped.
+pub(crate) struct Call {
+    header: *mut Header,
+    slab_bytes: usize,
+}
+
+impl Call {
+    /// # Safety
+    /// A pointer that is not null points to memory that `trisap_world_init` has made into a world, or at least to as
+    /// much initialised memory as a header; and no other thread is inside.
+    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
+        // What the caller may not change through the pointer, this crate does not change either, but for `busy` and the
+        // detail, which are no part of what the caller sees as the world.
+        let header = world.cast_mut().cast::<Header>();
+        border::check(header)?;
+        // SAFETY: aligned, not null, and a header by the caller's promise.
+        let slab_bytes = unsafe { check_header(header)? };
+        // SAFETY: as above.
+        let busy = unsafe { &(*header).busy };
+        // Not one atomic operation, since not all targets have it: it is there for calls from inside a step, and for
+        // other threads' mistakes as far as it sees them.
+        if busy.load(Relaxed) != 0 {
+            return Err(trisap_status::Busy);
+        }
+        busy.store(1, Relaxed);
+        Ok(Self { header, slab_bytes })
+    }
+
+    /// The core's slab.
+    pub(crate) fn slab(&self) -> *mut c_void {
+        self.header.wrapping_add(1).cast()
+    }
+
+    /// The addresses of the world's memory.
+    pub(crate) fn range(&self) -> Range<usize> {
+        range(self.header.cast(), HEADER + self.slab_bytes)
+    }
+
+    /// The core's world.
+    pub(crate) fn world(&mut self) -> Result<World<'_, u32>, Refusal> {
+        // SAFETY: the header says truly how long the slab is, `init` has initialised it, nobody else is inside, and the
+        // borrow of `self` keeps the slice the only one.
+        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
+        Ok(World::open(slab)?)
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        // SAFETY: `enter` has checked the header.
+        unsafe { (*self.header).busy.store(0, Relaxed) };
+    }
+}
+
+/// Does the work of a call inside the world.
+///
+/// # Safety
+/// As for [`Call::enter`].
+pub(crate) unsafe fn with(
+    world: *const trisap_world,
+    work: impl FnOnce(&mut Call) -> Result<(), Refusal>,
+) -> trisap_status {
+    // SAFETY: the same promise.
+    let mut call = match unsafe { Call::enter(world) } {
+        Ok(call) => call,
+        Err(status) => return status,
+    };
+    match work(&mut call) {
+        Ok(()) => trisap_status::Ok,
+        Err(refusal) => {
+            // SAFETY: `enter` has checked the header, and the call is inside.
+            unsafe { (*call.header).detail = refusal.detail };
+            refusal.status
+        }
+    }
+}
+
+/// The length of the slab behind a header of this version.
+///
+/// # Safety
+/// The pointer is aligned and points to as much initialised memory as a header.
+unsafe fn check_header(header: *const Header) -> Result<usize, trisap_status> {
+    // SAFETY: the caller's promise; no reference is made, as another thread may be writing to `busy`.
+    let (magic, abi_version, slab_bytes) =
+        unsafe { ((*header).magic, (*header).abi_version, (*header).slab_bytes) };
+    if magic != MAGIC || abi_version != TRISAP_ABI_VERSION {
+        return Err(trisap_status::NotAWorld);
+    }
+    usize::try_from(slab_bytes)
+        .ok()
+        .filter(|bytes| *bytes <= isize::MAX as usize - HEADER)
+        .ok_or(trisap_status::NotAWorld)
+}
+
+fn range(memory: *const c_void, bytes: usize) -> Range<usize> {
+    memory.addr()..memory.addr().saturating_add(bytes)
+}

@@ -1,0 +1,365 @@
+//! Installs the library as a user would, then compiles and runs the C and C++ tests of `tests/cpp` against it.
+//!
+//! Needs gcc and g++. A test that needs more (CMake, pkg-config, valgrind, Bullet) says that it is skipped where that is
+//! missing; with `TRISAP_NO_SKIP` set, it fails.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+/// Warnings are mistakes, here and for those who include the headers.
+const WARNINGS: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"];
+const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+const STATIC: [&str; 1] = ["-l:libtrisap.a"];
+
+/// Where this test run has installed the library.
+static PREFIX: LazyLock<PathBuf> = LazyLock::new(|| {
+    let prefix = scratch("prefix");
+    let mut install = Command::new(repository().join("ffi/install.sh"));
+    install.arg(&prefix).arg("--target-dir").arg(scratch("build"));
+    succeed(&mut install);
+    prefix
+});
+
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("ffi is a folder of the repository")
+}
+
+fn sources() -> PathBuf {
+    repository().join("tests/cpp")
+}
+
+fn scratch(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+fn run(command: &mut Command) -> Output {
+    command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"))
+}
+
+/// Runs the command, which must succeed, and returns what it printed.
+fn succeed(command: &mut Command) -> String {
+    let output = run(command);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (printed, complained) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{command:?}: {}\n{printed}\n{complained}", output.status);
+    print!("{printed}");
+    printed
+}
+
+/// Whether the command can be run; if not, why the test is skipped.
+fn available(command: &str, needed_for: &str) -> bool {
+    let works = Command::new(command).arg("--version").output().is_ok_and(|output| output.status.success());
+    works || skip(&format!("{command} is not installed: {needed_for}"))
+}
+
+/// Says that a test is skipped, also where the test harness keeps output to itself.
+fn skip(reason: &str) -> bool {
+    assert!(std::env::var_os("TRISAP_NO_SKIP").is_none(), "skipped: {reason}");
+    writeln!(std::io::stderr(), "skipped: {reason}").expect("an open standard error");
+    false
+}
+
+/// A program to be compiled.
+struct Program {
+    compile: Command,
+    path: PathBuf,
+}
+
+impl Program {
+    fn c(source: &str, name: &str) -> Self {
+        Self::new("gcc", "-std=c11", &sources().join(source), name)
+    }
+
+    fn cpp(standard: &str, source: &str, name: &str) -> Self {
+        Self::new("g++", standard, &sources().join(source), name)
+    }
+
+    fn new(compiler: &str, standard: &str, source: &Path, name: &str) -> Self {
+        let path = scratch(name);
+        let mut compile = Command::new(compiler);
+        compile.arg(standard).args(WARNINGS).arg("-I").arg(PREFIX.join("include"));
+        compile.arg(source).arg("-o").arg(&path).arg("-L").arg(PREFIX.join("lib")).arg("-pthread");
+        Self { compile, path }
+    }
+
+    fn with<'a>(mut self, arguments: impl IntoIterator<Item = &'a str>) -> Self {
+        self.compile.args(arguments);
+        self
+    }
+
+    /// Compiles it and returns how to run it.
+    fn build(mut self) -> Command {
+        succeed(&mut self.compile);
+        let mut program = Command::new(self.path);
+        program.env("LD_LIBRARY_PATH", PREFIX.join("lib"));
+        program
+    }
+}
+
+fn recordings() -> [PathBuf; 3] {
+    ["brownian_cubes_8000", "freefall_cubes_1000", "gravity_assorted_1000"]
+        .map(|name| repository().join("tests/recordings").join(name).with_extension("aabbs"))
+}
+
+#[test]
+fn c11() {
+    for test in ["life", "misuse"] {
+        let source = format!("{test}.c");
+        succeed(&mut Program::c(&source, test).with(SANITIZERS).with(STATIC).build());
+        succeed(&mut Program::c(&source, &format!("{test}_shared")).with(["-O2", "-ltrisap"]).build());
+    }
+}
+
+#[test]
+fn cpp17_and_cpp20() {
+    for standard in ["-std=c++17", "-std=c++20"] {
+        for test in ["wrapper", "jobs"] {
+            let name = format!("{test}{standard}");
+            let program = Program::cpp(standard, &format!("{test}.cpp"), &name);
+            succeed(&mut program.with(SANITIZERS).with(["-O1"]).with(STATIC).build());
+        }
+    }
+}
+
+#[test]
+fn recorded_pairs_are_those_of_brute_force() {
+    // Brute force takes its time under the sanitizers: a few frames there, all of them without.
+    let source = "recordings.cpp";
+    let quick = Program::cpp("-std=c++20", source, "recordings").with(["-O3", "-ltrisap"]).build();
+    let watched = Program::cpp("-std=c++17", source, "recordings_watched");
+    let watched = watched.with(SANITIZERS).with(["-O2"]).with(STATIC).build();
+    for recording in recordings() {
+        succeed(Command::new(quick.get_program()).env("LD_LIBRARY_PATH", PREFIX.join("lib")).arg(&recording));
+        succeed(Command::new(watched.get_program()).arg(&recording).arg("3"));
+    }
+}
+
+#[test]
+fn the_example_engine_runs() {
+    let source = repository().join("ffi/examples/engine.cpp");
+    let flags = ["-Wno-conversion", "-O2"];
+    let program =
+        Program::new("g++", "-std=c++17", &source, "engine").with(flags).with(SANITIZERS).with(STATIC);
+    let printed = succeed(&mut program.build());
+    assert!(printed.lines().count() == 4 && printed.contains("frame 120: "), "{printed}");
+    // The job system's own races, if it had any. trisap itself is not instrumented.
+    let program = Program::new("g++", "-std=c++17", &source, "engine_threads").with(flags).with(STATIC);
+    assert_eq!(printed, succeed(&mut program.with(["-g", "-fsanitize=thread"]).build()));
+}
+
+#[test]
+fn sanitizers_are_active() {
+    let program = Program::c("broken.c", "broken").with(SANITIZERS).with(STATIC).build();
+    succeed(&mut Command::new(program.get_program()));
+    for (what, message) in [
+        ("address", "heap-buffer-overflow"),
+        ("undefined", "signed integer overflow"),
+        ("leak", "detected memory leaks"),
+    ] {
+        let output = run(Command::new(program.get_program()).arg(what));
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && complaint.contains(message), "{what}: {complaint}");
+    }
+}
+
+/// The sanitizers see what C and C++ do; valgrind sees the library, too.
+#[test]
+fn valgrind() {
+    if !available("valgrind", "the library's own memory accesses are not watched") {
+        return;
+    }
+    let watch = |program: &Command| {
+        let mut valgrind = Command::new("valgrind");
+        valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full"]).arg(program.get_program());
+        valgrind
+    };
+    for test in ["life", "misuse"] {
+        let program = Program::c(&format!("{test}.c"), &format!("{test}_valgrind"));
+        succeed(&mut watch(&program.with(["-g"]).with(STATIC).build()));
+    }
+    let program = Program::cpp("-std=c++17", "recordings.cpp", "recordings_valgrind");
+    let program = program.with(["-g", "-O2"]).with(STATIC).build();
+    succeed(watch(&program).arg(&recordings()[1]).arg("2"));
+    // Proof that it looks.
+    let program = Program::c("broken.c", "broken_valgrind").with(["-g"]).with(STATIC).build();
+    assert_eq!(run(watch(&program).arg("address")).status.code(), Some(9));
+}
+
+/// The functions that the header declares.
+fn declared() -> Vec<String> {
+    let header = std::fs::read_to_string(repository().join("include/trisap.h")).expect("the header");
+    let code = header.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let mut names: Vec<String> = code
+        .filter_map(|line| {
+            let (before, _) = line.split_once('(')?;
+            let name = before.rsplit([' ', '*']).next()?;
+            name.starts_with("trisap_").then(|| name.to_owned())
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn exported_symbols_are_those_of_the_header() {
+    let declared = declared();
+    assert!(declared.len() > 30 && declared.contains(&"trisap_world_step".to_owned()), "{declared:?}");
+
+    let shared = PREFIX.join("lib/libtrisap.so");
+    let symbols = |option: &str, file: &Path| {
+        let listed = succeed(Command::new("nm").args(["-D", option]).arg(file));
+        let fields: Vec<Vec<String>> =
+            listed.lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect();
+        fields
+    };
+    let exported: Vec<String> =
+        symbols("--defined-only", &shared).iter().map(|fields| fields[2].clone()).collect();
+    assert_eq!(exported, declared);
+
+    // It asks nobody for more than this; weak symbols are the C runtime's.
+    for fields in symbols("--undefined-only", &shared) {
+        let name = fields[1].split('@').next().expect("a name");
+        let known = ["abort", "memcpy", "memmove", "memset", "memcmp"].contains(&name);
+        assert!(fields[0] == "w" || known, "libtrisap.so needs {name}");
+    }
+
+    // In the archive other names are there, but hidden from other libraries: those of the compiler's runtime.
+    let listed = succeed(Command::new("readelf").arg("-sW").arg(PREFIX.join("lib/libtrisap.a")));
+    let mut visible: Vec<&str> = listed
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>())
+        .filter(|fields| {
+            fields.len() == 8 && fields[4] == "GLOBAL" && fields[5] == "DEFAULT" && fields[6] != "UND"
+        })
+        .map(|fields| fields[7])
+        .collect();
+    visible.sort_unstable();
+    assert_eq!(visible, declared);
+}
+
+#[test]
+fn the_shared_library_is_named_by_its_abi() {
+    let dynamic = succeed(Command::new("readelf").arg("-dW").arg(PREFIX.join("lib/libtrisap.so")));
+    let name = format!("[libtrisap.so.{}]", trisap_ffi::version::TRISAP_ABI_VERSION);
+    assert!(dynamic.lines().any(|line| line.contains("SONAME") && line.contains(&name)), "{dynamic}");
+}
+
+/// An installed tree that was moved to another place.
+fn moved_prefix(name: &str) -> PathBuf {
+    let moved = scratch(name);
+    if moved.exists() {
+        std::fs::remove_dir_all(&moved).expect("a folder of this test");
+    }
+    succeed(Command::new("cp").arg("-R").arg(&*PREFIX).arg(&moved));
+    moved
+}
+
+#[test]
+fn cmake_finds_it() {
+    if !available("cmake", "the CMake package is not tested") {
+        return;
+    }
+    let prefix = moved_prefix("cmake prefix");
+    let build = scratch("cmake build");
+    if build.exists() {
+        std::fs::remove_dir_all(&build).expect("a folder of this test");
+    }
+    let configure = |version: &str| {
+        let mut cmake = Command::new("cmake");
+        cmake.arg("-S").arg(sources().join("consumers/cmake")).arg("-B").arg(&build);
+        cmake
+            .arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()))
+            .arg(format!("-Dtrisap_wanted={version}"));
+        cmake
+    };
+    succeed(&mut configure("0.1"));
+    succeed(Command::new("cmake").arg("--build").arg(&build));
+    let printed = succeed(Command::new("ctest").arg("--test-dir").arg(&build));
+    assert!(printed.contains("100% tests passed, 0 tests failed out of 6"), "{printed}");
+    // What it cannot be is refused.
+    for version in ["0.2", "1.0", "0.1.99"] {
+        assert!(!run(&mut configure(version)).status.success(), "{version}");
+    }
+}
+
+#[test]
+fn pkg_config_finds_it() {
+    if !available("pkg-config", "the pkg-config file is not tested")
+        || !available("make", "the pkg-config file is not tested")
+    {
+        return;
+    }
+    let prefix = moved_prefix("pkg_config_prefix");
+    let build = scratch("pkg-config build");
+    std::fs::create_dir_all(&build).expect("a folder of this test");
+    let mut make = Command::new("make");
+    make.arg("-B").arg("-f").arg(sources().join("consumers/pkg-config/Makefile"));
+    make.arg(format!("SOURCES={}", sources().join("consumers").display()));
+    succeed(make.current_dir(&build).env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")));
+    for program in ["c_shared", "c_static", "cpp_shared"] {
+        let printed = succeed(&mut Command::new(build.join(program)));
+        assert!(printed.contains("1 pair"), "{printed}");
+    }
+}
+
+/// The folder of a package of `tests/cpp/hosts`, as cargo has unpacked it.
+fn host(metadata: &str, package: &str) -> Option<PathBuf> {
+    let path = metadata.split('"').find(|text| {
+        let folder = text.strip_suffix("/Cargo.toml").and_then(|folder| folder.rsplit('/').next());
+        folder.is_some_and(|folder| folder.starts_with(package))
+    })?;
+    Path::new(path).parent().map(Path::to_owned)
+}
+
+#[test]
+fn adapters_fit_the_job_systems_of_others() {
+    let manifest = sources().join("hosts/Cargo.toml");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["metadata", "--locked", "--format-version", "1", "--manifest-path"]).arg(manifest);
+    let output = run(&mut cargo);
+    if !output.status.success() {
+        skip(&format!(
+            "no headers of Jolt, Box3D and PhysX: {}",
+            String::from_utf8_lossy(&output.stderr).trim()
+        ));
+        return;
+    }
+    let metadata = String::from_utf8_lossy(&output.stdout);
+    let folder =
+        |package: &str| host(&metadata, package).unwrap_or_else(|| panic!("cargo names no {package}"));
+    let program = |name: &str, headers: &[PathBuf]| {
+        let mut program = Program::cpp("-std=c++17", &format!("hosts/{name}.cpp"), &format!("hosts_{name}"));
+        for headers in headers {
+            program.compile.arg("-isystem").arg(headers);
+        }
+        program
+    };
+
+    let box3d = [folder("boxddd-sys").join("third-party/box3d/include")];
+    succeed(&mut program("box3d", &box3d).with(SANITIZERS).with(STATIC).build());
+    let physx = folder("physx-sys").join("physx");
+    let physx = [physx.join("physx/include"), physx.join("pxshared/include")];
+    succeed(&mut program("physx", &physx).with(["-DNDEBUG"]).with(SANITIZERS).with(STATIC).build());
+    let jolt = [folder("joltc-sys").join("JoltC/JoltPhysics")];
+    succeed(&mut program("jolt", &jolt).with(["-c"]).compile);
+}
+
+#[test]
+fn bullet() {
+    let headers = Path::new("/usr/include/bullet");
+    if !headers.exists() {
+        skip("libbullet-dev is not installed: Bullet does not run on trisap");
+        return;
+    }
+    let program = Program::cpp("-std=c++17", "bullet/simulate.cpp", "bullet");
+    let libraries = ["-lBulletDynamics", "-lBulletCollision", "-lLinearMath"];
+    let program = program.with(["-O2", "-isystem", "/usr/include/bullet"]).with(STATIC).with(libraries);
+    let printed = succeed(&mut program.build());
+    assert_eq!(printed.matches("broad phase a step").count(), 3);
+    // The times are worth to be seen.
+    for line in printed.lines().filter(|line| line.contains("broad phase a step")) {
+        writeln!(std::io::stderr(), "{line}").expect("an open standard error");
+    }
+}

@@ -1,0 +1,499 @@
+// Broad-phase collision detection: give it boxes each frame, it gives back every overlapping pair, exactly once.
+//
+// Generated from the crate trisap-ffi; the manual is ffi/README.md.
+//
+// What can be seen to be wrong is a status. The rest is the contract of every function:
+//
+// - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
+//   initialised.
+// - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
+//   next step.
+// - Nobody else writes to the memory of a world.
+// - Callbacks return by no other way than returning: no exception, no longjmp.
+
+#ifndef TRISAP_H
+#define TRISAP_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+#define TRISAP_NOEXCEPT noexcept
+#define TRISAP_NODISCARD [[nodiscard]]
+#else
+#define TRISAP_NOEXCEPT
+#if defined(__GNUC__)
+#define TRISAP_NODISCARD __attribute__((warn_unused_result))
+#else
+#define TRISAP_NODISCARD
+#endif
+#endif
+
+/// Exactly the overlaps of the boxes as given: for `trisap_config::mode`.
+#define TRISAP_MODE_EXACT 0
+
+/// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
+#define TRISAP_MODE_FAT 1
+
+/// Nothing had moved: the pairs stayed.
+#define TRISAP_PATH_UNCHANGED 0
+
+/// A small world: swept straight from a sorted list.
+#define TRISAP_PATH_LISTS 1
+
+/// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.
+#define TRISAP_PATH_MOVERS 2
+
+/// Many had moved: all leaves were filled and swept.
+#define TRISAP_PATH_FULL 3
+
+/// As full, after new planes for the whole tree.
+#define TRISAP_PATH_REBUILT 4
+
+/// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
+#define TRISAP_ABI_VERSION 1
+
+/// Major version of the library that this header belongs to.
+#define TRISAP_VERSION_MAJOR 0
+
+/// Minor version of the library that this header belongs to.
+#define TRISAP_VERSION_MINOR 1
+
+/// Patch version of the library that this header belongs to.
+#define TRISAP_VERSION_PATCH 0
+
+/// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
+/// was before the call.
+enum trisap_status
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+    /// Done.
+    TRISAP_STATUS_OK = 0,
+    /// A pointer is null that must not be.
+    TRISAP_STATUS_NULL_POINTER = 1,
+    /// A pointer is not aligned to its type, or the memory of a world not to `trisap_world_align()`.
+    TRISAP_STATUS_MISALIGNED = 2,
+    /// A `struct_size` is not that of this ABI: the struct was not made by its `trisap_default_...` function, or by
+    /// that of another version.
+    TRISAP_STATUS_STRUCT_SIZE = 3,
+    /// An argument is out of its range.
+    TRISAP_STATUS_INVALID_ARGUMENT = 4,
+    /// An array reaches into the memory of the world.
+    TRISAP_STATUS_OVERLAP = 5,
+    /// The memory is shorter than `trisap_world_size()` says.
+    TRISAP_STATUS_MEMORY_TOO_SMALL = 6,
+    /// The memory holds no world of this ABI version.
+    TRISAP_STATUS_NOT_A_WORLD = 7,
+    /// The world is inside another call: one of another thread, or the step that has called the job system.
+    TRISAP_STATUS_BUSY = 8,
+    /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
+    /// workers is not 1 to 32.
+    TRISAP_STATUS_CAPACITY_TOO_LARGE = 9,
+    /// A margin is negative, not finite, or its bounds are out of order.
+    TRISAP_STATUS_BAD_MARGIN = 10,
+    /// More objects than the capacity. The detail says how many would have to fit.
+    TRISAP_STATUS_OBJECTS_FULL = 11,
+    /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
+    TRISAP_STATUS_BAD_BOX = 12,
+    /// An id names no living object, or comes twice in a batch of removals. The detail is the id.
+    TRISAP_STATUS_STALE_ID = 13,
+    /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
+    /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
+    /// one.
+    TRISAP_STATUS_PAIRS_FULL = 14,
+    /// The memory of the world was written to by others.
+    TRISAP_STATUS_CORRUPT = 15,
+    /// Refused for a reason that this version of the ABI has no word for.
+    TRISAP_STATUS_OTHER = 16,
+};
+#ifndef __cplusplus
+typedef int32_t trisap_status;
+#endif // __cplusplus
+
+/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
+/// any other address of the same alignment, can be opened and goes on as the world would have.
+///
+/// One thread at a time may use it; there is nothing to free.
+typedef struct trisap_world trisap_world;
+
+/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// when its slot is used again.
+typedef uint64_t trisap_id;
+
+/// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
+/// welcome; NaN and a minimum above its maximum are refused.
+typedef struct trisap_aabb {
+    /// The lowest corner: x, y, z.
+    float min[3];
+    /// The highest corner: x, y, z.
+    float max[3];
+} trisap_aabb;
+
+/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
+/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+typedef struct trisap_boxes {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// floats.
+    uint32_t max_offset;
+    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    const void *first;
+    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
+    size_t stride;
+    /// How many items there are.
+    size_t count;
+} trisap_boxes;
+
+/// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
+typedef struct trisap_jobs {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
+    /// never called.
+    uint32_t worker_count;
+    /// Handed to `fork_join`.
+    void *user;
+    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
+    ///
+    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
+    /// thousand objects, a step is done before it would be handed out, and never asks.
+    ///
+    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
+    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
+    /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
+    ///
+    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
+    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
+    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
+    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
+    void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
+} trisap_jobs;
+
+/// Two overlapping objects by slot.
+typedef struct trisap_pair {
+    /// The lower slot.
+    uint32_t a;
+    /// The higher slot.
+    uint32_t b;
+} trisap_pair;
+
+/// What a step has found. Made by `trisap_default_result`, filled by the step.
+///
+/// The arrays lie in the memory of the world and stay as they are until its next step: inserting, updating and removing
+/// does not touch them. Never null, also where they are empty.
+typedef struct trisap_result {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// `trisap_world_step_over`: how many objects have kept their boxes because the new ones had NaN in them or a
+    /// minimum above its maximum. Unknown, and zero, after `TRISAP_STATUS_PAIRS_FULL`.
+    uint32_t rejected_count;
+    /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
+    trisap_id first_rejected;
+    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
+    /// for the same calls.
+    const struct trisap_pair *pairs;
+    /// How many.
+    size_t pair_count;
+    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
+    /// slots counts as another pair.
+    const struct trisap_pair *found;
+    /// How many.
+    size_t found_count;
+    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
+    /// another one by now.
+    const struct trisap_pair *lost;
+    /// How many.
+    size_t lost_count;
+    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
+    uint64_t pairs_needed;
+} trisap_result;
+
+/// What a world is made for. Filled by `trisap_default_config`.
+typedef struct trisap_config {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// Objects that can live at once. By default the number that the default function was given.
+    uint32_t objects;
+    /// Boxes that may reach beyond the leaf of the tree that they live in; with fewer than a scene needs, steps are
+    /// slower. By default half of `objects`.
+    uint32_t leaf_refs;
+    /// Pairs that a step can return. By default eight an object.
+    uint32_t pairs;
+    /// `TRISAP_MODE_EXACT` (the default) or `TRISAP_MODE_FAT`.
+    uint32_t mode;
+    /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
+    uint32_t events;
+    /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
+    /// By default 1.
+    uint32_t workers;
+    /// 1 if up to 256 objects are swept box by box, without vectors and their scratch memory: for microcontrollers. Worlds
+    /// for up to 64 objects are anyway. By default 0.
+    uint32_t lean;
+    /// 1 if boxes get a margin, which they can move in without costing a step more than a glance; pays where many
+    /// objects rest or creep. By default 0.
+    uint32_t has_margin;
+    /// The margin as a share of the object's largest extent. By default 0.
+    float margin_per_extent;
+    /// Lower bound of the margin, a length. By default 0.
+    float margin_min;
+    /// Upper bound of the margin, a length. By default the largest float.
+    float margin_max;
+} trisap_config;
+
+/// What a step did. All are counts, so equal calls give equal statistics on any machine. Made by
+/// `trisap_default_stats`.
+typedef struct trisap_stats {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// How the pairs were found: one of `TRISAP_PATH_...`.
+    uint32_t path;
+    /// Living objects.
+    uint32_t objects;
+    /// Objects that were new or gone, or had left their margin, or, without margins, whose box had changed.
+    uint32_t moved;
+    /// Leaves of the tree; 1 where the world is swept from a list.
+    uint32_t leaves;
+    /// Large objects, which live in a list of their own.
+    uint32_t large;
+    /// Objects whose leaf got new planes for the next step.
+    uint32_t rebalanced;
+    /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
+    /// The boxes may have lost their shape before; shift the origin.
+    uint32_t coarse_resolution;
+    /// Boxes swept in leaves where they are not at home.
+    uint64_t copies;
+    /// Pairs of boxes that were tested on all axes.
+    uint64_t candidates;
+    /// Overlapping pairs.
+    uint64_t pairs;
+    /// Pairs that the last complete step did not have.
+    uint64_t found;
+    /// Pairs that only the last complete step had.
+    uint64_t lost;
+    /// Exact mode with a margin: overlaps of margins that the exact test dropped.
+    uint64_t surplus;
+} trisap_stats;
+
+/// The id of no object.
+#define TRISAP_NULL_ID 0
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
+TRISAP_NODISCARD uint32_t trisap_id_slot(trisap_id id) TRISAP_NOEXCEPT;
+
+/// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
+/// order from 0. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_insert(struct trisap_world *world,
+                                  const struct trisap_aabb *aabb,
+                                  trisap_id *id)
+TRISAP_NOEXCEPT;
+
+/// Gives an object another box. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_update(struct trisap_world *world,
+                                  trisap_id id,
+                                  const struct trisap_aabb *aabb)
+TRISAP_NOEXCEPT;
+
+/// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+TRISAP_NODISCARD trisap_status trisap_world_remove(struct trisap_world *world, trisap_id id) TRISAP_NOEXCEPT;
+
+/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
+/// Does nothing in a world without margins. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_margin(struct trisap_world *world,
+                                      trisap_id id,
+                                      float length)
+TRISAP_NOEXCEPT;
+
+/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. Where it adds none for the sake of a box or
+/// of the capacity, the ids are null. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_insert_many(struct trisap_world *world,
+                                       const struct trisap_boxes *boxes,
+                                       trisap_id *ids)
+TRISAP_NOEXCEPT;
+
+/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_update_many(struct trisap_world *world,
+                                       const trisap_id *ids,
+                                       const struct trisap_boxes *boxes)
+TRISAP_NOEXCEPT;
+
+/// Removes objects, all or none. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_remove_many(struct trisap_world *world,
+                                       const trisap_id *ids,
+                                       size_t count)
+TRISAP_NOEXCEPT;
+
+/// `TRISAP_STATUS_OK` if `id` names a living object, else `TRISAP_STATUS_STALE_ID`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_contains(const struct trisap_world *world,
+                                    trisap_id id)
+TRISAP_NOEXCEPT;
+
+/// Writes the box of an object, as it was given last, to `aabb`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_aabb(const struct trisap_world *world,
+                                trisap_id id,
+                                struct trisap_aabb *aabb)
+TRISAP_NOEXCEPT;
+
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`. O(1).
+TRISAP_NODISCARD
+trisap_id trisap_world_id_at(const struct trisap_world *world,
+                             uint32_t slot)
+TRISAP_NOEXCEPT;
+
+/// Living objects; 0 for misuse. O(1).
+TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
+TRISAP_NODISCARD const char *trisap_status_text(int32_t status) TRISAP_NOEXCEPT;
+
+/// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
+/// everything happens on the calling thread.
+///
+/// Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
+///
+/// After `TRISAP_STATUS_PAIRS_FULL` the result is filled, too.
+TRISAP_NODISCARD
+trisap_status trisap_world_step(struct trisap_world *world,
+                                const struct trisap_jobs *jobs,
+                                struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own array:
+/// one pass over it, no copy, no ids. The fastest way where most objects move.
+///
+/// What stands at the slots of no object does not matter; objects beyond the end of the boxes keep theirs, and so do
+/// those whose new box is refused: see `trisap_result::rejected_count`.
+TRISAP_NODISCARD
+trisap_status trisap_world_step_over(struct trisap_world *world,
+                                     const struct trisap_boxes *boxes,
+                                     const struct trisap_jobs *jobs,
+                                     struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// Writes the result of the last step to `result` once more: after `trisap_world_open`, for instance. `rejected_count` is
+/// zero.
+TRISAP_NODISCARD
+trisap_status trisap_world_result(struct trisap_world *world,
+                                  struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no margin,
+/// one worker.
+TRISAP_NODISCARD
+struct trisap_config trisap_default_config(uint32_t objects)
+TRISAP_NOEXCEPT;
+
+/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// `max_offset`.
+TRISAP_NODISCARD
+struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
+                                         size_t count)
+TRISAP_NOEXCEPT;
+
+/// A job system of one worker, to be filled in.
+TRISAP_NODISCARD struct trisap_jobs trisap_default_jobs(void) TRISAP_NOEXCEPT;
+
+/// An empty result.
+TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEPT;
+
+/// Statistics of no step.
+TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
+
+/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else.
+TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
+
+/// The version of the linked library, as "1.2.3".
+TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
+
+/// The instruction set that steps use on this CPU: "scalar", "avx2". It changes the speed and nothing else.
+TRISAP_NODISCARD const char *trisap_instruction_set(void) TRISAP_NOEXCEPT;
+
+/// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
+/// says why. Grows linearly with objects, leaf references and pairs.
+TRISAP_NODISCARD
+size_t trisap_world_size(const struct trisap_config *config)
+TRISAP_NOEXCEPT;
+
+/// The boundary that the memory of a world starts on: 64 bytes.
+TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
+
+/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`.
+///
+/// What was in the memory does not matter: so a world is cleared, too. What is beyond `trisap_world_size()` is not
+/// touched. Nothing is allocated, neither here nor later. O(bytes).
+TRISAP_NODISCARD
+trisap_status trisap_world_init(void *memory,
+                                size_t bytes,
+                                const struct trisap_config *config,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+///
+/// For snapshots within a program, and between programs that run the same version on the same kind of machine.
+TRISAP_NODISCARD
+trisap_status trisap_world_open(void *memory,
+                                size_t bytes,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
+TRISAP_NODISCARD uint64_t trisap_world_error_detail(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// The bytes that the world takes of its memory: what a snapshot has to copy. 0 for misuse.
+TRISAP_NODISCARD size_t trisap_world_bytes(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// Writes what the world was made for to `config`.
+TRISAP_NODISCARD
+trisap_status trisap_world_config(const struct trisap_world *world,
+                                  struct trisap_config *config)
+TRISAP_NOEXCEPT;
+
+/// Writes what the last step did to `stats`.
+TRISAP_NODISCARD
+trisap_status trisap_world_stats(const struct trisap_world *world,
+                                 struct trisap_stats *stats)
+TRISAP_NOEXCEPT;
+
+/// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
+/// is broken. O(n log n).
+TRISAP_NODISCARD
+trisap_status trisap_world_validate(const struct trisap_world *world)
+TRISAP_NOEXCEPT;
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* TRISAP_H */
+
+// The library asserts the same on the other side of the border.
+#ifdef __cplusplus
+#define TRISAP_SIZE(type, size) static_assert(sizeof(type) == (size), #type)
+#else
+#define TRISAP_SIZE(type, size) _Static_assert(sizeof(type) == (size), #type)
+#endif
+TRISAP_SIZE(trisap_status, 4);
+TRISAP_SIZE(trisap_aabb, 24);
+TRISAP_SIZE(trisap_pair, 8);
+TRISAP_SIZE(trisap_config, 48);
+TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
+TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
+TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
+TRISAP_SIZE(trisap_stats, 80);
+#undef TRISAP_SIZE

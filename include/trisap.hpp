@@ -1,0 +1,333 @@
+// trisap for C++17 and later: a thin cover over trisap.h that owns memory and gives views of results. Nothing throws.
+//
+//     trisap::World world;
+//     if (world.init(trisap::config(8'000)) != TRISAP_STATUS_OK) { ... }
+//     auto jobs = trisap::jobs(pool.size(), [&](std::uint32_t count, trisap::Task task) { pool.run(count, task); });
+//     for (auto [a, b] : world.step_over(trisap::boxes(bounds), jobs).pairs) { ... }
+
+#ifndef TRISAP_HPP
+#define TRISAP_HPP
+
+#include "trisap.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#if __cplusplus >= 202002L
+#include <ranges>
+#endif
+
+namespace trisap {
+
+using Aabb = trisap_aabb;
+using Boxes = trisap_boxes;
+using Config = trisap_config;
+using Id = trisap_id;
+using Pair = trisap_pair;
+using Stats = trisap_stats;
+using Status = trisap_status;
+
+/// The id of no object.
+inline constexpr Id null_id = TRISAP_NULL_ID;
+
+/// The index under which an object stands in pairs and in the boxes of `World::step_over`.
+[[nodiscard]] inline std::uint32_t slot(Id id) noexcept { return trisap_id_slot(id); }
+
+/// The text of a status.
+[[nodiscard]] inline const char *text(Status status) noexcept { return trisap_status_text(status); }
+
+/// Whether the linked library speaks the ABI of this header.
+[[nodiscard]] inline bool abi_matches() noexcept { return trisap_abi_version() == TRISAP_ABI_VERSION; }
+
+/// A configuration for so many objects with the proportions that suit most scenes.
+[[nodiscard]] inline Config config(std::uint32_t objects) noexcept { return trisap_default_config(objects); }
+
+/// A view of items that stand one after another, as `std::span` is where there is one.
+template <class T> class View {
+public:
+    using value_type = std::remove_cv_t<T>;
+
+    constexpr View() noexcept = default;
+    constexpr View(T *first, std::size_t count) noexcept : first_(first), count_(count) {}
+
+    /// Of an array, a vector, a `std::array`, a `std::span`: of all that has `data()` and `size()`.
+    template <class Items, class = std::enable_if_t<
+                               !std::is_same_v<std::decay_t<Items>, View> &&
+                               std::is_convertible_v<decltype(std::declval<Items &>().data()), T *>>>
+    constexpr View(Items &&items) noexcept : first_(items.data()), count_(items.size()) {}
+
+    template <std::size_t N> constexpr View(T (&items)[N]) noexcept : first_(items), count_(N) {}
+
+    [[nodiscard]] constexpr T *data() const noexcept { return first_; }
+    [[nodiscard]] constexpr std::size_t size() const noexcept { return count_; }
+    [[nodiscard]] constexpr bool empty() const noexcept { return count_ == 0; }
+    [[nodiscard]] constexpr T *begin() const noexcept { return first_; }
+    [[nodiscard]] constexpr T *end() const noexcept { return first_ + count_; }
+    [[nodiscard]] constexpr T &operator[](std::size_t index) const noexcept { return first_[index]; }
+
+private:
+    T *first_ = nullptr;
+    std::size_t count_ = 0;
+};
+
+/// A view of boxes that stand one after another.
+[[nodiscard]] inline Boxes boxes(View<const Aabb> boxes) noexcept {
+    return trisap_default_boxes(boxes.data(), boxes.size());
+}
+
+/// A view of boxes inside `count` items of any type: three floats from `min` and three from `max`, members of the first
+/// item, with the minimum before the maximum.
+///
+///     trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].bounds.min, bodies[0].bounds.max)
+template <class Item>
+[[nodiscard]] Boxes boxes_in(const Item *items, std::size_t count, const float *min, const float *max) noexcept {
+    Boxes view = trisap_default_boxes(nullptr, count);
+    view.first = items == nullptr ? nullptr : min;
+    view.stride = sizeof(Item);
+    // A maximum before the minimum becomes too far away, which is refused.
+    view.max_offset = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(max) -
+                                                 reinterpret_cast<std::uintptr_t>(min));
+    return view;
+}
+
+/// A piece of a step's work, for the caller's job system to call, any number of times and from any thread, before the
+/// callable that was given it returns.
+class Task {
+public:
+    Task(void (*run)(void *), void *task, const char *name) noexcept : run_(run), task_(task), name_(name) {}
+
+    void operator()() const noexcept { run_(task_); }
+
+    /// A text for profilers.
+    [[nodiscard]] const char *name() const noexcept { return name_; }
+
+    /// For job systems that take a function and its argument.
+    [[nodiscard]] void (*function() const noexcept)(void *) { return run_; }
+    [[nodiscard]] void *argument() const noexcept { return task_; }
+
+private:
+    void (*run_)(void *);
+    void *task_;
+    const char *name_;
+};
+
+/// A job system: see `jobs`.
+template <class ForkJoin> class Jobs {
+public:
+    Jobs(std::uint32_t workers, ForkJoin fork_join) noexcept : workers_(workers), fork_join_(std::move(fork_join)) {}
+
+    /// For the C functions. Good for as long as this object stays where it is.
+    [[nodiscard]] trisap_jobs c() noexcept {
+        trisap_jobs jobs = trisap_default_jobs();
+        jobs.worker_count = workers_;
+        jobs.user = std::addressof(fork_join_);
+        jobs.fork_join = &call;
+        return jobs;
+    }
+
+private:
+    // An exception of the callable ends the program here: it must not cross the library.
+    static void call(void *user, void (*run)(void *), void *task, std::uint32_t count, const char *name) noexcept {
+        (*static_cast<ForkJoin *>(user))(count, Task(run, task, name));
+    }
+
+    std::uint32_t workers_;
+    ForkJoin fork_join_;
+};
+
+/// A job system of `workers` workers, the calling thread included. `fork_join(count, task)` calls `task()` `count` times,
+/// one of them on the calling thread if it can, and returns when all these calls have returned. What it may do instead,
+/// and what it must not do: see `trisap_jobs::fork_join`.
+template <class ForkJoin> [[nodiscard]] Jobs<std::decay_t<ForkJoin>> jobs(std::uint32_t workers, ForkJoin &&fork_join) {
+    static_assert(std::is_invocable_v<std::decay_t<ForkJoin> &, std::uint32_t, Task>);
+    return {workers, std::forward<ForkJoin>(fork_join)};
+}
+
+/// What a step has found. The views are good until the next step of the world, also after objects have come, moved and
+/// gone.
+struct Step {
+    /// `TRISAP_STATUS_OK`; or `TRISAP_STATUS_PAIRS_FULL`, with the pairs that fitted; or another refusal, with nothing.
+    Status status;
+    /// The overlapping pairs by slot, each once, `a < b`.
+    View<const Pair> pairs;
+    /// With events: pairs that are new.
+    View<const Pair> found;
+    /// With events: pairs that are gone.
+    View<const Pair> lost;
+    /// Objects that have kept their boxes because the new ones were refused.
+    std::uint32_t rejected;
+    /// The first of them.
+    Id first_rejected;
+    /// Pairs that there are; more than `pairs` has after `TRISAP_STATUS_PAIRS_FULL`.
+    std::uint64_t pairs_needed;
+
+    [[nodiscard]] explicit operator bool() const noexcept { return status == TRISAP_STATUS_OK; }
+};
+
+/// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
+class World {
+public:
+    World() noexcept = default;
+
+    /// Makes an empty world, in place of what there was. The only allocation.
+    [[nodiscard]] Status init(const Config &config) noexcept {
+        *this = World();
+        const std::size_t bytes = trisap_world_size(&config);
+        // For an impossible configuration as much as `trisap_world_init` looks at, to say what is wrong.
+        const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
+        Memory memory(::operator new(room, std::align_val_t(trisap_world_align()), std::nothrow));
+        if (memory == nullptr) {
+            return TRISAP_STATUS_MEMORY_TOO_SMALL;
+        }
+        const Status status = trisap_world_init(memory.get(), room, &config, &world_);
+        if (status == TRISAP_STATUS_OK) {
+            memory_ = std::move(memory);
+        }
+        return status;
+    }
+
+    /// Adds an object; null where it was refused, for the reason that is written to `status`, if that is given.
+    [[nodiscard]] Id insert(const Aabb &aabb, Status *status = nullptr) noexcept {
+        Id id = null_id;
+        const Status outcome = trisap_world_insert(world_, &aabb, &id);
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return id;
+    }
+
+    /// Adds objects, all or none. There must be room for as many ids as boxes.
+    [[nodiscard]] Status insert(const Boxes &boxes, View<Id> ids) noexcept {
+        if (ids.size() < boxes.count) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_insert_many(world_, &boxes, ids.data());
+    }
+
+    /// Gives an object another box.
+    [[nodiscard]] Status update(Id id, const Aabb &aabb) noexcept { return trisap_world_update(world_, id, &aabb); }
+
+    /// Gives objects other boxes, all or none; as many boxes as ids.
+    [[nodiscard]] Status update(View<const Id> ids, const Boxes &boxes) noexcept {
+        if (ids.size() != boxes.count) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_update_many(world_, ids.data(), &boxes);
+    }
+
+    /// Removes an object.
+    [[nodiscard]] Status remove(Id id) noexcept { return trisap_world_remove(world_, id); }
+
+    /// Removes objects, all or none.
+    [[nodiscard]] Status remove(View<const Id> ids) noexcept {
+        return trisap_world_remove_many(world_, ids.data(), ids.size());
+    }
+
+    /// Sets how far an object may move before it counts as moved.
+    [[nodiscard]] Status set_margin(Id id, float length) noexcept {
+        return trisap_world_set_margin(world_, id, length);
+    }
+
+    [[nodiscard]] bool contains(Id id) const noexcept {
+        return trisap_world_contains(world_, id) == TRISAP_STATUS_OK;
+    }
+
+    /// The object that lives in `slot`, or null.
+    [[nodiscard]] Id id_at(std::uint32_t slot) const noexcept { return trisap_world_id_at(world_, slot); }
+
+    /// Writes the box of an object to `aabb`.
+    [[nodiscard]] Status aabb(Id id, Aabb &aabb) const noexcept { return trisap_world_aabb(world_, id, &aabb); }
+
+    /// Living objects.
+    [[nodiscard]] std::uint32_t size() const noexcept { return trisap_world_len(world_); }
+
+    /// Finds all overlapping pairs, on the calling thread.
+    [[nodiscard]] Step step() noexcept { return step_with(nullptr); }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin> [[nodiscard]] Step step(Jobs<ForkJoin> &jobs) noexcept {
+        const trisap_jobs c = jobs.c();
+        return step_with(&c);
+    }
+
+    /// Finds all overlapping pairs after giving every object the box that stands at its slot.
+    [[nodiscard]] Step step_over(const Boxes &boxes) noexcept { return step_over_with(boxes, nullptr); }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin> [[nodiscard]] Step step_over(const Boxes &boxes, Jobs<ForkJoin> &jobs) noexcept {
+        const trisap_jobs c = jobs.c();
+        return step_over_with(boxes, &c);
+    }
+
+    /// What the last step did.
+    [[nodiscard]] Stats stats() const noexcept {
+        Stats stats = trisap_default_stats();
+        // Of a world that has not been made, the statistics of no step.
+        static_cast<void>(trisap_world_stats(world_, &stats) == TRISAP_STATUS_OK);
+        return stats;
+    }
+
+    /// What the status of the last refused call was about: see `trisap_status`.
+    [[nodiscard]] std::uint64_t error_detail() const noexcept { return trisap_world_error_detail(world_); }
+
+    /// Checks every invariant of the world. O(n log n).
+    [[nodiscard]] Status validate() const noexcept { return trisap_world_validate(world_); }
+
+    /// For the C functions; null before `init`.
+    [[nodiscard]] trisap_world *c() noexcept { return world_; }
+
+    World(World &&other) noexcept
+        : memory_(std::move(other.memory_)), world_(std::exchange(other.world_, nullptr)) {}
+
+    World &operator=(World &&other) noexcept {
+        memory_ = std::move(other.memory_);
+        world_ = std::exchange(other.world_, nullptr);
+        return *this;
+    }
+
+private:
+    struct Free {
+        void operator()(void *memory) const noexcept {
+            ::operator delete(memory, std::align_val_t(trisap_world_align()));
+        }
+    };
+    using Memory = std::unique_ptr<void, Free>;
+
+    [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
+        trisap_result result = trisap_default_result();
+        const Status status = trisap_world_step(world_, jobs, &result);
+        return view(status, result);
+    }
+
+    [[nodiscard]] Step step_over_with(const Boxes &boxes, const trisap_jobs *jobs) noexcept {
+        trisap_result result = trisap_default_result();
+        const Status status = trisap_world_step_over(world_, &boxes, jobs, &result);
+        return view(status, result);
+    }
+
+    [[nodiscard]] static Step view(Status status, const trisap_result &result) noexcept {
+        return {status,
+                {result.pairs, result.pair_count},
+                {result.found, result.found_count},
+                {result.lost, result.lost_count},
+                result.rejected_count,
+                result.first_rejected,
+                result.pairs_needed};
+    }
+
+    Memory memory_;
+    trisap_world *world_ = nullptr;
+};
+
+} // namespace trisap
+
+#if __cplusplus >= 202002L
+template <class T> inline constexpr bool std::ranges::enable_borrowed_range<trisap::View<T>> = true;
+template <class T> inline constexpr bool std::ranges::enable_view<trisap::View<T>> = true;
+#endif
+
+#endif // TRISAP_HPP

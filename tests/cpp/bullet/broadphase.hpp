@@ -1,0 +1,158 @@
+// trisap as a broad phase of Bullet: a btBroadphaseInterface over trisap.hpp.
+//
+// Bullet keeps the pairs; trisap tells which are new and which are gone. Boxes are collected as Bullet sets them, and
+// seen by one step for all of them.
+
+#ifndef BROADPHASE_HPP
+#define BROADPHASE_HPP
+
+#include "../check.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <LinearMath/btAabbUtil2.h>
+#include <cstdio>
+#include <memory>
+#include <trisap.hpp>
+#include <vector>
+
+class TrisapBroadphase final : public btBroadphaseInterface {
+public:
+    TrisapBroadphase(std::uint32_t objects, std::uint32_t pairs)
+        : boxes_(objects), proxies_(objects), is_new_(objects) {
+        config_ = trisap::config(objects);
+        config_.pairs = pairs;
+        config_.events = 1;
+        CHECK_OK(world_.init(config_));
+    }
+
+    btBroadphaseProxy *createProxy(const btVector3 &min, const btVector3 &max, int /*shape*/, void *object, int group,
+                                   int mask, btDispatcher * /*dispatcher*/) override {
+        trisap::Status status = TRISAP_STATUS_OK;
+        const trisap::Id id = world_.insert(box(min, max), &status);
+        // Bullet knows no way to be refused.
+        CHECK_OK(status);
+        const std::uint32_t slot = trisap::slot(id);
+        proxies_[slot] = std::make_unique<Proxy>(min, max, object, group, mask, id);
+        proxies_[slot]->m_uniqueId = ++last_unique_id_;
+        boxes_[slot] = box(min, max);
+        is_new_[slot] = 1;
+        new_slots_.push_back(slot);
+        return proxies_[slot].get();
+    }
+
+    void destroyProxy(btBroadphaseProxy *proxy, btDispatcher *dispatcher) override {
+        pairs_.removeOverlappingPairsContainingProxy(proxy, dispatcher);
+        const trisap::Id id = static_cast<Proxy *>(proxy)->id;
+        CHECK_OK(world_.remove(id));
+        proxies_[trisap::slot(id)].reset();
+    }
+
+    void setAabb(btBroadphaseProxy *proxy, const btVector3 &min, const btVector3 &max, btDispatcher *) override {
+        proxy->m_aabbMin = min;
+        proxy->m_aabbMax = max;
+        boxes_[trisap::slot(static_cast<Proxy *>(proxy)->id)] = box(min, max);
+    }
+
+    void getAabb(btBroadphaseProxy *proxy, btVector3 &min, btVector3 &max) const override {
+        min = proxy->m_aabbMin;
+        max = proxy->m_aabbMax;
+    }
+
+    void calculateOverlappingPairs(btDispatcher *dispatcher) override {
+        const trisap::Step step = world_.step_over(trisap::boxes(boxes_));
+        CHECK_OK(step.status);
+        CHECK(step.rejected == 0);
+        for (const auto &[a, b] : step.lost) {
+            // The pairs of a removed object went with it, and its slot may hold another one by now.
+            if (stayed(a) && stayed(b)) {
+                pairs_.removeOverlappingPair(proxies_[a].get(), proxies_[b].get(), dispatcher);
+            }
+        }
+        for (const auto &[a, b] : step.found) {
+            pairs_.addOverlappingPair(proxies_[a].get(), proxies_[b].get());
+        }
+        for (const std::uint32_t slot : new_slots_) {
+            is_new_[slot] = 0;
+        }
+        new_slots_.clear();
+    }
+
+    // There is no question to the tree in the C interface: rays and boxes ask every object.
+
+    void rayTest(const btVector3 &from, const btVector3 &, btBroadphaseRayCallback &callback, const btVector3 &min,
+                 const btVector3 &max) override {
+        for (const auto &proxy : proxies_) {
+            btScalar entry = 0;
+            const btVector3 bounds[2] = {proxy ? proxy->m_aabbMin - max : min, proxy ? proxy->m_aabbMax - min : max};
+            if (proxy && btRayAabb2(from, callback.m_rayDirectionInverse, callback.m_signs, bounds, entry, 0,
+                                    callback.m_lambda_max)) {
+                callback.process(proxy.get());
+            }
+        }
+    }
+
+    void aabbTest(const btVector3 &min, const btVector3 &max, btBroadphaseAabbCallback &callback) override {
+        for (const auto &proxy : proxies_) {
+            if (proxy && TestAabbAgainstAabb2(min, max, proxy->m_aabbMin, proxy->m_aabbMax)) {
+                callback.process(proxy.get());
+            }
+        }
+    }
+
+    btOverlappingPairCache *getOverlappingPairCache() override { return &pairs_; }
+    const btOverlappingPairCache *getOverlappingPairCache() const override { return &pairs_; }
+
+    void getBroadphaseAabb(btVector3 &min, btVector3 &max) const override {
+        min.setValue(0, 0, 0);
+        max.setValue(0, 0, 0);
+        bool first = true;
+        for (const auto &proxy : proxies_) {
+            if (proxy) {
+                first ? void(min = proxy->m_aabbMin) : min.setMin(proxy->m_aabbMin);
+                first ? void(max = proxy->m_aabbMax) : max.setMax(proxy->m_aabbMax);
+                first = false;
+            }
+        }
+    }
+
+    /// So that a scene that is built again runs as it did.
+    void resetPool(btDispatcher *) override {
+        if (world_.size() == 0) {
+            CHECK_OK(world_.init(config_));
+            last_unique_id_ = 0;
+        }
+    }
+
+    void printStats() override {
+        const trisap::Stats stats = world_.stats();
+        std::printf("trisap: %u objects, %u moved, %llu pairs\n", stats.objects, stats.moved,
+                    static_cast<unsigned long long>(stats.pairs));
+    }
+
+private:
+    struct Proxy : btBroadphaseProxy {
+        Proxy(const btVector3 &min, const btVector3 &max, void *object, int group, int mask, trisap::Id named)
+            : btBroadphaseProxy(min, max, object, group, mask), id(named) {}
+        trisap::Id id;
+    };
+
+    static trisap::Aabb box(const btVector3 &min, const btVector3 &max) {
+        const auto round = [](btScalar x) { return static_cast<float>(x); };
+        return {{round(min.x()), round(min.y()), round(min.z())}, {round(max.x()), round(max.y()), round(max.z())}};
+    }
+
+    bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && is_new_[slot] == 0; }
+
+    trisap::Config config_;
+    trisap::World world_;
+    btHashedOverlappingPairCache pairs_;
+    // By slot.
+    std::vector<trisap::Aabb> boxes_;
+    std::vector<std::unique_ptr<Proxy>> proxies_;
+    std::vector<char> is_new_;
+    std::vector<std::uint32_t> new_slots_;
+    int last_unique_id_ = 0;
+};
+
+#endif

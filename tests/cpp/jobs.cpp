@@ -1,0 +1,133 @@
+// Job systems of every kind, good and bad: the result is the same, byte for byte, and calls from inside are refused.
+
+#include "pool.hpp"
+#include "recording.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <trisap.hpp>
+
+enum { OBJECTS = 6000, STEPS = 6 };
+
+static std::vector<trisap::Aabb> scene(unsigned seed) {
+    std::mt19937 random(seed);
+    std::vector<trisap::Aabb> boxes(OBJECTS);
+    for (trisap::Aabb &aabb : boxes) {
+        for (int k = 0; k < 3; k++) {
+            aabb.min[k] = static_cast<float>(random() % 4000) / 100.0f;
+            aabb.max[k] = aabb.min[k] + static_cast<float>(random() % 300) / 100.0f;
+        }
+    }
+    return boxes;
+}
+
+/// The whole memory of a world after some steps. The header is left out: it says who is inside.
+static std::vector<unsigned char> play(const trisap_jobs *jobs) {
+    trisap_config config = trisap_default_config(OBJECTS);
+    config.pairs = 40 * OBJECTS;
+    config.events = 1;
+    config.workers = 8;
+    const std::size_t bytes = trisap_world_size(&config);
+    void *memory = std::aligned_alloc(trisap_world_align(), bytes);
+    trisap_world *world = nullptr;
+    CHECK_OK(trisap_world_init(memory, bytes, &config, &world));
+    std::vector<trisap_id> ids(OBJECTS);
+    std::vector<trisap::Aabb> boxes = scene(1);
+    trisap_boxes view = trisap_default_boxes(boxes.data(), boxes.size());
+    CHECK_OK(trisap_world_insert_many(world, &view, ids.data()));
+    trisap_result result = trisap_default_result();
+    std::vector<unsigned char> bytes_seen;
+    for (unsigned step = 0; step < STEPS; step++) {
+        boxes = scene(1 + step / 2);
+        CHECK_OK(trisap_world_step_over(world, &view, jobs, &result));
+        CHECK(result.pair_count > OBJECTS / 2);
+        const auto keep = [&bytes_seen](const trisap_pair *pairs, std::size_t count) {
+            const auto *first = reinterpret_cast<const unsigned char *>(pairs);
+            bytes_seen.insert(bytes_seen.end(), first, first + count * sizeof(trisap_pair));
+        };
+        keep(result.pairs, result.pair_count);
+        keep(result.found, result.found_count);
+        keep(result.lost, result.lost_count);
+    }
+    CHECK_OK(trisap_world_validate(world));
+    std::free(memory);
+    return bytes_seen;
+}
+
+template <class ForkJoin> static std::vector<unsigned char> play(std::uint32_t workers, ForkJoin fork_join) {
+    auto jobs = trisap::jobs(workers, fork_join);
+    const trisap_jobs c = jobs.c();
+    return play(&c);
+}
+
+int main() {
+    const std::vector<unsigned char> expected = play(nullptr);
+    CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
+
+    std::atomic<int> calls = 0;
+    for (std::uint32_t workers : {2u, 3u, 8u, 50u}) {
+        Pool pool(std::min(workers, 8u));
+        CHECK(play(workers, [&](std::uint32_t count, trisap::Task task) {
+                  CHECK(count >= 2 && count <= workers && count <= 8);
+                  calls++;
+                  pool.run(count, task);
+              }) == expected);
+    }
+    CHECK(calls > 0);
+
+    // Plain threads, made and joined; the function and its argument, as most job systems take them.
+    CHECK(play(4, [](std::uint32_t count, trisap::Task task) {
+              std::vector<std::thread> threads;
+              for (std::uint32_t i = 0; i < count; i++) {
+                  threads.emplace_back(task.function(), task.argument());
+              }
+              for (std::thread &thread : threads) {
+                  thread.join();
+              }
+          }) == expected);
+
+    // None of the work done, too much of it, one after the other.
+    CHECK(play(8, [](std::uint32_t, trisap::Task) {}) == expected);
+    CHECK(play(8, [](std::uint32_t count, trisap::Task task) {
+              for (std::uint32_t i = 0; i < 3 * count; i++) {
+                  task();
+              }
+          }) == expected);
+    Pool pool(8);
+    CHECK(play(8, [&pool](std::uint32_t count, trisap::Task task) { pool.run(5 * count, task); }) == expected);
+
+    // A null task is nobody's.
+    CHECK(play(2, [](std::uint32_t, trisap::Task task) { task.function()(nullptr); }) == expected);
+
+    // Calls from inside a step are refused, and the step goes on.
+    trisap::World world;
+    trisap::Config config = trisap::config(OBJECTS);
+    config.pairs = 40 * OBJECTS;
+    config.workers = 2;
+    CHECK_OK(world.init(config));
+    std::vector<trisap::Id> ids(OBJECTS);
+    const std::vector<trisap::Aabb> boxes = scene(1);
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    int refused = 0;
+    auto meddling = trisap::jobs(2, [&](std::uint32_t, trisap::Task) {
+        CHECK_STATUS(world.update(ids[0], boxes[1]), TRISAP_STATUS_BUSY);
+        CHECK_STATUS(world.step().status, TRISAP_STATUS_BUSY);
+        CHECK(world.size() == 0 && world.insert(boxes[0]) == trisap::null_id);
+        refused++;
+    });
+    const trisap::Step step = world.step(meddling);
+    CHECK_OK(step.status);
+    CHECK(refused > 0);
+    std::vector<PaddedBox> padded;
+    for (const trisap::Aabb &aabb : boxes) {
+        padded.push_back({{aabb.min[0], aabb.min[1], aabb.min[2], 0}, {aabb.max[0], aabb.max[1], aabb.max[2], 0}});
+    }
+    CHECK(sorted(step.pairs) == brute_force(padded));
+    CHECK(world.size() == OBJECTS);
+    CHECK_OK(world.validate());
+    std::printf("jobs: the same %zu bytes from every job system\n", expected.size());
+    return 0;
+}

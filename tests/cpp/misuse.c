@@ -1,0 +1,315 @@
+// Every misuse that can be seen is a status, and disturbs nothing: after each, the world's memory is byte for byte what it
+// was, but for the header's note of what was wrong.
+
+#include "check.h"
+#include <math.h>
+#include <string.h>
+#include <trisap.h>
+
+enum { OBJECTS = 20, CAPACITY = 24, PAIRS = 64, HEADER = 64 };
+
+static trisap_world *world;
+static trisap_id ids[OBJECTS];
+static unsigned char *before;
+static size_t bytes;
+
+static trisap_aabb cube(float x) {
+    const trisap_aabb aabb = {{x, 0.0f, 0.0f}, {x + 1.0f, 1.0f, 1.0f}};
+    return aabb;
+}
+
+static void set_up(void) {
+    trisap_config config = trisap_default_config(CAPACITY);
+    config.pairs = PAIRS;
+    config.events = 1;
+    config.has_margin = 1;
+    config.margin_per_extent = 0.1f;
+    bytes = trisap_world_size(&config);
+    void *memory = aligned_alloc(trisap_world_align(), bytes);
+    before = malloc(bytes);
+    CHECK(memory != NULL && before != NULL);
+    CHECK_OK(trisap_world_init(memory, bytes, &config, &world));
+    trisap_aabb aabbs[OBJECTS];
+    for (int i = 0; i < OBJECTS; i++) {
+        aabbs[i] = cube(0.75f * (float)i);
+    }
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, OBJECTS);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == OBJECTS - 1);
+}
+
+static void remember(void) { memcpy(before, world, bytes); }
+
+static void check_undisturbed(void) {
+    CHECK(memcmp((unsigned char *)world + HEADER, before + HEADER, bytes - HEADER) == 0);
+}
+
+// The call is refused with this status, and the world is as before.
+#define REFUSED(call, status)                                                                                        \
+    do {                                                                                                             \
+        remember();                                                                                                  \
+        CHECK_STATUS(call, status);                                                                                  \
+        check_undisturbed();                                                                                         \
+    } while (0)
+
+static void worlds(void) {
+    const trisap_aabb aabb = cube(0.0f);
+    trisap_id id = 77;
+    REFUSED(trisap_world_insert(NULL, &aabb, &id), TRISAP_STATUS_NULL_POINTER);
+    trisap_world *askew = (trisap_world *)((unsigned char *)world + 8);
+    REFUSED(trisap_world_insert(askew, &aabb, &id), TRISAP_STATUS_MISALIGNED);
+    // Inside of the slab, where no header is.
+    trisap_world *inside = (trisap_world *)((unsigned char *)world + HEADER);
+    REFUSED(trisap_world_insert(inside, &aabb, &id), TRISAP_STATUS_NOT_A_WORLD);
+    CHECK(id == 77);
+    CHECK(trisap_world_len(NULL) == 0 && trisap_world_len(inside) == 0);
+    CHECK(trisap_world_bytes(NULL) == 0 && trisap_world_error_detail(NULL) == 0);
+    CHECK(trisap_world_id_at(NULL, 0) == TRISAP_NULL_ID);
+    CHECK_STATUS(trisap_world_validate(NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK_STATUS(trisap_world_remove_many(NULL, ids, 1), TRISAP_STATUS_NULL_POINTER);
+}
+
+static void configurations(void) {
+    unsigned char *memory = aligned_alloc(64, 65536);
+    CHECK(memory != NULL);
+    memset(memory, 0xa5, 65536);
+    trisap_world *made = NULL;
+    const trisap_config good = trisap_default_config(8);
+    const size_t needed = trisap_world_size(&good);
+    CHECK(needed < 65536);
+
+#define CONFIGURED(change, status)                                                                                   \
+    do {                                                                                                             \
+        trisap_config config = good;                                                                                 \
+        config.change;                                                                                               \
+        CHECK_STATUS(trisap_world_init(memory, 65536, &config, &made), status);                                      \
+    } while (0)
+    CONFIGURED(struct_size = 0, TRISAP_STATUS_STRUCT_SIZE);
+    CONFIGURED(struct_size++, TRISAP_STATUS_STRUCT_SIZE);
+    CONFIGURED(mode = 2, TRISAP_STATUS_INVALID_ARGUMENT);
+    CONFIGURED(events = 2, TRISAP_STATUS_INVALID_ARGUMENT);
+    CONFIGURED(has_margin = 2, TRISAP_STATUS_INVALID_ARGUMENT);
+    CONFIGURED(workers = 0, TRISAP_STATUS_CAPACITY_TOO_LARGE);
+    CONFIGURED(workers = 33, TRISAP_STATUS_CAPACITY_TOO_LARGE);
+    CONFIGURED(objects = (1u << 27) + 1, TRISAP_STATUS_CAPACITY_TOO_LARGE);
+    CONFIGURED(pairs = UINT32_MAX, TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CONFIGURED(has_margin = 1; config.margin_min = -1.0f, TRISAP_STATUS_BAD_MARGIN);
+    CONFIGURED(has_margin = 1; config.margin_max = NAN, TRISAP_STATUS_BAD_MARGIN);
+    CONFIGURED(has_margin = 1; config.margin_per_extent = INFINITY, TRISAP_STATUS_BAD_MARGIN);
+#undef CONFIGURED
+    CHECK(trisap_world_size(NULL) == 0);
+    trisap_config impossible = good;
+    impossible.workers = 0;
+    CHECK(trisap_world_size(&impossible) == 0);
+
+    CHECK_STATUS(trisap_world_init(NULL, needed, &good, &made), TRISAP_STATUS_NULL_POINTER);
+    CHECK_STATUS(trisap_world_init(memory, needed, NULL, &made), TRISAP_STATUS_NULL_POINTER);
+    CHECK_STATUS(trisap_world_init(memory, needed, &good, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK_STATUS(trisap_world_init(memory + 16, needed, &good, &made), TRISAP_STATUS_MISALIGNED);
+    CHECK_STATUS(trisap_world_init(memory, needed - 1, &good, &made), TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK_STATUS(trisap_world_init(memory, 0, &good, &made), TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK_STATUS(trisap_world_init(memory, needed, &good, (trisap_world **)(void *)(memory + 128)),
+                 TRISAP_STATUS_OVERLAP);
+    CHECK_STATUS(trisap_world_open(memory, needed, &made), TRISAP_STATUS_NOT_A_WORLD);
+    CHECK_STATUS(trisap_world_open(memory, 63, &made), TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK_STATUS(trisap_world_open(NULL, needed, &made), TRISAP_STATUS_NULL_POINTER);
+    // Nothing of all that was written anywhere.
+    CHECK(made == NULL);
+    for (size_t i = 0; i < 65536; i++) {
+        CHECK(memory[i] == 0xa5);
+    }
+
+    CHECK_OK(trisap_world_init(memory, needed, &good, &made));
+    CHECK(memory[needed] == 0xa5);
+    trisap_world *found = NULL;
+    CHECK_STATUS(trisap_world_open(memory, needed - 1, &found), TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK_STATUS(trisap_world_open(memory, needed, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(found == NULL);
+    // Written to by others.
+    memset(memory + HEADER, 0xff, 64);
+    CHECK_STATUS(trisap_world_open(memory, needed, &found), TRISAP_STATUS_CORRUPT);
+    CHECK_STATUS(trisap_world_validate(made), TRISAP_STATUS_CORRUPT);
+    free(memory);
+}
+
+static void boxes(void) {
+    trisap_id id = 77;
+    trisap_aabb aabb = cube(0.0f);
+    REFUSED(trisap_world_insert(world, NULL, &id), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert(world, &aabb, NULL), TRISAP_STATUS_NULL_POINTER);
+    const trisap_aabb *askew = (const trisap_aabb *)(const void *)((const char *)&aabb + 2);
+    REFUSED(trisap_world_insert(world, askew, &id), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_insert(world, &aabb, (trisap_id *)(void *)world), TRISAP_STATUS_OVERLAP);
+    const float bad[] = {NAN, 2.0f, INFINITY};
+    for (int k = 0; k < 9; k++) {
+        trisap_aabb broken = aabb;
+        broken.min[k % 3] = bad[k / 3];
+        REFUSED(trisap_world_insert(world, &broken, &id), TRISAP_STATUS_BAD_BOX);
+        REFUSED(trisap_world_update(world, ids[5], &broken), TRISAP_STATUS_BAD_BOX);
+        broken = aabb;
+        broken.max[k % 3] = k < 3 ? NAN : -bad[k / 3];
+        REFUSED(trisap_world_update(world, ids[5], &broken), TRISAP_STATUS_BAD_BOX);
+    }
+    CHECK(id == 77);
+
+    trisap_aabb three[3] = {cube(0.0f), cube(1.0f), cube(2.0f)};
+    trisap_boxes view = trisap_default_boxes(three, 3);
+    trisap_id three_ids[3] = {1, 2, 3};
+    three[2].max[1] = NAN;
+    REFUSED(trisap_world_insert_many(world, &view, three_ids), TRISAP_STATUS_BAD_BOX);
+    CHECK(trisap_world_error_detail(world) == 2);
+    CHECK(three_ids[0] == TRISAP_NULL_ID && three_ids[2] == TRISAP_NULL_ID);
+    REFUSED(trisap_world_update_many(world, ids, &view), TRISAP_STATUS_BAD_BOX);
+    CHECK(trisap_world_error_detail(world) == 2);
+    three[2] = cube(2.0f);
+
+#define VIEWED(change, status)                                                                                       \
+    do {                                                                                                             \
+        trisap_boxes changed = view;                                                                                 \
+        trisap_result result = trisap_default_result();                                                              \
+        changed.change;                                                                                              \
+        REFUSED(trisap_world_insert_many(world, &changed, three_ids), status);                                       \
+        REFUSED(trisap_world_update_many(world, ids, &changed), status);                                             \
+        REFUSED(trisap_world_step_over(world, &changed, NULL, &result), status);                                     \
+        CHECK(result.pairs == NULL);                                                                                 \
+    } while (0)
+    three_ids[0] = 1;
+    VIEWED(struct_size = 0, TRISAP_STATUS_STRUCT_SIZE);
+    VIEWED(first = NULL, TRISAP_STATUS_NULL_POINTER);
+    VIEWED(stride = 0, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(stride = 23, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(max_offset = 11, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(max_offset = 13, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(max_offset = UINT32_MAX, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(count = SIZE_MAX, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(count = SIZE_MAX / 24, TRISAP_STATUS_INVALID_ARGUMENT);
+    VIEWED(first = world, TRISAP_STATUS_OVERLAP);
+    VIEWED(first = (const char *)world - 60, TRISAP_STATUS_OVERLAP);
+#undef VIEWED
+    CHECK(three_ids[0] == 1);
+    REFUSED(trisap_world_insert_many(world, NULL, three_ids), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_many(world, &view, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_many(world, &view, (trisap_id *)(void *)world), TRISAP_STATUS_OVERLAP);
+    trisap_id *askew_ids = (trisap_id *)(void *)((char *)three_ids + 4);
+    REFUSED(trisap_world_insert_many(world, &view, askew_ids), TRISAP_STATUS_MISALIGNED);
+
+    // One more than fits: none is added.
+    trisap_aabb five[5];
+    trisap_id five_ids[5];
+    for (int i = 0; i < 5; i++) {
+        five[i] = cube(0.0f);
+    }
+    view = trisap_default_boxes(five, 5);
+    REFUSED(trisap_world_insert_many(world, &view, five_ids), TRISAP_STATUS_OBJECTS_FULL);
+    CHECK(trisap_world_error_detail(world) == OBJECTS + 5);
+    CHECK(trisap_world_len(world) == OBJECTS);
+}
+
+static void stale_ids(void) {
+    const trisap_aabb aabb = cube(0.0f);
+    trisap_aabb out = cube(9.0f);
+    // Null, no generation, a slot beyond the capacity, a slot not yet used, another generation.
+    const trisap_id bad[] = {TRISAP_NULL_ID, 5, ids[0] + 1000, ids[0] + OBJECTS, ids[0] + (1ull << 32), UINT64_MAX};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        REFUSED(trisap_world_update(world, bad[i], &aabb), TRISAP_STATUS_STALE_ID);
+        CHECK(trisap_world_error_detail(world) == bad[i]);
+        REFUSED(trisap_world_remove(world, bad[i]), TRISAP_STATUS_STALE_ID);
+        REFUSED(trisap_world_set_margin(world, bad[i], 1.0f), TRISAP_STATUS_STALE_ID);
+        REFUSED(trisap_world_contains(world, bad[i]), TRISAP_STATUS_STALE_ID);
+        REFUSED(trisap_world_aabb(world, bad[i], &out), TRISAP_STATUS_STALE_ID);
+
+        const trisap_aabb three[3] = {cube(0.0f), cube(1.0f), cube(2.0f)};
+        const trisap_boxes view = trisap_default_boxes(three, 3);
+        const trisap_id mixed[3] = {ids[0], ids[1], bad[i]};
+        REFUSED(trisap_world_update_many(world, mixed, &view), TRISAP_STATUS_STALE_ID);
+        CHECK(trisap_world_error_detail(world) == bad[i]);
+        REFUSED(trisap_world_remove_many(world, mixed, 3), TRISAP_STATUS_STALE_ID);
+        CHECK(trisap_world_error_detail(world) == bad[i]);
+    }
+    CHECK(out.min[0] == 9.0f);
+    const trisap_id twice[3] = {ids[0], ids[1], ids[0]};
+    REFUSED(trisap_world_remove_many(world, twice, 3), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_remove_many(world, NULL, 1), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_remove_many(world, ids, SIZE_MAX / 2), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_remove_many(world, (trisap_id *)(void *)world, 1), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_aabb(world, ids[0], NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_margin(world, ids[0], NAN), TRISAP_STATUS_BAD_MARGIN);
+    REFUSED(trisap_world_set_margin(world, ids[0], -1.0f), TRISAP_STATUS_BAD_MARGIN);
+    CHECK(trisap_world_id_at(world, UINT32_MAX) == TRISAP_NULL_ID);
+}
+
+static void run_no_job(void *user, void (*run)(void *), void *task, uint32_t count, const char *name) {
+    (void)user, (void)run, (void)task, (void)count, (void)name;
+}
+
+static void steps(void) {
+    trisap_result result = trisap_default_result();
+    REFUSED(trisap_world_step(world, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    result.struct_size = 4;
+    REFUSED(trisap_world_step(world, NULL, &result), TRISAP_STATUS_STRUCT_SIZE);
+    REFUSED(trisap_world_result(world, &result), TRISAP_STATUS_STRUCT_SIZE);
+    trisap_stats stats = trisap_default_stats();
+    stats.struct_size = 0;
+    REFUSED(trisap_world_stats(world, &stats), TRISAP_STATUS_STRUCT_SIZE);
+    REFUSED(trisap_world_stats(world, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_config(world, NULL), TRISAP_STATUS_NULL_POINTER);
+    result = trisap_default_result();
+    trisap_result *askew = (trisap_result *)(void *)((char *)&result + 4);
+    REFUSED(trisap_world_step(world, NULL, askew), TRISAP_STATUS_MISALIGNED);
+
+    trisap_jobs jobs = trisap_default_jobs();
+    jobs.worker_count = 4;
+    REFUSED(trisap_world_step(world, &jobs, &result), TRISAP_STATUS_NULL_POINTER);
+    jobs.fork_join = run_no_job;
+    jobs.worker_count = 0;
+    REFUSED(trisap_world_step(world, &jobs, &result), TRISAP_STATUS_INVALID_ARGUMENT);
+    jobs.worker_count = 4;
+    jobs.struct_size++;
+    REFUSED(trisap_world_step(world, &jobs, &result), TRISAP_STATUS_STRUCT_SIZE);
+    CHECK(result.pairs == NULL);
+}
+
+// More pairs than fit: the prefix is there, the world goes on, and the events come when all pairs fit again.
+static void full_pairs(void) {
+    trisap_result result = trisap_default_result();
+    trisap_aabb aabbs[OBJECTS];
+    for (int i = 0; i < OBJECTS; i++) {
+        aabbs[i] = cube(0.0f);
+    }
+    trisap_boxes view = trisap_default_boxes(aabbs, OBJECTS);
+    CHECK_OK(trisap_world_update_many(world, ids, &view));
+    const uint64_t needed = OBJECTS * (OBJECTS - 1) / 2;
+    CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_PAIRS_FULL);
+    CHECK(result.pair_count == PAIRS && result.pairs_needed == needed);
+    CHECK(trisap_world_error_detail(world) == needed);
+    CHECK(result.found_count == 0 && result.lost_count == 0);
+    for (size_t i = 0; i < result.pair_count; i++) {
+        CHECK(result.pairs[i].a < result.pairs[i].b && result.pairs[i].b < OBJECTS);
+    }
+    CHECK_OK(trisap_world_validate(world));
+    // As at the last complete step, but for the first, which has gone to its end.
+    for (int i = 0; i < OBJECTS; i++) {
+        aabbs[i] = cube(0.75f * (float)(i == 0 ? OBJECTS : i));
+    }
+    CHECK_OK(trisap_world_step_over(world, &view, NULL, &result));
+    CHECK(result.pair_count == OBJECTS - 1 && result.found_count == 1 && result.lost_count == 1);
+    CHECK(result.found[0].a == 0 && result.found[0].b == OBJECTS - 1);
+    CHECK(result.lost[0].a == 0 && result.lost[0].b == 1);
+    CHECK_OK(trisap_world_validate(world));
+}
+
+int main(void) {
+    set_up();
+    worlds();
+    configurations();
+    boxes();
+    stale_ids();
+    steps();
+    full_pairs();
+    free(world);
+    free(before);
+    puts("misuse: all checks passed");
+    return 0;
+}

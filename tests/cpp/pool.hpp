@@ -1,0 +1,81 @@
+// A job system as engines have one, at its smallest: threads that wait for work, and a call that waits for its tasks.
+
+#ifndef POOL_HPP
+#define POOL_HPP
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <queue>
+#include <thread>
+#include <vector>
+
+class Pool {
+public:
+    /// The calling thread is one of the workers.
+    explicit Pool(std::uint32_t workers) {
+        for (std::uint32_t i = 1; i < workers; i++) {
+            threads_.emplace_back([this] { work(); });
+        }
+    }
+
+    ~Pool() {
+        {
+            const std::lock_guard lock(mutex_);
+            ending_ = true;
+        }
+        wake_.notify_all();
+        for (std::thread &thread : threads_) {
+            thread.join();
+        }
+    }
+
+    Pool(const Pool &) = delete;
+    Pool &operator=(const Pool &) = delete;
+
+    [[nodiscard]] std::uint32_t workers() const { return static_cast<std::uint32_t>(threads_.size()) + 1; }
+
+    /// Calls `task` `count` times, once on the calling thread, and returns when all calls have returned.
+    template <class Task> void run(std::uint32_t count, Task task) {
+        std::unique_lock lock(mutex_);
+        std::uint32_t open = count - 1;
+        for (std::uint32_t i = 1; i < count; i++) {
+            queue_.push([this, task, &open] {
+                task();
+                const std::lock_guard done(mutex_);
+                open--;
+                done_.notify_all();
+            });
+        }
+        wake_.notify_all();
+        lock.unlock();
+        task();
+        lock.lock();
+        done_.wait(lock, [&open] { return open == 0; });
+    }
+
+private:
+    void work() {
+        std::unique_lock lock(mutex_);
+        while (true) {
+            wake_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+            if (queue_.empty()) {
+                return;
+            }
+            const std::function<void()> job = std::move(queue_.front());
+            queue_.pop();
+            lock.unlock();
+            job();
+            lock.lock();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable wake_, done_;
+    std::queue<std::function<void()>> queue_;
+    bool ending_ = false;
+    std::vector<std::thread> threads_;
+};
+
+#endif

@@ -1,0 +1,162 @@
+// What trisap.hpp promises: types, moves, views, refusals.
+
+#include "check.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <trisap.hpp>
+
+#if __cplusplus >= 202002L
+#include <algorithm>
+#include <ranges>
+#include <span>
+static_assert(std::ranges::contiguous_range<trisap::View<const trisap::Pair>>);
+static_assert(std::ranges::view<trisap::View<const trisap::Pair>>);
+#endif
+
+static_assert(!std::is_copy_constructible_v<trisap::World> && !std::is_copy_assignable_v<trisap::World>);
+static_assert(std::is_nothrow_move_constructible_v<trisap::World>);
+static_assert(std::is_nothrow_move_assignable_v<trisap::World>);
+static_assert(std::is_nothrow_default_constructible_v<trisap::World>);
+static_assert(noexcept(std::declval<trisap::World &>().step()));
+static_assert(noexcept(trisap_world_len(nullptr)));
+
+// The allocation that the wrapper makes, so that it can fail.
+static int allocations_left = 1000;
+
+void *operator new(std::size_t bytes, std::align_val_t align, const std::nothrow_t &) noexcept {
+    return allocations_left-- > 0 ? std::aligned_alloc(static_cast<std::size_t>(align), bytes) : nullptr;
+}
+
+void operator delete(void *memory, std::align_val_t) noexcept { std::free(memory); }
+
+static trisap::Aabb cube(float x) { return {{x, 0.0f, 0.0f}, {x + 1.0f, 1.0f, 1.0f}}; }
+
+static void moves() {
+    trisap::World first;
+    CHECK_OK(first.init(trisap::config(4)));
+    const trisap::Id id = first.insert(cube(0.0f));
+    CHECK(id != trisap::null_id && trisap::slot(id) == 0);
+    trisap::World second(std::move(first));
+    CHECK(second.contains(id) && second.size() == 1);
+    CHECK(first.c() == nullptr && first.size() == 0); // NOLINT: what is left is empty
+    CHECK_STATUS(first.update(id, cube(1.0f)), TRISAP_STATUS_NULL_POINTER);
+    first = std::move(second);
+    CHECK(first.contains(id) && !second.contains(id)); // NOLINT
+    // A new beginning.
+    CHECK_OK(first.init(trisap::config(8)));
+    CHECK(!first.contains(id) && first.size() == 0);
+    std::vector<trisap::World> worlds;
+    worlds.push_back(std::move(first));
+    worlds.emplace_back();
+    CHECK(worlds[0].insert(cube(2.0f)) != trisap::null_id);
+}
+
+static void refusals() {
+    trisap::World none;
+    CHECK_STATUS(none.step().status, TRISAP_STATUS_NULL_POINTER);
+    CHECK(!none.step() && none.step().pairs.empty());
+    CHECK(none.stats().objects == 0 && none.error_detail() == 0);
+    trisap::Config config = trisap::config(2);
+    config.workers = 0;
+    CHECK_STATUS(none.init(config), TRISAP_STATUS_CAPACITY_TOO_LARGE);
+    config = trisap::config(2);
+    config.mode = 7;
+    CHECK_STATUS(none.init(config), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(none.c() == nullptr);
+    // No memory to be had.
+    allocations_left = 0;
+    CHECK_STATUS(none.init(trisap::config(2)), TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK(none.c() == nullptr);
+    // One piece is enough for ever.
+    allocations_left = 1;
+    CHECK_OK(none.init(trisap::config(2)));
+    CHECK(none.insert(cube(0.0f)) != trisap::null_id && none.step());
+    allocations_left = 1000;
+
+    trisap::World world;
+    CHECK_OK(world.init(trisap::config(2)));
+    trisap::Status why = TRISAP_STATUS_OK;
+    CHECK(world.insert(cube(std::nanf("")), &why) == trisap::null_id && why == TRISAP_STATUS_BAD_BOX);
+    const std::array<trisap::Aabb, 2> two = {cube(0.0f), cube(1.0f)};
+    std::array<trisap::Id, 1> one = {};
+    CHECK_STATUS(world.insert(trisap::boxes(two), one), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK_STATUS(world.update(trisap::View<const trisap::Id>(one), trisap::boxes(two)), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(std::string(trisap::text(why)).find("NaN") != std::string::npos);
+}
+
+struct Body {
+    char name = 'b';
+    double mass = 1.0;
+    struct {
+        float low[3], padding, high[3];
+    } bounds = {};
+};
+
+static void views() {
+    std::vector<Body> bodies(3);
+    for (std::size_t i = 0; i < 3; i++) {
+        const trisap::Aabb aabb = cube(0.5f * static_cast<float>(i));
+        std::memcpy(bodies[i].bounds.low, aabb.min, sizeof aabb.min);
+        std::memcpy(bodies[i].bounds.high, aabb.max, sizeof aabb.max);
+    }
+    const trisap::Boxes boxes =
+        trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].bounds.low, bodies[0].bounds.high);
+    CHECK(boxes.stride == sizeof(Body) && boxes.max_offset == 16);
+    trisap::World world;
+    trisap::Config config = trisap::config(3);
+    config.events = 1;
+    CHECK_OK(world.init(config));
+    trisap::Id ids[3] = {};
+    CHECK_OK(world.insert(boxes, ids));
+    // The corners the wrong way round.
+    const trisap::Boxes wrong =
+        trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].bounds.high, bodies[0].bounds.low);
+    CHECK_STATUS(world.step_over(wrong).status, TRISAP_STATUS_INVALID_ARGUMENT);
+
+    const trisap::Step step = world.step_over(boxes);
+    CHECK(step && step.pairs.size() == 3 && step.found.size() == 3 && step.lost.empty());
+    std::uint32_t sum = 0;
+    for (const auto &[a, b] : step.pairs) {
+        CHECK(a < b);
+        sum += a + b;
+    }
+    CHECK(sum == 6);
+#if __cplusplus >= 202002L
+    const std::span<const trisap::Pair> span = step.pairs;
+    CHECK(span.size() == 3 && span.data() == step.pairs.data());
+    CHECK(std::ranges::count_if(step.pairs, [](const trisap::Pair &pair) { return pair.b == 2; }) == 2);
+    const std::span<const trisap::Id> id_span = ids;
+    CHECK_OK(world.update(id_span, boxes));
+#endif
+    bodies[2].bounds.low[0] = 50.0f; // above its maximum
+    const trisap::Step partly = world.step_over(boxes);
+    CHECK(partly && partly.rejected == 1 && partly.first_rejected == ids[2] && partly.pairs.size() == 3);
+    trisap::Aabb aabb = {};
+    CHECK_OK(world.aabb(ids[1], aabb));
+    CHECK(aabb.min[0] == 0.5f && world.id_at(1) == ids[1]);
+    CHECK_OK(world.set_margin(ids[1], 0.5f));
+    CHECK(world.stats().pairs == 3);
+    CHECK_OK(world.remove(ids[0]));
+    CHECK_OK(world.remove({ids + 1, 2}));
+    CHECK(world.size() == 0 && world.step().lost.size() == 3);
+    CHECK_OK(world.validate());
+}
+
+int main() {
+    CHECK(trisap::abi_matches());
+    moves();
+    refusals();
+    views();
+    std::puts("wrapper: all checks passed");
+    return 0;
+}

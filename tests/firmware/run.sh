@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# Builds the firmware for three bare-metal targets, runs it in QEMU, compares it with the host and proves what is said
+# of its binaries. From anywhere; needs the packages below, and installs them where it may.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+packages=(rustc-web cargo-web rust-web-src lld-22 qemu-system-arm)
+if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
+    [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
+    apt-get update -qq
+    apt-get install -y -qq "${packages[@]}"
+fi
+
+# One compiler for the host and the boards. The bootstrap switch lets it build `core` for targets that Debian does not
+# ship, and tell the frames of functions.
+export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+
+# A program for a board, in a directory of its own, since features change it: build NAME TARGET PROGRAMS...
+build() {
+    local name=$1 target=$2
+    shift 2
+    RUSTFLAGS=-Zemit-stack-sizes CARGO_TARGET_DIR="$CARGO_TARGET_DIR/$name" \
+        /usr/bin/cargo build --quiet --release -p trisap-firmware -Zbuild-std=core --target "$target" "$@"
+}
+
+# Runs a binary on the board of its target, with an argument.
+run() {
+    local binary=$1 argument=$2 machine
+    shift 2
+    case $binary in
+    */thumbv7em-none-eabihf/*) machine=(qemu-system-arm -M mps2-an386) ;;
+    */thumbv6m-none-eabi/*) machine=(qemu-system-arm -M microbit) ;;
+    *) machine=(qemu-system-riscv32 -M virt -bios none) ;;
+    esac
+    timeout 300 "${machine[@]}" "$@" -display none -monitor none -serial none -chardev stdio,id=out \
+        -semihosting-config "enable=on,target=native,chardev=out,arg=program,arg=$argument" -kernel "$binary" </dev/null
+}
+
+# The exit code of a command that must fail.
+failure() {
+    local code=0
+    "$@" >&2 || code=$?
+    echo "$code"
+}
+
+# With debug assertions: on the host the same frames also stop at a broken invariant.
+/usr/bin/cargo build --quiet --workspace
+tools=$CARGO_TARGET_DIR/debug
+expected=$("$tools/replay")
+echo "the host's hash of all pairs: $expected"
+
+for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
+    programs=(--bin replay --bin calls)
+    [ $target != thumbv7em-none-eabihf ] || programs+=(--bin measure)
+    build boards $target "${programs[@]}"
+    release=$CARGO_TARGET_DIR/boards/$target/release
+
+    if [ $target != riscv32imac-unknown-none-elf ] || command -v qemu-system-riscv32 >/dev/null; then
+        run "$release/replay" "$expected"
+        # The comparison can fail.
+        [ "$(failure run "$release/replay" "x$expected")" = 1 ]
+        run "$release/calls" "" >/dev/null
+        echo "$target: runs, and all pairs are the host's"
+    else
+        echo "$target: built, not run: that needs the package qemu-system-misc"
+    fi
+done
+
+boards=$CARGO_TARGET_DIR/boards
+for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
+    "$tools/inspect" "$boards/$target/release/replay" --sizes sizes.txt
+done
+for target in thumbv7em-none-eabihf thumbv6m-none-eabi; do
+    run "$boards/$target/release/calls" "" >"$CARGO_TARGET_DIR/stack.txt"
+    "$tools/inspect" "$boards/$target/release/calls" --sizes sizes.txt --stack 1536 --measured "$CARGO_TARGET_DIR/stack.txt"
+done
+# The search for panics finds one that is there.
+build panic thumbv7em-none-eabihf --bin replay --features panic
+[ "$(failure "$tools/inspect" "$CARGO_TARGET_DIR/panic/thumbv7em-none-eabihf/release/replay")" = 1 ]
+# The table of instructions. Without an exact clock there are no figures.
+[ "$(failure run "$boards/thumbv7em-none-eabihf/release/measure" "")" = 1 ]
+run "$boards/thumbv7em-none-eabihf/release/measure" "" -icount shift=0
+echo "the firmware runs, and holds what is said of it"

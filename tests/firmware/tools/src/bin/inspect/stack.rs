@@ -1,0 +1,125 @@
+//! A bound for the stack of every public call: the frames, as the compiler tells them, along the deepest chain of calls.
+//!
+//! Recursion has no bound and is a fault. Calls through registers are the library's hooks: an executor, its job, the
+//! work on a block, and where pairs go. [`HOOKS`] says which functions they may reach; a call of which it says nothing
+//! is a fault.
+
+use crate::binary::{Binary, Function};
+use crate::calls;
+use anyhow::Result;
+use std::collections::{HashMap, HashSet};
+
+/// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
+/// The first line that fits counts.
+const HOOKS: [(&str, &[&str]); 7] = [
+    ("in_parallel::{closure", &["paths::"]),
+    ("Collector", &["paths::", "in_parallel::{closure", "Executor>::"]),
+    ("paths::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
+    ("ingest::", &["ingest::", "Executor>::"]),
+    ("assign::", &["assign::", "Executor>::"]),
+    ("World<u16>>::", &["Executor>::"]),
+    ("api::step", &["Executor>::"]),
+];
+
+/// Frames of functions that are written by hand, of which no compiler tells: division, in `compiler_builtins`.
+const BY_HAND: [(&str, u32); 1] = [("__aeabi_uidivmod", 8)];
+
+/// Prints the bound of every public call and returns what is wrong.
+pub(crate) fn check(binary: &Binary, limit: u32, measured: &str) -> Result<Vec<String>> {
+    let measured: HashMap<&str, u32> = measured.lines().filter_map(row).collect();
+    let mut bounds = Bounds { binary, pointed: pointed(binary), known: HashMap::new(), faults: Vec::new() };
+    let mut faults = Vec::new();
+    let mut count = 0;
+    for function in &binary.functions {
+        let Some((_, call)) = function.name.split_once("::api::") else { continue };
+        let bound = bounds.of(function);
+        let seen = measured.get(call).copied();
+        println!(
+            "stack of {call}: at most {bound} bytes, seen {}",
+            seen.map_or("-".into(), |seen| seen.to_string())
+        );
+        if bound > limit {
+            faults.push(format!("{call} may use {bound} bytes of stack, more than {limit}"));
+        }
+        if seen.is_some_and(|seen| seen > bound) {
+            faults.push(format!("{call} was seen to use more stack than the computed {bound} bytes"));
+        }
+        count += 1;
+    }
+    faults.append(&mut bounds.faults);
+    if count == 0 {
+        faults.push("there is no public call to bound".into());
+    }
+    Ok(faults)
+}
+
+/// A call and the stack that it was seen to use.
+fn row(line: &str) -> Option<(&str, u32)> {
+    let (call, stack) = line.split_once(' ')?;
+    Some((call, stack.trim().parse().ok()?))
+}
+
+/// The functions whose addresses stand in the read-only data.
+fn pointed(binary: &Binary) -> Vec<&Function> {
+    let words: HashSet<u32> = binary.words.iter().map(|word| word & !1).collect();
+    binary.functions.iter().filter(|function| words.contains(&function.start)).collect()
+}
+
+struct Bounds<'b> {
+    binary: &'b Binary,
+    pointed: Vec<&'b Function>,
+    /// By the start of the function; `None` while its own calls are followed.
+    known: HashMap<u32, Option<u32>>,
+    faults: Vec<String>,
+}
+
+impl<'b> Bounds<'b> {
+    fn of(&mut self, function: &'b Function) -> u32 {
+        match self.known.get(&function.start) {
+            Some(Some(bound)) => return *bound,
+            Some(None) => {
+                self.faults.push(format!("{} calls itself", function.name));
+                return 0;
+            }
+            None => {}
+        }
+        self.known.insert(function.start, None);
+        let mut deepest = 0;
+        for called in self.called_by(function) {
+            deepest = deepest.max(self.of(called));
+        }
+        let by_hand = || BY_HAND.iter().find(|(name, _)| *name == function.name).map(|(_, frame)| *frame);
+        let frame = function.frame.or_else(by_hand).unwrap_or_else(|| {
+            self.faults.push(format!("the frame of {} is not known", function.name));
+            0
+        });
+        self.known.insert(function.start, Some(frame + deepest));
+        frame + deepest
+    }
+
+    fn called_by(&mut self, function: &'b Function) -> Vec<&'b Function> {
+        let mut called = Vec::new();
+        for call in calls::of(self.binary, function) {
+            let before = called.len();
+            match call.target {
+                Some(target) => called.extend(self.binary.function_at(target)),
+                None => called.extend(self.hooked(function)),
+            }
+            if called.len() == before {
+                self.faults.push(format!("{} calls nobody knows whom at {:#x}", function.name, call.from));
+            }
+        }
+        called.sort_by_key(|function| function.start);
+        called.dedup_by_key(|function| function.start);
+        called
+    }
+
+    /// What a function may call through registers.
+    fn hooked(&self, function: &Function) -> Vec<&'b Function> {
+        let Some((_, parts)) = HOOKS.iter().find(|(caller, _)| function.name.contains(caller)) else {
+            return Vec::new();
+        };
+        let fits = |called: &&&Function| parts.iter().any(|part| called.name.contains(part));
+        self.pointed.iter().filter(fits).copied().collect()
+    }
+}
