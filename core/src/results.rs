@@ -92,8 +92,14 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
+/// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
+const AHEAD: usize = 12;
+
 /// Something that is true or false of a pair.
 trait Test<I> {
+    /// Asks for what it takes to tell.
+    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>);
+
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
 }
 
@@ -101,6 +107,12 @@ trait Test<I> {
 struct Overlap<'b>(&'b [KeyBox]);
 
 impl<I: Index> Test<I> for Overlap<'_> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
+        simd.prefetch(KeyBox::of(self.0, pair[0].at()));
+        simd.prefetch(KeyBox::of(self.0, pair[1].at()));
+    }
+
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
         simd.overlap(KeyBox::of(self.0, pair[0].at()), KeyBox::of(self.0, pair[1].at()))
@@ -111,6 +123,11 @@ impl<I: Index> Test<I> for Overlap<'_> {
 struct Apart<'b>(&'b [KeyBox]);
 
 impl<I: Index> Test<I> for Apart<'_> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
+        Overlap(self.0).prepare(simd, pair);
+    }
+
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
         !Overlap(self.0).holds(simd, pair)
@@ -125,6 +142,11 @@ struct Ended<'b> {
 
 impl<I: Index> Test<I> for Ended<'_> {
     #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
+        Overlap(self.now).prepare(simd, pair);
+    }
+
+    #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
         !(Overlap(self.now).holds(simd, pair) && Overlap(self.before).holds(simd, pair))
     }
@@ -135,12 +157,15 @@ impl<I: Index> Test<I> for Ended<'_> {
 fn partition<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
     let mut front = 0;
     for index in 0..pairs.len() {
-        let pair = pairs.at(index);
-        if test.holds(simd, &pair) {
-            pairs.put(index, pairs.at(front));
-            pairs.put(front, pair);
-            front += 1;
+        if let Some(pair) = pairs.get(index + AHEAD) {
+            test.prepare(simd, pair);
         }
+        let pair = pairs.at(index);
+        // Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are
+        // those that the test does not hold of, in any order.
+        pairs.put(index, pairs.at(front));
+        pairs.put(front, pair);
+        front += usize::from(test.holds(simd, &pair));
     }
     front
 }

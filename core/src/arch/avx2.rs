@@ -124,6 +124,12 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn prefetch(self, bounds: &KeyBox) {
+        // SAFETY: every CPU with AVX2 has the instruction, and the address is that of a box.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(bounds).cast()) }
+    }
+
+    #[inline(always)]
     fn same(self, a: __m256i, b: __m256i) -> bool {
         // SAFETY: `self` proves AVX2.
         unsafe {

@@ -54,6 +54,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
+    /// Asks for a box that is needed soon.
+    fn prefetch(self, bounds: &KeyBox);
+
     /// Whether all keys are the same.
     fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
 

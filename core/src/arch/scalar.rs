@@ -53,6 +53,9 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
+    fn prefetch(self, _: &KeyBox) {}
+
+    #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {
         // Not with `==`, which would be a call.
         let differs = |k: usize| (a.min[k] ^ b.min[k]) | (a.max[k] ^ b.max[k]);

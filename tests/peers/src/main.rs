@@ -1,0 +1,47 @@
+//! Runs trisap and its peers side by side: in one process, on the same recordings, frame by frame in turn, each
+//! pair set checked in every frame. See README.md.
+
+mod options;
+mod oracle;
+mod ours;
+mod peers;
+mod recording;
+mod report;
+mod run;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let options = match options::Options::parse(std::env::args().skip(1)) {
+        Ok(options) => options,
+        Err(message) => {
+            eprintln!("{message}\n\n{}", options::USAGE);
+            return ExitCode::from(2);
+        }
+    };
+    let kernels = match ours::kernels(&options) {
+        Ok(kernels) => kernels,
+        Err(message) => {
+            eprintln!("{message}");
+            return ExitCode::from(2);
+        }
+    };
+    let mut report = report::Report::new(kernels.name(), options.threads);
+    for scene in &options.scenes {
+        match recording::Recording::open(scene) {
+            Ok(recording) => run::scene(&recording, &options, &mut report),
+            Err(error) => {
+                eprintln!("{error}");
+                return ExitCode::from(2);
+            }
+        }
+    }
+    print!("{}", report.markdown());
+    if let Some(path) = &options.json
+        && let Err(error) = std::fs::write(path, report.json())
+    {
+        eprintln!("{}: {error}", path.display());
+        return ExitCode::from(2);
+    }
+    if report.all_right() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

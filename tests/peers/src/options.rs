@@ -1,0 +1,90 @@
+//! The command line.
+
+use crate::peers;
+use std::path::PathBuf;
+
+pub(crate) const USAGE: &str = "\
+usage: trisap-peers [options] SCENE...
+a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as in brownian:cubes:32000
+(kinds: brownian, freefall, gravity; objects: cubes, assorted)
+  --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
+  --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
+  --threads 1|2         threads for trisap and for the peers; peers without threads are left out at 2
+  --peers A,B           only peers whose names contain one of these
+  --frames N            timed frames a peer; by default about two million boxes, 15 to 300 frames
+  --json FILE           writes the results as JSON as well";
+
+/// Whether trisap tells found and lost pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Events {
+    /// Against peers that do.
+    Auto,
+    On,
+    Off,
+}
+
+#[derive(Debug)]
+pub(crate) struct Options {
+    pub(crate) scenes: Vec<String>,
+    /// `None`: the best of this CPU.
+    pub(crate) kernels: Option<String>,
+    pub(crate) events: Events,
+    pub(crate) threads: u32,
+    peers: Vec<String>,
+    pub(crate) frames: Option<usize>,
+    pub(crate) json: Option<PathBuf>,
+}
+
+impl Options {
+    pub(crate) fn parse(arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut options = Self {
+            scenes: Vec::new(),
+            kernels: None,
+            events: Events::Auto,
+            threads: 1,
+            peers: Vec::new(),
+            frames: None,
+            json: None,
+        };
+        let mut arguments = arguments;
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+            match argument.as_str() {
+                "--kernels" => options.kernels = Some(value()?).filter(|name| name != "auto"),
+                "--events" => {
+                    options.events = match value()?.as_str() {
+                        "auto" => Events::Auto,
+                        "on" => Events::On,
+                        "off" => Events::Off,
+                        other => return Err(format!("--events {other}: auto, on or off")),
+                    }
+                }
+                "--threads" => {
+                    options.threads = match value()?.as_str() {
+                        "1" => 1,
+                        "2" => 2,
+                        other => return Err(format!("--threads {other}: 1 or 2")),
+                    }
+                }
+                "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
+                "--frames" => {
+                    let count = value()?.parse().ok().filter(|&count| count > 0);
+                    options.frames = Some(count.ok_or("--frames: a number above zero")?);
+                }
+                "--json" => options.json = Some(value()?.into()),
+                flag if flag.starts_with('-') => return Err(format!("unknown option {flag}")),
+                _ => options.scenes.push(argument),
+            }
+        }
+        if options.scenes.is_empty() {
+            return Err("no scene given".into());
+        }
+        Ok(options)
+    }
+
+    /// The peers that were asked for.
+    pub(crate) fn entries(&self) -> Vec<peers::Entry> {
+        let asked = |name: &str| self.peers.iter().any(|part| name.to_lowercase().contains(part));
+        peers::all().into_iter().filter(|entry| self.peers.is_empty() || asked(entry.name)).collect()
+    }
+}

@@ -1,0 +1,109 @@
+//! trisap as one side of a race: every box handed over in every frame, exact pairs.
+
+use crate::{
+    options::Options,
+    peers::{Output, Peer},
+    recording::Padded,
+};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use trisap::{Aabb, Boxes, Capacity, Config, Executor, Index, Kernels, OwnedWorld, Rayon, Serial};
+
+/// The level asked for, or the best of this CPU; the names of those there are where there is none such.
+pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
+    match &options.kernels {
+        None => Ok(trisap::detect()),
+        Some(name) => Kernels::by_name(name).ok_or_else(|| {
+            let names: Vec<&str> = Kernels::all().map(Kernels::name).collect();
+            format!("no kernels {name} here: {}", names.join(", "))
+        }),
+    }
+}
+
+/// A world with the boxes of the first frame, which has not stepped yet, in the narrowest indices that fit; `pairs`: the
+/// most there will be.
+pub(crate) fn ours(
+    boxes: &[Padded],
+    pairs: u64,
+    options: &Options,
+    events: bool,
+) -> Result<Box<dyn Peer>, String> {
+    if boxes.len() <= u16::MAX_OBJECTS as usize {
+        Ok(Box::new(Ours::<u16>::new(boxes, pairs, options, events)?))
+    } else {
+        Ok(Box::new(Ours::<u32>::new(boxes, pairs, options, events)?))
+    }
+}
+
+struct Ours<I: Index> {
+    world: OwnedWorld<I>,
+    kernels: Kernels,
+    pool: Option<ThreadPool>,
+    events: bool,
+    boxes: Vec<Aabb>,
+    /// Of the last frame: all pairs, or with events the found and the lost ones.
+    told: [Vec<[u32; 2]>; 2],
+}
+
+fn aabb(b: &Padded) -> Aabb {
+    Aabb::new([b[0], b[1], b[2]], [b[4], b[5], b[6]])
+}
+
+impl<I: Index> Ours<I> {
+    fn new(boxes: &[Padded], pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
+        let capacity = Capacity::for_objects(boxes.len() as u32);
+        let capacity = Capacity { pairs: capacity.pairs.max(pairs as u32), ..capacity };
+        let mut config = Config::new(capacity).with_workers(options.threads);
+        if events {
+            config = config.with_events();
+        }
+        let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
+        let build = || {
+            let mut world = OwnedWorld::new(&config)?;
+            world.world().insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
+            Ok::<_, trisap::Error>(world)
+        };
+        let world = build().map_err(|error| format!("trisap: {error}"))?;
+        let pool = (options.threads > 1).then(|| {
+            ThreadPoolBuilder::new()
+                .num_threads(options.threads as usize)
+                .build()
+                .expect("threads can be had")
+        });
+        Ok(Self { world, kernels: kernels(options)?, pool, events, boxes, told: Default::default() })
+    }
+}
+
+impl<I: Index> Peer for Ours<I> {
+    fn prepare(&mut self, boxes: &[Padded]) {
+        self.boxes.iter_mut().zip(boxes).for_each(|(to, from)| *to = aabb(from));
+    }
+
+    fn frame(&mut self) {
+        let pooled;
+        let executor: &dyn Executor = match &self.pool {
+            Some(pool) => {
+                pooled = Rayon::in_pool(pool);
+                &pooled
+            }
+            None => &Serial,
+        };
+        let mut world = self.world.world();
+        // A step that fails leaves too few pairs, which the check tells.
+        _ = std::hint::black_box(world.step_over(Boxes::new(&self.boxes), self.kernels, executor)).is_ok();
+    }
+
+    fn output(&mut self) -> Output<'_> {
+        let world = self.world.world();
+        let [first, second] = &mut self.told;
+        first.clear();
+        second.clear();
+        if self.events {
+            first.extend(world.found().iter().map(|pair| pair.map(Index::slot)));
+            second.extend(world.lost().iter().map(|pair| pair.map(Index::slot)));
+            Output::Events { found: first, lost: second }
+        } else {
+            first.extend(world.pairs().iter().map(|pair| pair.map(Index::slot)));
+            Output::Pairs(first)
+        }
+    }
+}

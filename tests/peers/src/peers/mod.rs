@@ -1,0 +1,89 @@
+//! The peers, each in its own file, behind one small trait.
+
+use crate::recording::Padded;
+
+mod parry;
+mod physx;
+mod rapier;
+mod shim;
+mod sweep;
+
+/// A broad phase that is fed with the boxes of one frame after the other.
+pub(crate) trait Peer {
+    /// Puts the boxes where the peer's caller would have them. Not timed.
+    fn prepare(&mut self, boxes: &[Padded]);
+    /// One frame. Timed.
+    fn frame(&mut self);
+    /// What the last frame found. Not timed.
+    fn output(&mut self) -> Output<'_>;
+}
+
+/// What a frame found.
+pub(crate) enum Output<'a> {
+    /// All pairs.
+    Pairs(&'a [[u32; 2]]),
+    /// The changes since the last frame.
+    Events { found: &'a [[u32; 2]], lost: &'a [[u32; 2]] },
+}
+
+/// Starts a peer for the boxes of the first frame (which it has not seen yet) on so many threads.
+pub(crate) type Start = fn(&[Padded], u32) -> Box<dyn Peer>;
+
+/// A peer by name, and how to start it or why it cannot be started.
+pub(crate) struct Entry {
+    pub(crate) name: &'static str,
+    /// How it is configured, in a few words.
+    pub(crate) setup: &'static str,
+    /// Whether it tells found and lost pairs.
+    pub(crate) events: bool,
+    /// Whether it tells a superset of the overlaps; the exact test is then made outside the timing.
+    pub(crate) fat: bool,
+    /// Whether it can use a second thread.
+    pub(crate) parallel: bool,
+    pub(crate) start: Result<Start, &'static str>,
+}
+
+/// The threads of the peers that run on rayon.
+struct Pool {
+    #[cfg(feature = "parallel")]
+    pool: rayon::ThreadPool,
+}
+
+impl Pool {
+    /// Whether more than one thread can be had.
+    const PARALLEL: bool = cfg!(feature = "parallel");
+
+    fn new(threads: u32) -> Self {
+        assert!(threads == 1 || Self::PARALLEL, "built without the feature `parallel`");
+        Self {
+            #[cfg(feature = "parallel")]
+            pool: rayon::ThreadPoolBuilder::new()
+                .num_threads(threads as usize)
+                .build()
+                .expect("threads can be had"),
+        }
+    }
+
+    fn run(&self, work: impl FnOnce() + Send) {
+        #[cfg(feature = "parallel")]
+        self.pool.install(work);
+        #[cfg(not(feature = "parallel"))]
+        work();
+    }
+}
+
+/// Every peer, those that could not be built included.
+pub(crate) fn all() -> Vec<Entry> {
+    vec![
+        physx::entry(),
+        parry::refit(),
+        parry::rebuild(),
+        rapier::entry(),
+        shim::embree(),
+        shim::cgal(),
+        shim::bullet(),
+        shim::jolt(),
+        shim::box3d(),
+        sweep::entry(),
+    ]
+}

@@ -1,0 +1,99 @@
+//! rapier3d's broad phase as its pipeline drives it: fat leaves, change detection, found and lost pairs.
+
+use super::{Entry, Output, Peer, Pool};
+use crate::recording::Padded;
+use rapier3d::prelude::*;
+
+pub(crate) fn entry() -> Entry {
+    Entry {
+        name: "rapier3d BroadPhaseBvh",
+        setup: "cuboid colliders, all changed, prediction distance 0, its own margin of 0.04",
+        events: true,
+        fat: true,
+        parallel: Pool::PARALLEL,
+        start: Ok(|boxes, threads| Box::new(Rapier::new(boxes, threads))),
+    }
+}
+
+struct Rapier {
+    broad_phase: BroadPhaseBvh,
+    parameters: IntegrationParameters,
+    colliders: ColliderSet,
+    bodies: RigidBodySet,
+    handles: Vec<ColliderHandle>,
+    pool: Pool,
+    events: Vec<BroadPhasePairEvent>,
+    found: Vec<[u32; 2]>,
+    lost: Vec<[u32; 2]>,
+}
+
+impl Rapier {
+    fn new(boxes: &[Padded], threads: u32) -> Self {
+        let mut colliders = ColliderSet::new();
+        let mut bodies = RigidBodySet::new();
+        let handles = (0..boxes.len())
+            .map(|id| {
+                let apart = Vector::new(10.0 * id as f32, 0.0, 0.0);
+                // Colliders without a body count as fixed, and pairs of fixed ones are filtered unless asked for.
+                let all = ActiveCollisionTypes::all();
+                colliders.insert(
+                    ColliderBuilder::cuboid(0.5, 0.5, 0.5).translation(apart).active_collision_types(all),
+                )
+            })
+            .collect();
+        // Takes the mark of new colliders off (here they lie far apart): the broad phase would insert them anew
+        // in every frame.
+        CollisionPipeline::new().step(
+            0.0,
+            &mut IslandManager::new(),
+            &mut BroadPhaseBvh::new(),
+            &mut NarrowPhase::new(),
+            &mut bodies,
+            &mut colliders,
+            &(),
+            &(),
+        );
+        Self {
+            broad_phase: BroadPhaseBvh::new(),
+            parameters: IntegrationParameters { normalized_prediction_distance: 0.0, ..Default::default() },
+            colliders,
+            bodies,
+            handles,
+            pool: Pool::new(threads),
+            events: Vec::new(),
+            found: Vec::new(),
+            lost: Vec::new(),
+        }
+    }
+}
+
+impl Peer for Rapier {
+    fn prepare(&mut self, boxes: &[Padded]) {
+        for (&handle, b) in self.handles.iter().zip(boxes) {
+            let half = Vector::new(b[4] - b[0], b[5] - b[1], b[6] - b[2]) * 0.5;
+            let collider = self.colliders.get_mut(handle).expect("the collider lives");
+            collider.set_translation(Vector::new(b[0], b[1], b[2]) + half);
+            collider.shape_mut().as_cuboid_mut().expect("a cuboid").half_extents = half;
+        }
+    }
+
+    fn frame(&mut self) {
+        let Self { broad_phase, parameters, colliders, bodies, handles, pool, events, .. } = self;
+        events.clear();
+        pool.run(|| broad_phase.update(parameters, colliders, bodies, handles, &[], events));
+    }
+
+    fn output(&mut self) -> Output<'_> {
+        self.found.clear();
+        self.lost.clear();
+        for event in &self.events {
+            let ids =
+                |pair: &ColliderPair| [pair.collider1.into_raw_parts().0, pair.collider2.into_raw_parts().0];
+            match event {
+                BroadPhasePairEvent::AddPair(pair) => self.found.push(ids(pair)),
+                BroadPhasePairEvent::DeletePair(pair) => self.lost.push(ids(pair)),
+            }
+        }
+        Output::Events { found: &self.found, lost: &self.lost }
+    }
+}

@@ -1,0 +1,160 @@
+//! The results, as a Markdown table and as JSON.
+
+use crate::peers::Entry;
+use std::{
+    fmt::{self, Write},
+    time::Duration,
+};
+
+pub(crate) struct Scene {
+    pub(crate) name: String,
+    pub(crate) objects: usize,
+    pub(crate) frames: usize,
+    /// Mean over the frames.
+    pub(crate) pairs: u64,
+}
+
+/// The times of both sides of a race.
+pub(crate) struct Race {
+    pub(crate) ours: Vec<Duration>,
+    pub(crate) peer: Vec<Duration>,
+    /// Whether trisap told found and lost pairs.
+    pub(crate) events: bool,
+    /// Pairs that the peer told and that do not overlap, as a share of those that do.
+    pub(crate) surplus: f64,
+}
+
+pub(crate) enum Outcome {
+    Raced(Race),
+    LeftOut(String),
+    Wrong(String),
+}
+
+impl Race {
+    fn ratio(&self) -> f64 {
+        median(&self.peer) / median(&self.ours)
+    }
+}
+
+/// In milliseconds.
+fn median(times: &[Duration]) -> f64 {
+    let mut times = times.to_vec();
+    times.sort_unstable();
+    times[times.len() / 2].as_secs_f64() * 1e3
+}
+
+fn worst(times: &[Duration]) -> f64 {
+    times.iter().max().map_or(0.0, Duration::as_secs_f64) * 1e3
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Raced(race) => {
+                write!(f, "{:.1}x ({:.3} / {:.3} ms)", race.ratio(), median(&race.peer), median(&race.ours))
+            }
+            Self::LeftOut(reason) => write!(f, "left out: {reason}"),
+            Self::Wrong(what) => write!(f, "WRONG: {what}"),
+        }
+    }
+}
+
+/// What one peer did on each scene.
+struct Row {
+    name: &'static str,
+    setup: &'static str,
+    fat: bool,
+    outcomes: Vec<Outcome>,
+}
+
+pub(crate) struct Report {
+    kernels: &'static str,
+    threads: u32,
+    pub(crate) scenes: Vec<Scene>,
+    rows: Vec<Row>,
+}
+
+impl Report {
+    pub(crate) fn new(kernels: &'static str, threads: u32) -> Self {
+        Self { kernels, threads, scenes: Vec::new(), rows: Vec::new() }
+    }
+
+    /// What a peer did on the last scene.
+    pub(crate) fn add(&mut self, entry: &Entry, outcome: Outcome) {
+        match self.rows.iter_mut().find(|row| row.name == entry.name) {
+            Some(row) => row.outcomes.push(outcome),
+            None => {
+                let outcomes = vec![outcome];
+                self.rows.push(Row { name: entry.name, setup: entry.setup, fat: entry.fat, outcomes });
+            }
+        }
+    }
+
+    /// Whether nobody told a wrong pair set.
+    pub(crate) fn all_right(&self) -> bool {
+        self.rows.iter().flat_map(|row| &row.outcomes).all(|outcome| !matches!(outcome, Outcome::Wrong(_)))
+    }
+
+    pub(crate) fn markdown(&self) -> String {
+        let mut text = format!(
+            "Peer's median over trisap's (peer / trisap in ms a frame); trisap kernels: {}, threads: {}.\n\n| peer |",
+            self.kernels, self.threads
+        );
+        for scene in &self.scenes {
+            _ = write!(text, " {} {}, {} pairs |", scene.name, scene.objects, scene.pairs);
+        }
+        text += "\n|---|";
+        text += &"---|".repeat(self.scenes.len());
+        for row in &self.rows {
+            _ = write!(text, "\n| {} |", row.name);
+            for outcome in &row.outcomes {
+                _ = write!(text, " {outcome} |");
+            }
+        }
+        text += "\n\nSet-ups:\n";
+        for row in &self.rows {
+            _ = write!(text, "\n- {}: {}", row.name, row.setup);
+            let raced = row.outcomes.iter().filter_map(|outcome| match outcome {
+                Outcome::Raced(race) => Some(race),
+                _ => None,
+            });
+            let surplus: Vec<String> = raced.map(|race| format!("{:.0} %", 100.0 * race.surplus)).collect();
+            if row.fat && !surplus.is_empty() {
+                _ = write!(text, "; tells a superset, by {} of the overlaps", surplus.join(", "));
+            }
+        }
+        text + "\n"
+    }
+
+    pub(crate) fn json(&self) -> String {
+        let mut text = format!("{{\"kernels\":{:?},\"threads\":{},\"races\":[", self.kernels, self.threads);
+        let mut separator = "";
+        for row in &self.rows {
+            for (scene, outcome) in self.scenes.iter().zip(&row.outcomes) {
+                _ = write!(
+                    text,
+                    "{separator}\n{{\"peer\":{:?},\"scene\":{:?},\"objects\":{},\"frames\":{},\"pairs\":{},",
+                    row.name, scene.name, scene.objects, scene.frames, scene.pairs
+                );
+                separator = ",";
+                _ = match outcome {
+                    Outcome::Raced(race) => write!(
+                        text,
+                        "\"ratio\":{},\"peer_ms\":{},\"trisap_ms\":{},\"peer_worst_ms\":{},\"trisap_worst_ms\":{},\
+                         \"trisap_events\":{},\"surplus\":{}}}",
+                        race.ratio(),
+                        median(&race.peer),
+                        median(&race.ours),
+                        worst(&race.peer),
+                        worst(&race.ours),
+                        race.events,
+                        race.surplus
+                    ),
+                    Outcome::LeftOut(reason) => write!(text, "\"left_out\":{reason:?}}}"),
+                    Outcome::Wrong(what) => write!(text, "\"wrong\":{what:?}}}"),
+                };
+            }
+        }
+        text + "\n]}\n"
+    }
+}
