@@ -437,7 +437,7 @@ fn world_coordinates_in_f64_lose_no_pair() {
                 .collect();
             let rounded: Vec<Aabb> =
                 boxes.iter().map(|(min, max)| Aabb::from_f64(*min, *max, origin)).collect();
-            let outcomes = play_alone(EXACT, &[rounded.clone()]);
+            let outcomes = play_alone(EXACT, core::slice::from_ref(&rounded));
             let mut overlaps = 0;
             for (a, (low, high)) in boxes.iter().enumerate() {
                 // Outward, by no more than a step of f32.
