@@ -426,7 +426,7 @@ impl<'w, I: Index> Step<'w, I> {
     }
 
     /// How many of the pairs are there only for the margins: their boxes as given do not overlap. Always zero in
-    /// [`Mode::Exact`]. Counted when it is asked for: O(pairs).
+    /// [`Mode::Exact`](crate::Mode::Exact). Counted when it is asked for: O(pairs).
     #[must_use]
     pub fn surplus(&self) -> u64 {
         let now = &self.world.parts.boxes.now;
