@@ -33,7 +33,7 @@ impl Avx2 {
 #[inline(always)]
 fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
     let Ok(rows): Result<&[Row; 32], _> = rows.try_into() else { return 0 };
-    let eights: &[[i32; 8]; 4] = bytemuck::cast_ref(rows);
+    let eights: &[[u8; 32]; 4] = bytemuck::cast_ref(rows);
     // SAFETY: the token proves AVX2; each load reads eight rows.
     unsafe {
         // The upper of each two bytes is the query's exactly where a row's byte is at most the query's.
