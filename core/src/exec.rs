@@ -74,14 +74,12 @@ pub trait Executor {
 pub enum Stage {
     /// Takes in the bounds array.
     Intake,
-    /// Makes planes for all leaves, or puts the lists in order.
+    /// Makes planes for all leaves or for the few that are out of balance, or puts the lists in order.
     Build,
     /// Brings the moved objects' boxes to their leaves.
     Fill,
     /// Finds the overlaps.
     Sweep,
-    /// Makes planes anew for the few leaves that are out of balance.
-    Balance,
     /// Sorts out the result and the events.
     Results,
     /// The step is done.
@@ -90,8 +88,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 7] =
-        [Self::Intake, Self::Build, Self::Fill, Self::Sweep, Self::Balance, Self::Results, Self::Done];
+    pub const ALL: [Self; 6] =
+        [Self::Intake, Self::Build, Self::Fill, Self::Sweep, Self::Results, Self::Done];
 }
 
 /// Everything on the calling thread.

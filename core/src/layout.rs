@@ -30,11 +30,14 @@ pub(crate) const SMALL: usize = 256;
 pub(crate) const ONE_LEAF: usize = 512;
 /// Objects that a leaf should have at most when planes are new.
 pub(crate) const LEAF_TARGET: usize = 512;
+/// Levels of planes below those of a full step: leaves of a quarter as many objects, for steps and queries that look at a
+/// few objects here and there.
+pub(crate) const FINER: u32 = 2;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// The fewest slots in a block.
 pub(crate) const SLOTS_PER_BLOCK: usize = 1024;
-/// Leaves in a block of the passes over all leaves.
+/// Leaves in a block of the passes over all leaves, in a full step.
 pub(crate) const LEAVES_PER_BLOCK: usize = 2;
 /// Pairs that parallel workers write at a time.
 pub(crate) const CHUNK: usize = 512;
@@ -99,6 +102,10 @@ impl Sizes {
         while tree > LEAF_TARGET << depth {
             depth += 1;
         }
+        let blocks = if tree > 0 { (1usize << depth).div_ceil(LEAVES_PER_BLOCK) } else { 0 };
+        if tree > 0 {
+            depth += FINER;
+        }
         let leaves = if tree > 0 { 1 << depth } else { 0 };
         Some(Self {
             objects,
@@ -112,11 +119,7 @@ impl Sizes {
             pairs,
             previous: if config.events { pairs } else { 0 },
             // Every block may leave a chunk unfinished.
-            staged: if config.workers > 1 && !small {
-                pairs.div_ceil(CHUNK) + leaves.div_ceil(LEAVES_PER_BLOCK) + 1
-            } else {
-                0
-            },
+            staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
             sorted: if small && objects > TINY { objects } else { 0 },
             bag: if small { 0 } else { scratch::bag(objects) },
@@ -128,9 +131,9 @@ impl Sizes {
         !cfg!(feature = "large") || self.bag == 0
     }
 
-    /// Entries of one block's tally: objects and front boxes of each leaf, two by two, and the large objects last.
-    pub(crate) const fn tally_row(&self) -> usize {
-        if self.tree > 0 { 2 * self.leaves + 1 } else { 0 }
+    /// Entries of the tally at the greatest depth.
+    pub(crate) const fn tally(&self) -> usize {
+        if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth) } else { 0 }
     }
 
     const fn bytes<I: Index>(&self) -> Option<usize> {
@@ -144,6 +147,7 @@ impl Sizes {
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * crate::access::bits::words(objects));
         plan.add::<u32>(crate::access::bits::words(self.before));
+        plan.add::<u32>(crate::access::bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);
         plan.add::<Record>(self.records);
@@ -153,7 +157,7 @@ impl Sizes {
         plan.add::<Frame>(self.leaves);
         plan.add::<Leaf>(self.leaves);
         plan.add::<[i32; 3]>(2 * self.leaves);
-        plan.add::<u32>(SLOT_BLOCKS * self.tally_row());
+        plan.add::<u32>(self.tally());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);
         plan.add::<Pair<I>>(self.staged * CHUNK);
@@ -162,6 +166,11 @@ impl Sizes {
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }
+}
+
+/// Entries of one block's tally at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
+pub(crate) const fn tally_row(depth: u32) -> usize {
+    (2 << depth) + 1
 }
 
 /// Adds up sections, each on its own cache line.

@@ -32,7 +32,7 @@
 //! | pre-sorted, shared linked lists | `links` |
 //! | construction of the KD-tree | `tree::build`, `tree::cells` |
 //! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::balance` |
-//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `paths`, `results` |
+//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `paths`, `resting`, `results` |
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |
 
@@ -57,6 +57,7 @@ mod layout;
 mod links;
 mod objects;
 mod paths;
+mod resting;
 mod results;
 mod state;
 mod storage;

@@ -7,24 +7,27 @@ use crate::exec::{Executor, Stage};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
-use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
+use crate::layout::{FINER, LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
-use crate::results::carry_resting;
+use crate::resting;
 use crate::state::{Path, Progress, State};
 use crate::storage::Parts;
 use crate::sweep::Collector;
 use crate::sweep::leaves::{Grove, SweepLeaves};
 use crate::sweep::list::SweepList;
-use crate::sweep::movers::{SweepLargeMovers, SweepMovers};
+use crate::sweep::movers::SweepMovers;
 use crate::sweep::scratch::Work;
 use crate::sweep::small;
 use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
-use crate::tree::relocate::Relocate;
+use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
 const MOVERS_SHARE: u32 = 16;
+
+/// In this many calm steps in a row the leaves are refined, since the next ones are likely to be calm too.
+const CALM: u32 = 2;
 
 /// What a path works with.
 #[derive(Clone, Copy)]
@@ -50,6 +53,18 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
     }
 }
 
+/// Gives a world in which few objects move smaller leaves, until many move again.
+pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) {
+    if parts.state.filled == 0 || !matches!(path, Path::Unchanged | Path::Movers) {
+        return;
+    }
+    parts.state.calm = parts.state.calm.saturating_add(1);
+    if parts.state.calm == CALM {
+        means.executor.enter(Stage::Fill);
+        assign::refine(parts, means.kernels, means.executor);
+    }
+}
+
 /// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
 pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) -> (Path, Progress) {
     match path {
@@ -68,11 +83,12 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<
 /// Nothing has moved: all pairs stay.
 fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
     let leaves = parts.state.stats().leaves;
-    Progress { pairs: carry_resting(parts), leaves, ..Progress::default() }
+    Progress { pairs: resting::carry(parts), leaves, ..Progress::default() }
 }
 
 /// A world for few objects: keep the list of one axis in order and sweep its boxes.
 fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
+    resting::start_over(parts);
     means.executor.enter(Stage::Build);
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
@@ -92,6 +108,7 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.
 fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
+    resting::start_over(parts);
     means.executor.enter(Stage::Build);
     // Records of a tree that the world may have had are not kept up to date.
     parts.state.filled = 0;
@@ -151,22 +168,21 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     if !means.kernels.run(Relocate(parts)) {
         return None;
     }
+    list_movers(parts);
+    let kept = resting::carry(parts);
     means.executor.enter(Stage::Sweep);
-    let kept = carry_resting(parts);
     let leaf_count = 1usize << parts.state.depth;
-    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
-    let moved = &*parts.moved;
+    // The large objects follow as one more leaf.
+    let lists = leaf_count + 1;
+    let per_block = LEAVES_PER_BLOCK << FINER;
+    let (moved, movers, ends) = (&*parts.moved, &*parts.order[0], parts.tree.tally.span(0, lists));
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
-    let (pairs, work) = collector.collect(means.executor, kept, blocks + 1, &|block, scratch, sink| {
-        let first = block * LEAVES_PER_BLOCK;
-        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        let movers = SweepMovers { grove: &grove, moved, leaves, scratch, sink };
-        if block < blocks {
-            means.kernels.run(movers);
-        } else {
-            means.kernels.run(SweepLargeMovers(movers));
-        }
+    let blocks = lists.div_ceil(per_block);
+    let (pairs, work) = collector.collect(means.executor, kept, blocks, &|block, scratch, sink| {
+        let first = block * per_block;
+        let leaves = first..(first + per_block).min(lists);
+        means.kernels.run(SweepMovers { grove: &grove, moved, movers, ends, leaves, scratch, sink });
     });
     Some(Progress { pairs, work, leaves: leaf_count as u32, ..Progress::default() })
 }
@@ -174,10 +190,17 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
 fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>) -> (Path, Progress) {
     let Means { kernels, executor } = means;
-    if replant {
-        executor.enter(Stage::Build);
+    resting::start_over(parts);
+    executor.enter(Stage::Build);
+    let was_refined = assign::coarsen(parts);
+    let rebalanced = if replant {
         balance::plant(parts);
-    }
+        0
+    } else if was_refined {
+        0
+    } else {
+        balance::rebalance(parts)
+    };
     executor.enter(Stage::Fill);
     let mut census = assign::count(parts, kernels, executor);
     if !replant && balance::is_out_of_balance(parts) {
@@ -201,8 +224,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
         kernels.run(SweepLeaves { grove: &grove, leaves, scratch, sink });
     });
-    executor.enter(Stage::Balance);
-    let rebalanced = if replant { parts.state.live } else { balance::rebalance(parts) };
+    let rebalanced = if replant { parts.state.live } else { rebalanced };
     let path = if replant { Path::Rebuilt } else { Path::Full };
     (path, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse: Some(census.coarse) })
 }

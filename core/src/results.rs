@@ -12,30 +12,8 @@ use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::storage::Parts;
 
-/// Keeps the pairs of two resting objects (erratum E6). With events they come from the other buffer, which stays as
-/// it is. Returns how many there are.
-pub(crate) fn carry_resting<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
-    let moved = &*parts.moved;
-    let rests = |pair: &Pair<I>| !bits::test(moved, pair[0].at()) && !bits::test(moved, pair[1].at());
-    let mut kept = 0;
-    if parts.sizes.previous > 0 {
-        for pair in parts.output.previous.span(0, parts.state.previous_swept as usize) {
-            // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
-            parts.output.pairs.put(kept, *pair);
-            kept += usize::from(rests(pair));
-        }
-    } else {
-        for index in 0..parts.state.swept_pairs as usize {
-            let pair = parts.output.pairs.at(index);
-            parts.output.pairs.put(kept, pair);
-            kept += usize::from(rests(&pair));
-        }
-    }
-    kept as u64
-}
-
-/// Orders the first `swept` pairs of the buffer: persisting, found, surplus; and finds the lost ones. Events only where
-/// the pairs are complete: of a part nobody can tell what is lost.
+/// Orders the first `swept` pairs of the buffer, but for those set aside: persisting, found, surplus; and finds the lost
+/// ones. Events only where the pairs are complete: of a part nobody can tell what is lost.
 pub(crate) struct SortOut<'p, 'm, I> {
     pub(crate) parts: &'p mut Parts<'m, I>,
     pub(crate) swept: usize,
@@ -51,10 +29,11 @@ impl<I: Index> Phase for SortOut<'_, '_, I> {
         let events = parts.sizes.previous > 0 && complete;
         let mode = parts.state.mode();
         let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
-        let pairs = parts.output.pairs.span_mut(0, swept);
+        let aside = parts.state.aside as usize;
+        let pairs = parts.output.pairs.span_mut(aside, swept - aside);
         let margins = !parts.boxes.fat.is_empty();
         let result =
-            if mode == Mode::Exact && margins { partition(simd, pairs, Overlap(now)) } else { swept };
+            if mode == Mode::Exact && margins { partition(simd, pairs, Overlap(now)) } else { pairs.len() };
         let mut persisting = result;
         parts.state.lost = 0;
         if events {
@@ -69,7 +48,7 @@ impl<I: Index> Phase for SortOut<'_, '_, I> {
             parts.state.lost = lost as u64;
         }
         parts.state.swept_pairs = swept as u64;
-        parts.state.result_pairs = result as u64;
+        parts.state.result_pairs = (aside + result) as u64;
         parts.state.found = (result - persisting) as u64;
     }
 }

@@ -51,7 +51,7 @@ pub struct Stats {
     pub surplus: u64,
     /// Large objects, which live in a list of their own.
     pub large: u32,
-    /// Objects whose leaf got new planes for the next step.
+    /// Objects whose leaf got new planes.
     pub rebalanced: u32,
     /// Whether `f32` is too coarse for some box where it stands: a side of it is below four steps of its
     /// coordinate. The pairs are those of the boxes as given, but the boxes may have lost their shape before; shift
@@ -94,6 +94,9 @@ pub(crate) struct State {
     pub(crate) planted: u32,
     /// The depth that the planes are used to; less than planned where copies would take too much room.
     pub(crate) depth: u32,
+    /// Whether the leaves are smaller than those of the last full step, and the depth of those.
+    pub(crate) refined: u32,
+    pub(crate) swept_depth: u32,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u32,
     /// First large object among the fronts, and how many there are.
@@ -107,20 +110,21 @@ pub(crate) struct State {
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
     pub(crate) settled: u64,
 
-    /// Overlaps of swept boxes in the pair buffer: the persisting ones, the found ones, then, in exact mode with a
-    /// margin, the surplus.
+    /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
+    /// mode with a margin, the surplus.
     pub(crate) swept_pairs: u64,
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `resting`.
+    pub(crate) aside: u64,
     /// The persisting and the found ones: the result.
     pub(crate) result_pairs: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
-    /// The same of the last complete step, in the other buffer.
-    pub(crate) previous_swept: u64,
+    /// With events: pairs of the last complete result in the other buffer, all but those set aside.
     pub(crate) previous_result: u64,
     /// Whether the last step ended with all its pairs.
     pub(crate) complete: u32,
-    /// Whether the two pair buffers have changed places.
-    pub(crate) swapped: u32,
+    /// Steps in a row in which few objects have moved.
+    pub(crate) calm: u32,
     /// Whether a tight box has changed inside its fat box since the last complete step.
     pub(crate) crept: u32,
 

@@ -5,7 +5,7 @@ use crate::config::{Config, Mode};
 use crate::error::Error;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
-use crate::layout::{ALIGN, CHUNK, SLOT_BLOCKS, Sizes, layout, section};
+use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
 use crate::objects::Objects;
 use crate::state::State;
 use crate::sweep::scratch;
@@ -24,6 +24,8 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) moved: &'m mut [u32],
     /// With events, one bit a slot: the reported box has changed since the last complete step.
     pub(crate) changed: &'m mut [u32],
+    /// With a tree, one bit a slot: the object's pairs are not set aside. Means nothing where none are.
+    pub(crate) awake: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
     pub(crate) listed: &'m mut [u32],
     /// The tri-linked lists: slots by ascending minimum on x, y and z.
@@ -76,7 +78,8 @@ pub(crate) struct TreeParts<'m> {
     pub(crate) records: &'m mut [Record],
     /// The leaves' fronts, one after another, and behind them the large-object list.
     pub(crate) fronts: &'m mut [Front],
-    /// A row for each block of slots: see [`Sizes::tally_row`].
+    /// A row for each block of slots: see [`tally_row`](crate::layout::tally_row). Between two fills, where the movers of
+    /// each leaf end.
     pub(crate) tally: &'m mut [u32],
 }
 
@@ -84,7 +87,7 @@ pub(crate) struct TreeParts<'m> {
 pub(crate) struct OutputParts<'m, I> {
     /// The pairs of swept boxes: see [`State::swept_pairs`].
     pub(crate) pairs: &'m mut [Pair<I>],
-    /// With events: the pairs of the last complete step; after a step, the lost ones come first.
+    /// With events: the pairs of the last complete step that were not set aside; after a step, the lost ones come first.
     pub(crate) previous: &'m mut [Pair<I>],
     /// With workers: pairs in the order in which they were found, in chunks.
     pub(crate) staged: &'m mut [Pair<I>],
@@ -120,6 +123,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let words = bits::words(sizes.objects);
         let (moved, listed) = slab.take(2 * words)?.split_at_mut_checked(words)?;
         let changed = slab.take(bits::words(sizes.before))?;
+        let awake = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
@@ -130,6 +134,7 @@ impl<'m, I: Index> Parts<'m, I> {
             generations,
             moved,
             changed,
+            awake,
             listed,
             order: [x, y, z],
             home,
@@ -142,7 +147,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 frames: slab.take(sizes.leaves)?,
                 leaves: slab.take(sizes.leaves)?,
                 reach: slab.take(2 * sizes.leaves)?,
-                tally: slab.take(SLOT_BLOCKS * sizes.tally_row())?,
+                tally: slab.take(sizes.tally())?,
             },
             output: OutputParts {
                 pairs: slab.take(sizes.pairs)?,
@@ -184,11 +189,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
         let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
         check(slab, needed)?;
-        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
-        if parts.state.swapped != 0 {
-            core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
-        }
-        Ok(parts)
+        Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })
     }
 
     /// Which pairs the world returns.

@@ -39,10 +39,10 @@ impl<I: Index> World<'_, I> {
         let moved = bits::count(parts.moved);
 
         let path = paths::choose(parts, moved);
+        paths::refine_when_calm(parts, path, means);
         if path == Path::Unchanged && parts.state.crept == 0 {
             Self::keep(parts);
         } else {
-            Self::turn_buffers(parts);
             let (path, progress) = paths::find(parts, path, means);
             parts.state.record(moved, path, &progress);
             means.executor.enter(Stage::Results);
@@ -72,16 +72,6 @@ impl<I: Index> World<'_, I> {
         parts.state.record(0, Path::Unchanged, &crate::state::Progress { leaves, ..Default::default() });
         parts.state.found = 0;
         parts.state.lost = 0;
-    }
-
-    /// With events, the last complete result moves to the other buffer, where it stays until the next one is complete.
-    fn turn_buffers(parts: &mut Parts<'_, I>) {
-        if parts.sizes.previous > 0 && parts.state.complete != 0 {
-            core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
-            parts.state.swapped ^= 1;
-            parts.state.previous_swept = parts.state.swept_pairs;
-            parts.state.previous_result = parts.state.result_pairs;
-        }
     }
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for

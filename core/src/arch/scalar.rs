@@ -53,7 +53,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn prefetch(self, _: &KeyBox) {}
+    fn prefetch<T>(self, _: &T) {}
 
     #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {

@@ -14,11 +14,14 @@ use crate::key::KeyBox;
 use crate::tree::visit::Visit;
 use crate::tree::{Frame, Record};
 
-/// Tests the movers of some leaves; the block behind the last leaf is the large-object list.
+/// Tests the movers of some leaves. The large objects count as one more leaf, the last one.
 pub(crate) struct SweepMovers<'p, 's, 'g, I> {
     pub(crate) grove: &'p Grove<'g>,
     /// One bit a slot.
     pub(crate) moved: &'p [u32],
+    /// The slots of the movers, leaf by leaf, and where each leaf's end.
+    pub(crate) movers: &'p [I],
+    pub(crate) ends: &'p [u32],
     pub(crate) leaves: core::ops::Range<usize>,
     pub(crate) scratch: &'p mut Scratch<'s, I>,
     pub(crate) sink: &'p mut dyn Sink<I>,
@@ -28,91 +31,60 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        for index in self.leaves.clone() {
-            let leaf = self.grove.leaves.at(index);
-            if leaf.movers == 0 {
-                continue;
-            }
-            self.batches(simd, self.grove.members(&leaf).iter().map(Record::slot));
-        }
-    }
-}
-
-/// Tests the movers among the large objects.
-pub(crate) struct SweepLargeMovers<'p, 's, 'g, I>(pub(crate) SweepMovers<'p, 's, 'g, I>);
-
-impl<I: Index> Phase for SweepLargeMovers<'_, '_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        let large = self.0.grove.large;
-        self.0.batches(simd, large.iter().map(|front| front.slot));
-    }
-}
-
-impl<I: Index> SweepMovers<'_, '_, '_, I> {
-    /// Tests those of some slots that have moved, as many at a time as the scratch takes.
-    #[inline(always)]
-    fn batches<S: Simd>(&mut self, simd: S, slots: impl Iterator<Item = u32>) {
-        let mut count = 0;
-        for slot in slots.filter(|&slot| bits::test(self.moved, slot as usize)) {
-            self.scratch.movers.put(count, I::from_slot(slot));
-            count += 1;
-            if count == self.scratch.movers.len() {
-                self.test(simd, count);
-                count = 0;
-            }
-        }
-        self.test(simd, count);
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S, count: usize) {
-        if count == 0 {
-            return;
-        }
-        let Self { grove, moved, scratch, sink, .. } = self;
-        let movers = scratch.movers.span(0, count);
-        let mut around = KeyBox::EMPTY;
-        for mover in movers {
-            let bounds = grove.boxes.at(mover.at());
-            for k in 0..3 {
-                around.min[k] = around.min[k].min(bounds.min[k]);
-                around.max[k] = around.max[k].max(bounds.max[k]);
-            }
-        }
-        let mut report =
-            Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink: &mut **sink };
+    fn run<S: Simd>(self, simd: S) {
+        let Self { grove, moved, movers, ends, leaves, scratch, sink } = self;
+        let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
+        let mut start = leaves.start.checked_sub(1).map_or(0, |before| ends.at(before));
         let mut tested = 0;
-        let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
-        while let Some(index) = visit.next() {
-            let leaf = grove.leaves.at(index);
-            let members = grove.members(&leaf);
-            let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
-            let reach = grove.reach.at((1 << grove.depth) + index);
-            let region = KeyBox { min: cell.low(), max: reach };
-            for mover in movers {
-                let bounds = grove.boxes.at(mover.at());
-                if region.overlaps(&bounds) {
-                    tested += members.len();
-                    scan(simd, members, &frame, mover.slot(), &bounds, &mut report);
-                }
+        for &end in ends.span(leaves.start, leaves.len()) {
+            if end > start {
+                let movers = movers.span(start as usize, (end - start) as usize);
+                tested += test(simd, grove, movers, &mut report);
             }
-        }
-        for mover in movers {
-            let bounds = grove.boxes.at(mover.at());
-            tested += grove.large.len();
-            for large in grove.large {
-                if large.bounds.overlaps(&bounds) {
-                    report.pair(mover.slot(), large.slot);
-                }
-            }
+            start = end;
         }
         report.flush();
-        scratch.bench.tested += tested as u64;
+        scratch.bench.tested += tested;
     }
+}
+
+/// Tests movers that are near each other against all members of the leaves around. Returns how many boxes it looked at.
+#[inline(always)]
+fn test<S: Simd, I: Index>(simd: S, grove: &Grove<'_>, movers: &[I], report: &mut Report<'_, '_, I>) -> u64 {
+    let mut around = KeyBox::EMPTY;
+    for mover in movers {
+        let bounds = grove.boxes.at(mover.at());
+        for k in 0..3 {
+            around.min[k] = around.min[k].min(bounds.min[k]);
+            around.max[k] = around.max[k].max(bounds.max[k]);
+        }
+    }
+    let mut tested = 0;
+    let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
+    while let Some(index) = visit.next() {
+        let leaf = grove.leaves.at(index);
+        let members = grove.members(&leaf);
+        let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
+        let reach = grove.reach.at((1 << grove.depth) + index);
+        let region = KeyBox { min: cell.low(), max: reach };
+        for mover in movers {
+            let bounds = grove.boxes.at(mover.at());
+            if region.overlaps(&bounds) {
+                tested += members.len();
+                scan(simd, members, &frame, mover.slot(), &bounds, report);
+            }
+        }
+    }
+    for mover in movers {
+        let bounds = grove.boxes.at(mover.at());
+        tested += grove.large.len();
+        for large in grove.large {
+            if large.bounds.overlaps(&bounds) {
+                report.pair(mover.slot(), large.slot);
+            }
+        }
+    }
+    tested as u64
 }
 
 /// Tests one mover against all members of a leaf.

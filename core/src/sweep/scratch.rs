@@ -26,7 +26,7 @@ pub(crate) const fn records<I>(bag: usize) -> usize {
         return 0;
     }
     let candidates = batch(bag) + WINDOW;
-    1 + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates) + of::<I>(bag)
+    1 + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates)
 }
 
 const fn of<T>(count: usize) -> usize {
@@ -49,8 +49,6 @@ pub(crate) struct Scratch<'s, I> {
     /// Records that come from other leaves, or the tiles of a leaf.
     pub(crate) visitors: &'s mut [Record],
     pub(crate) bench: Bench<'s, I>,
-    /// Slots of moved objects.
-    pub(crate) movers: &'s mut [I],
 }
 
 /// What the sweep of one bag works on.
@@ -83,7 +81,6 @@ impl<'s, I: Index> Scratch<'s, I> {
                 pairs: cut(&mut rest, candidates),
                 tested: 0,
             },
-            movers: cut(&mut rest, bag),
         }
     }
 }

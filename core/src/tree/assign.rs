@@ -5,6 +5,7 @@
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
+use super::balance::depth_for;
 use super::cells::{Extent, cut, frame};
 use super::{Cell, Front, Leaf, leaf_of};
 use crate::access::Access;
@@ -15,7 +16,7 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
-use crate::layout::{LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::layout::{FINER, LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
 
@@ -32,6 +33,39 @@ fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(64).max(SLOTS_PER_BLOCK)
 }
 
+/// Fills smaller leaves than the last full step did, for steps and queries that look at a few objects here and there. They
+/// have no fronts: only a full step gathers visitors.
+pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
+    parts.state.refined = 1;
+    parts.state.swept_depth = parts.state.depth;
+    parts.state.depth =
+        (depth_for(parts.state.planted as usize, parts.sizes.depth) + FINER).min(parts.sizes.depth);
+    let census = count(parts, kernels, executor);
+    fill(parts, &census, kernels, executor);
+}
+
+/// Goes back to the leaves of a full step, which has to fill them. Tells whether there was anything to do.
+pub(crate) fn coarsen<I: Index>(parts: &mut Parts<'_, I>) -> bool {
+    parts.state.calm = 0;
+    if parts.state.refined == 0 {
+        return false;
+    }
+    parts.state.refined = 0;
+    let levels = parts.state.depth.saturating_sub(parts.state.swept_depth);
+    parts.state.depth -= levels;
+    ascend(parts.home, levels);
+    true
+}
+
+/// Makes homes of the leaves of some levels above.
+fn ascend<I: Index>(homes: &mut [I], levels: u32) {
+    for home in homes {
+        if *home < I::LARGE {
+            *home = I::from_slot(home.slot() >> levels);
+        }
+    }
+}
+
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which fronts and large
 /// objects stay within the capacity and the limits on copies. Leaves the counts in the tally.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) -> Census {
@@ -40,10 +74,9 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
         let extent = parts.state.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
         let census = count_at(parts, depth, kernels, executor);
-        let leaves = 1usize << depth;
+        let (leaves, row) = (1usize << depth, tally_row(depth));
         let (mut fronts, mut large) = (0u64, 0u64);
-        let row = parts.sizes.tally_row();
-        for tally in parts.tree.tally.chunks_exact(row.max(1)) {
+        for tally in parts.tree.tally.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
             let (counts, rest) = tally.as_chunks::<2>();
             fronts += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
             large += u64::from(rest.at(0));
@@ -57,11 +90,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.depth = depth - 1;
-        for home in &mut *parts.home {
-            if *home < I::LARGE {
-                *home = I::from_slot(home.slot() / 2);
-            }
-        }
+        ascend(parts.home, 1);
     }
 }
 
@@ -73,21 +102,23 @@ fn count_at<I: Index>(
 ) -> Census {
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
-    let row = parts.sizes.tally_row();
+    let row = tally_row(depth);
+    let fronts = parts.state.refined == 0;
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
     let mut found = [Census { extent: Extent::NONE, coarse: false }; SLOT_BLOCKS];
-    parts.tree.tally.fill(0);
+    let tally = parts.tree.tally.span_mut(0, SLOT_BLOCKS * row);
+    tally.fill(0);
     let claims = Claims::new((
         Chunks::new(parts.home.span_mut(0, slots), len),
-        Chunks::new(parts.tree.tally, row),
+        Chunks::new(tally, row),
         Chunks::new(&mut found, 1),
     ));
     let scratches = parts.sizes.workers;
     exec::run(executor, scratches, slots.div_ceil(len), &|| {
         while let Some((block, (homes, tally, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
-            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
+            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, fronts, tally });
             found.fill(census);
         }
     });
@@ -105,6 +136,8 @@ struct CountBlock<'b, I> {
     planes: &'b [i32],
     cells: &'b [Cell],
     depth: u32,
+    /// Whether to count the boxes of fronts.
+    fronts: bool,
     tally: &'b mut [u32],
 }
 
@@ -113,7 +146,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Census {
-        let Self { boxes, homes, planes, cells, depth, tally } = self;
+        let Self { boxes, homes, planes, cells, depth, fronts: has_fronts, tally } = self;
         let cells = cells.span(0, 1 << depth);
         let (counts, large) = tally.as_chunks_mut::<2>();
         let finite = Extent::FINITE;
@@ -147,7 +180,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             *home = I::from_slot(leaf as u32);
             if let Some([members, fronts]) = counts.get_mut(leaf) {
                 *members += 1;
-                *fronts += u32::from(sides.are_left_by(simd, keys));
+                *fronts += u32::from(has_fronts & sides.are_left_by(simd, keys));
             }
         }
         Census { extent: Extent { low: simd.bounds(low).min, high: simd.bounds(high).min }, coarse }
@@ -173,14 +206,14 @@ pub(crate) fn fill<I: Index>(
 
 /// Turns the counts of each block into the positions where the block writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
-    let row = parts.sizes.tally_row().max(1);
+    let row = tally_row(parts.state.depth);
+    let tallies = parts.tree.tally.span_mut(0, SLOT_BLOCKS * row);
     let (mut record, mut front) = (0u32, 0u32);
     for index in 0..leaves {
         let mut leaf = parts.tree.leaves.at(index);
         (leaf.start, leaf.len) = (record, 0);
         (leaf.front_start, leaf.front_len) = (front, 0);
-        leaf.movers = 0;
-        for tally in parts.tree.tally.chunks_exact_mut(row.max(1)) {
+        for tally in tallies.chunks_exact_mut(row.max(1)) {
             let (counts, _) = tally.as_chunks_mut::<2>();
             if let Some([members, fronts]) = counts.get_mut(index) {
                 // Positions in the leaf, as they become the objects' places.
@@ -198,7 +231,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         parts.tree.leaves.put(index, leaf);
     }
     parts.state.large_start = front;
-    for tally in parts.tree.tally.chunks_exact_mut(row.max(1)) {
+    for tally in tallies.chunks_exact_mut(row.max(1)) {
         let (_, large) = tally.as_chunks_mut::<2>();
         let count = large.at(0);
         large.put(0, front);
@@ -210,14 +243,17 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
-    let row = parts.sizes.tally_row();
+    let row = tally_row(parts.state.depth);
+    let has_fronts = parts.state.refined == 0;
     let boxes = parts.boxes.swept();
     let large_start = parts.state.large_start;
     let (homes, cells, frames, bags) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, fronts) = (Shared::new(parts.tree.records), Shared::new(parts.tree.fronts));
-    let claims =
-        Claims::new((Chunks::new(parts.place.span_mut(0, slots), len), Chunks::new(parts.tree.tally, row)));
+    let claims = Claims::new((
+        Chunks::new(parts.place.span_mut(0, slots), len),
+        Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
+    ));
     let scratches = parts.sizes.workers;
     exec::run(executor, scratches, slots.div_ceil(len), &|| {
         while let Some((block, (places, tally))) = claims.claim() {
@@ -235,6 +271,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
                 records: &records,
                 fronts: &fronts,
                 large_start,
+                has_fronts,
                 tally,
             });
         }
@@ -252,6 +289,7 @@ struct ScatterBlock<'b, 's, I> {
     records: &'b Shared<'s, Record>,
     fronts: &'b Shared<'s, Front>,
     large_start: u32,
+    has_fronts: bool,
     tally: &'b mut [u32],
 }
 
@@ -260,8 +298,8 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, large_start, tally } =
-            self;
+        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, .. } = self;
+        let Self { large_start, has_fronts, tally, .. } = self;
         let (next, large) = tally.as_chunks_mut::<2>();
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
@@ -273,7 +311,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 let record = simd.record(&frames.at(leaf), keys, slot);
                 records.store((leaves.at(leaf).start + *member) as usize, &record);
                 *member += 1;
-                if cells.at(leaf).sides(simd).are_left_by(simd, keys) {
+                if has_fronts && cells.at(leaf).sides(simd).are_left_by(simd, keys) {
                     fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
                     *front += 1;
                 }
@@ -287,10 +325,12 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     }
 }
 
-/// How far the members of each node reach: for a leaf, its cell and its front; for an inner node, its children.
+/// How far the members of each node reach: for a leaf, its cell and its front, or where it has none, its members; for an
+/// inner node, its children.
 fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
     let leaves = 1usize << depth;
     let (cells, bags, fronts) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.fronts);
+    let (boxes, records, refined) = (parts.boxes.swept(), &*parts.tree.records, parts.state.refined != 0);
     let (inner, outer) = parts.tree.reach.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
     let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
@@ -304,6 +344,10 @@ fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor
                     *reach = own_reach(&cells.at(index));
                     for front in fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
                         extend(reach, &front.bounds.max);
+                    }
+                    let members = if refined { leaf.len as usize } else { 0 };
+                    for record in records.span(leaf.start as usize, members) {
+                        extend(reach, &boxes.at(record.slot() as usize).max);
                     }
                 }
             }

@@ -4,7 +4,7 @@ use super::build::Build;
 use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::key::KeyBox;
-use crate::layout::LEAF_TARGET;
+use crate::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
 use crate::links;
 use crate::storage::Parts;
 use crate::tree::Record;
@@ -17,8 +17,10 @@ const SHARE_PER_STEP: usize = 8;
 /// A leaf gets new planes when it has this many times the mean count.
 const OVERFULL: usize = 2;
 
-/// The depth of the tree for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians (erratum E14).
-fn depth_for(objects: usize, deepest: u32) -> u32 {
+/// The depth of the tree in full steps for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians
+/// (erratum E14). `deepest` is the greatest depth of planes.
+pub(crate) fn depth_for(objects: usize, deepest: u32) -> u32 {
+    let deepest = deepest.saturating_sub(FINER);
     (0..deepest).find(|&depth| objects <= LEAF_TARGET << depth).unwrap_or(deepest)
 }
 
@@ -40,10 +42,10 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
-    let row = parts.sizes.tally_row().max(1);
-    let count = |leaf| {
-        parts.tree.tally.chunks_exact(row.max(1)).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>()
-    };
+    let row = tally_row(parts.state.depth);
+    let tallies = parts.tree.tally.span(0, SLOT_BLOCKS * row);
+    let count =
+        |leaf| tallies.chunks_exact(row.max(1)).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>();
     (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
 }
 
@@ -59,7 +61,7 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
     for leaf in &mut *parts.tree.leaves {
         leaf.settled = 0;
     }
-    make_planes(parts, live, 1, depth, 0);
+    make_planes(parts, live, 1, depth + FINER, 0);
     // Homes are numbers of leaves that are no more.
     parts.home.fill(I::NONE);
     parts.state.filled = 0;
@@ -76,16 +78,20 @@ fn make_planes<I: Index>(parts: &mut Parts<'_, I>, count: usize, root: usize, le
     for (axis, list) in lists.iter_mut().enumerate() {
         links::presort(list, boxes, axis, spare);
     }
-    let (starts, sides) = parts.tree.tally.split_at_mut_checked(parts.sizes.tally_row()).unwrap_or_default();
+    let (starts, sides) =
+        parts.tree.tally.split_at_mut_checked(tally_row(parts.sizes.depth)).unwrap_or_default();
     let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
     sides.fill(0);
     Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }.run(root, levels);
     parts.state.stale_lists = 1;
 }
 
-/// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. They count from the next
-/// step on. Returns how many objects are concerned.
+/// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. The leaves must be those of the
+/// last full step; they have to be filled anew. Returns how many objects are concerned.
 pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
+    if parts.state.filled == 0 {
+        return 0;
+    }
     let depth = parts.state.depth;
     let leaves = 1usize << depth;
     let live = parts.state.live as usize;
@@ -109,9 +115,6 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
         }
         // The next leaf behind that part of the tree.
         index = ((node + 1) << levels) - leaves;
-    }
-    if done > 0 {
-        parts.state.filled = 0;
     }
     done as u32
 }
@@ -143,6 +146,10 @@ fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32) {
     for index in range.clone() {
         let mut leaf = parts.tree.leaves.at(index);
         for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
+            // It may be gone by now.
+            if parts.boxes.now.at(record.slot() as usize).is_empty() {
+                continue;
+            }
             for list in &mut parts.order {
                 list.put(count, I::from_slot(record.slot()));
             }
@@ -152,5 +159,7 @@ fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32) {
         parts.tree.leaves.put(index, leaf);
     }
     let start = parts.tree.leaves.at(range.start).start as usize;
-    make_planes(parts, count, node, levels, start);
+    let finer = (depth_for(parts.state.planted as usize, parts.sizes.depth) + FINER)
+        .saturating_sub(parts.state.depth);
+    make_planes(parts, count, node, levels + finer, start);
 }

@@ -154,12 +154,11 @@ pub(crate) struct Leaf {
     pub(crate) front_start: u32,
     /// Boxes of the front.
     pub(crate) front_len: u32,
-    /// Objects of this leaf that have moved since the last complete step; kept by movers-only steps.
-    pub(crate) movers: u32,
     /// The count that the leaf had when its planes were new: what a rebalance can achieve here.
     pub(crate) settled: u32,
     /// The axis that the leaf is swept along.
     pub(crate) axis: u32,
+    pub(crate) unused: u32,
 }
 
 /// The grid of a leaf's records: 65,536 steps an axis over the part of the cell where minima are.
