@@ -79,6 +79,8 @@ pub struct Config {
     pub margin: Option<Margin>,
     /// Whether steps tell the found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
+    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object.
+    pub filters: bool,
     /// Whether up to 256 objects are swept box by box, without vectors and their scratch memory, as worlds for up to 64
     /// are anyway: about three quarters of the bytes, and faster on a microcontroller. On a processor with vectors it costs
     /// time from about 100 objects on.
@@ -89,10 +91,18 @@ pub struct Config {
 }
 
 impl Config {
-    /// Exact pairs, no margin, no events, one worker.
+    /// Exact pairs, no margin, no events, no filters, one worker.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
-        Self { capacity, mode: Mode::Exact, margin: None, events: false, lean: false, workers: 1 }
+        Self {
+            capacity,
+            mode: Mode::Exact,
+            margin: None,
+            events: false,
+            filters: false,
+            lean: false,
+            workers: 1,
+        }
     }
 
     /// The same with another mode.
@@ -113,6 +123,13 @@ impl Config {
     #[must_use]
     pub const fn with_events(mut self) -> Self {
         self.events = true;
+        self
+    }
+
+    /// The same with a filter for each object.
+    #[must_use]
+    pub const fn with_filters(mut self) -> Self {
+        self.filters = true;
         self
     }
 

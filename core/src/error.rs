@@ -39,6 +39,13 @@ pub enum Error {
         /// The id.
         id: Id,
     },
+    /// The world was made without filters: see [`Config::with_filters`](crate::Config::with_filters).
+    NoFilters,
+    /// A class is 32 or more. Nothing is done.
+    BadClass {
+        /// The class.
+        class: u32,
+    },
     /// The output slice of a batch is shorter than its input.
     LengthMismatch {
         /// Items that are needed.
@@ -63,6 +70,8 @@ impl fmt::Display for Error {
             Self::ObjectsFull { needed } => write!(f, "no free slot: {needed} objects would have to fit"),
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),
+            Self::NoFilters => f.write_str("the world was made without filters"),
+            Self::BadClass { class } => write!(f, "class {class} is not below 32"),
             Self::LengthMismatch { needed } => write!(f, "the output slice needs {needed} items"),
             Self::PairsFull { needed } => {
                 write!(f, "the pair buffer is full: {needed} pairs would have to fit")

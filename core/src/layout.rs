@@ -4,6 +4,7 @@
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
 use crate::config::Config;
+use crate::filter::{CLASSES, Filter};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
@@ -65,6 +66,9 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
+    /// Objects with a filter, and rows of the class matrix.
+    pub(crate) filters: usize,
+    pub(crate) classes: usize,
     /// Objects in the tree: all, or none where one leaf holds them all.
     pub(crate) tree: usize,
     pub(crate) records: usize,
@@ -111,6 +115,8 @@ impl Sizes {
             objects,
             fat: if config.margin.is_some() { objects } else { 0 },
             before: if config.events { objects } else { 0 },
+            filters: if config.filters { objects } else { 0 },
+            classes: if config.filters { CLASSES } else { 0 },
             tree,
             records: tree + tree / 8 + 4 * leaves,
             fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
@@ -144,6 +150,9 @@ impl Sizes {
         plan.add::<KeyBox>(self.fat);
         plan.add::<f32>(self.fat);
         plan.add::<KeyBox>(self.before);
+        plan.add::<Filter>(self.filters);
+        plan.add::<u32>(self.classes);
+        plan.add::<u32>(crate::access::bits::words(self.filters));
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * crate::access::bits::words(objects));
         plan.add::<u32>(crate::access::bits::words(self.before));

@@ -10,6 +10,7 @@
 use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::key::KeyBox;
+use crate::sort::heapsort;
 use crate::storage::Parts;
 
 /// Overtakings per object beyond which a radix sort is cheaper.
@@ -80,34 +81,10 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, s
         order.put(to, slot);
         match budget.checked_sub(index - to) {
             Some(left) => budget = left,
-            None if spare.len() < 4 * order.len() => return heapsort(order, boxes, axis),
+            None if spare.len() < 4 * order.len() => {
+                return heapsort(order, |a, b| precedes(boxes, axis, a, b));
+            }
             None => return presort(order, boxes, axis, spare),
-        }
-    }
-}
-
-/// Sorts slots where they are, whatever order they are in, for worlds without scratch memory. O(n log n).
-fn heapsort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
-    // The first half makes the heap, the second one takes the last slots off it.
-    let count = order.len();
-    for round in (0..count + count / 2).rev() {
-        let (mut at, end) = if round >= count { (round - count, count) } else { (0, round) };
-        if round < count {
-            order.swap_at(0, round);
-        }
-        loop {
-            let mut child = 2 * at + 1;
-            if child >= end {
-                break;
-            }
-            if child + 1 < end && precedes(boxes, axis, order.at(child), order.at(child + 1)) {
-                child += 1;
-            }
-            if !precedes(boxes, axis, order.at(at), order.at(child)) {
-                break;
-            }
-            order.swap_at(at, child);
-            at = child;
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::access::Access;
 use crate::exec::{Executor, Stage};
+use crate::filter::{Gate, Rule};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
@@ -34,6 +35,7 @@ const CALM: u32 = 2;
 pub(crate) struct Means<'e> {
     pub(crate) kernels: Kernels,
     pub(crate) executor: &'e dyn Executor,
+    pub(crate) rule: Option<&'e Rule<'e>>,
 }
 
 /// The path for a number of objects that have moved.
@@ -95,7 +97,8 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let boxes = boxes.swept();
     let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
     means.executor.enter(Stage::Sweep);
-    let found = small::sweep(order, boxes, axis, output.sorted, output.pairs);
+    let gate = Gate::new(&parts.filters, means.rule);
+    let found = small::sweep(order, boxes, axis, gate, output.sorted, output.pairs);
     let work = Work { copies: 0, candidates: found.candidates as u64 };
     Progress {
         pairs: found.pairs as u64,
@@ -119,7 +122,7 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let Sorted { order, axis, census } = sort_list(order, state, boxes, spare);
     let frame = Frame::over(census.extent.low, census.extent.high);
     means.executor.enter(Stage::Sweep);
-    let mut collector = Collector::new(output, parts.sizes.bag);
+    let mut collector = Collector::new(output, parts.sizes.bag, Gate::new(&parts.filters, means.rule));
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
         means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
     });
@@ -177,7 +180,8 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     let per_block = LEAVES_PER_BLOCK << FINER;
     let (moved, movers, ends) = (&*parts.moved, &*parts.order[0], parts.tree.tally.span(0, lists));
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
+    let gate = Gate::new(&parts.filters, means.rule);
+    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag, gate);
     let blocks = lists.div_ceil(per_block);
     let (pairs, work) = collector.collect(means.executor, kept, blocks, &|block, scratch, sink| {
         let first = block * per_block;
@@ -189,7 +193,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
 
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
 fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>) -> (Path, Progress) {
-    let Means { kernels, executor } = means;
+    let Means { kernels, executor, .. } = means;
     resting::start_over(parts);
     executor.enter(Stage::Build);
     let was_refined = assign::coarsen(parts);
@@ -217,7 +221,8 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag);
+    let gate = Gate::new(&parts.filters, means.rule);
+    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag, gate);
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;

@@ -62,7 +62,7 @@ fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
 
 /// Whether neither object of a pair is marked.
 #[inline(always)]
-fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
+pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
     !(bits::test(marks, pair[0].at()) | bits::test(marks, pair[1].at()))
 }
 

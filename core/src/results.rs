@@ -10,6 +10,8 @@ use crate::arch::{Phase, Simd};
 use crate::config::Mode;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
+use crate::resting::is_clear_of;
+use crate::sort::heapsort;
 use crate::storage::Parts;
 
 /// Orders the first `swept` pairs of the buffer, but for those set aside: persisting, found, surplus; and finds the lost
@@ -37,10 +39,20 @@ impl<I: Index> Phase for SortOut<'_, '_, I> {
         let mut persisting = result;
         parts.state.lost = 0;
         if events {
-            persisting = partition(simd, pairs.span_mut(0, result), Overlap(before));
             let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
+            let pairs = pairs.span_mut(0, result);
+            persisting = partition(simd, pairs, Overlap(before));
             // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
-            let lost = if parts.state.entered != 0 {
+            let asked = &*parts.filters.changed;
+            let lost = if asked.iter().any(|word| *word != 0) {
+                let staying = staying(simd, pairs.span_mut(0, persisting), previous, asked);
+                persisting = staying.end;
+                partition(
+                    simd,
+                    previous,
+                    Dropped { now, before, asked, staying: pairs.span(staying.start, staying.len()) },
+                )
+            } else if parts.state.entered != 0 {
                 partition(simd, previous, Ended { now, before })
             } else {
                 partition(simd, previous, Apart(now))
@@ -69,6 +81,26 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
         }
         *changed = 0;
     }
+}
+
+/// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the
+/// pairs of then can tell: the range of those that they tell stay, in order, behind all the others that stay.
+#[inline(always)]
+fn staying<S: Simd, I: Index>(
+    simd: S,
+    pairs: &mut [Pair<I>],
+    previous: &mut [Pair<I>],
+    asked: &[u32],
+) -> core::ops::Range<usize> {
+    let others = partition(simd, pairs, ClearOf(asked));
+    let known = partition(simd, previous, Touch(asked));
+    let known = previous.span_mut(0, known);
+    heapsort(known, |a, b| a < b);
+    let open = pairs.len() - others;
+    let open = pairs.span_mut(others, open);
+    let stay = partition(simd, open, Among(known));
+    heapsort(open.span_mut(0, stay), |a, b| a < b);
+    others..others + stay
 }
 
 /// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
@@ -128,6 +160,67 @@ impl<I: Index> Test<I> for Ended<'_> {
     #[inline(always)]
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
         !(Overlap(self.now).holds(simd, pair) && Overlap(self.before).holds(simd, pair))
+    }
+}
+
+/// As [`Ended`], or no pair any more for the filters.
+struct Dropped<'b, I> {
+    now: &'b [KeyBox],
+    before: &'b [KeyBox],
+    asked: &'b [u32],
+    staying: &'b [Pair<I>],
+}
+
+impl<I: Index> Test<I> for Dropped<'_, I> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
+        Overlap(self.now).prepare(simd, pair);
+    }
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
+        let Self { now, before, asked, staying } = *self;
+        let dropped = || Touch(asked).holds(simd, pair) && !Among(staying).holds(simd, pair);
+        Ended { now, before }.holds(simd, pair) || dropped()
+    }
+}
+
+/// Neither object is marked.
+struct ClearOf<'b>(&'b [u32]);
+
+impl<I: Index> Test<I> for ClearOf<'_> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
+        is_clear_of(self.0, pair)
+    }
+}
+
+/// One of the objects is marked.
+struct Touch<'b>(&'b [u32]);
+
+impl<I: Index> Test<I> for Touch<'_> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
+        !is_clear_of(self.0, pair)
+    }
+}
+
+/// The pair is in an ascending list.
+struct Among<'b, I>(&'b [Pair<I>]);
+
+impl<I: Index> Test<I> for Among<'_, I> {
+    #[inline(always)]
+    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
+        self.0.binary_search(pair).is_ok()
     }
 }
 

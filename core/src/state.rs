@@ -72,7 +72,7 @@ pub(crate) struct State {
     mode: u32,
     has_margin: u32,
     margin: [f32; 3],
-    /// Whether there are events, and whether the world is lean.
+    /// Whether there are events, whether the world is lean, and whether there are filters.
     flags: u32,
     workers: u32,
 
@@ -105,6 +105,9 @@ pub(crate) struct State {
     /// Bounds of the minima.
     pub(crate) low: [i32; 3],
     pub(crate) high: [i32; 3],
+    /// Whether an object may differ from what the last complete step has seen.
+    pub(crate) touched: u32,
+    pub(crate) unused: u32,
     /// Whether an object has come since the last complete step.
     pub(crate) entered: u32,
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
@@ -158,7 +161,7 @@ impl State {
             mode: (config.mode == Mode::Fat) as u32,
             has_margin: config.margin.is_some() as u32,
             margin: [margin.per_extent, margin.min, margin.max],
-            flags: config.events as u32 | (config.lean as u32) << 1,
+            flags: config.events as u32 | (config.lean as u32) << 1 | (config.filters as u32) << 2,
             workers: config.workers,
             complete: 1,
             ..Self::zeroed()
@@ -178,6 +181,7 @@ impl State {
             margin: self.margin(),
             events: self.flags & 1 != 0,
             lean: self.flags & 2 != 0,
+            filters: self.flags & 4 != 0,
             workers: self.workers,
         })
     }

@@ -3,6 +3,7 @@
 use crate::access::bits;
 use crate::config::{Config, Mode};
 use crate::error::Error;
+use crate::filter::Filter;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
@@ -18,6 +19,7 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) sizes: Sizes,
     pub(crate) state: &'m mut State,
     pub(crate) boxes: BoxParts<'m>,
+    pub(crate) filters: FilterParts<'m>,
     /// How many objects have held the slot.
     pub(crate) generations: &'m mut [u32],
     /// One bit a slot: the swept box has changed since the last complete step (the paper's dynamic objects).
@@ -48,6 +50,15 @@ pub(crate) struct BoxParts<'m> {
     pub(crate) margins: &'m mut [f32],
     /// With events: the boxes that the last complete step reported; empty for objects that are new since.
     pub(crate) before: &'m mut [KeyBox],
+}
+
+/// With filters: whom the objects meet.
+pub(crate) struct FilterParts<'m> {
+    pub(crate) of: &'m mut [Filter],
+    /// One bit for each class that a class meets.
+    pub(crate) classes: &'m mut [u32],
+    /// One bit a slot: another answer may be due since the last complete step.
+    pub(crate) changed: &'m mut [u32],
 }
 
 impl BoxParts<'_> {
@@ -119,6 +130,11 @@ impl<'m, I: Index> Parts<'m, I> {
         let fat = slab.take(sizes.fat)?;
         let margins = slab.take(sizes.fat)?;
         let before = slab.take(sizes.before)?;
+        let filters = FilterParts {
+            of: slab.take(sizes.filters)?,
+            classes: slab.take(sizes.classes)?,
+            changed: slab.take(bits::words(sizes.filters))?,
+        };
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
         let (moved, listed) = slab.take(2 * words)?.split_at_mut_checked(words)?;
@@ -131,6 +147,7 @@ impl<'m, I: Index> Parts<'m, I> {
         Some(Self {
             state,
             boxes: BoxParts { now, fat, margins, before },
+            filters,
             generations,
             moved,
             changed,
@@ -176,6 +193,7 @@ impl<'m, I: Index> Parts<'m, I> {
         parts.boxes.now.fill(KeyBox::EMPTY);
         parts.boxes.fat.fill(KeyBox::EMPTY);
         parts.boxes.before.fill(KeyBox::EMPTY);
+        parts.filters.classes.fill(u32::MAX);
         parts.home.fill(I::NONE);
         Ok(parts)
     }

@@ -5,6 +5,7 @@ use crate::access::{Access, bits};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
 use crate::exec::{Alone, Executor, Stage};
+use crate::filter::{Filter, Rule};
 use crate::id::{Id, Index, Pair};
 use crate::ingest::ingest;
 use crate::kernels::Kernels;
@@ -55,6 +56,7 @@ impl<I: Index> World<'_, I> {
     /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
     fn take_in(parts: &mut Parts<'_, I>, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Option<Rejected> {
         let bounds = bounds?;
+        parts.state.touched = 1;
         means.executor.enter(Stage::Intake);
         let intake = ingest(parts, &bounds, means.kernels, means.executor);
         parts.state.crept |= u32::from(intake.crept);
@@ -72,6 +74,7 @@ impl<I: Index> World<'_, I> {
         parts.state.record(0, Path::Unchanged, &crate::state::Progress { leaves, ..Default::default() });
         parts.state.found = 0;
         parts.state.lost = 0;
+        parts.state.touched = 0;
     }
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
@@ -87,7 +90,9 @@ impl<I: Index> World<'_, I> {
         results::remember(parts);
         parts.moved.fill(0);
         parts.state.crept = 0;
+        parts.filters.changed.fill(0);
         parts.state.entered = 0;
+        parts.state.touched = 0;
         Ok(())
     }
 }
@@ -149,7 +154,7 @@ impl<'m, I: Index> World<'m, I> {
         self.slot_of(id).ok().map(|slot| self.parts.boxes.now.at(slot).to_aabb())
     }
 
-    fn slot_of(&self, id: Id) -> Result<usize, Error> {
+    pub(crate) fn slot_of(&self, id: Id) -> Result<usize, Error> {
         if self.id_at(id.slot()) == Some(id) { Ok(id.slot() as usize) } else { Err(Error::StaleId { id }) }
     }
 }
@@ -188,6 +193,7 @@ impl<I: Index> World<'_, I> {
             *margin = length;
             let bounds = self.parts.boxes.now.at(slot);
             self.parts.objects().anchor(slot, bounds);
+            self.parts.state.touched = 1;
         }
         Ok(())
     }
@@ -290,23 +296,29 @@ impl<I: Index> World<'_, I> {
             *length = margin_length(&margin, &bounds);
         }
         parts.objects().enter(at, bounds);
+        if let Some(filter) = parts.filters.of.get_mut(at) {
+            *filter = Filter::ALL;
+        }
         // An object that had the slot since the last step is forgotten: its pairs are lost either way.
         if let Some(before) = parts.boxes.before.get_mut(at) {
             *before = KeyBox::EMPTY;
         }
         parts.state.entered = 1;
+        parts.state.touched = 1;
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
     }
 
     fn accept(&mut self, slot: usize, bounds: KeyBox) {
+        self.parts.state.touched = 1;
         let crept = self.parts.objects().accept(slot, bounds);
         self.parts.state.crept |= u32::from(crept);
     }
 
     fn leave(&mut self, slot: usize) {
         let next = self.parts.state.free;
+        self.parts.state.touched = 1;
         self.parts.objects().leave(slot, next);
         self.parts.state.free = slot as u32 + 1;
         self.parts.state.live -= 1;
@@ -330,7 +342,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::PairsFull`].
     pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, Means { kernels, executor })
+        self.advance(None, Means { kernels, executor, rule: None })
     }
 
     /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
@@ -345,7 +357,25 @@ impl<I: Index> World<'_, I> {
         kernels: Kernels,
         executor: &dyn Executor,
     ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), Means { kernels, executor })
+        self.advance(Some(bounds), Means { kernels, executor, rule: None })
+    }
+
+    /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
+    /// about the pairs that the filters let through. A world that has a rule in one step should have it in all.
+    ///
+    /// # Errors
+    /// [`Error::PairsFull`], or [`Error::NoFilters`] in a world without filters.
+    pub fn step_with_rule(
+        &mut self,
+        bounds: Option<Boxes<'_>>,
+        rule: &Rule<'_>,
+        kernels: Kernels,
+        executor: &dyn Executor,
+    ) -> Result<Step<'_, I>, Error> {
+        if self.parts.filters.of.is_empty() {
+            return Err(Error::NoFilters);
+        }
+        self.advance(bounds, Means { kernels, executor, rule: Some(rule) })
     }
 
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but

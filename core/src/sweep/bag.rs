@@ -259,5 +259,5 @@ fn test<S: Simd, I: Index>(
         pairs.put(found, pair::<I>(a, b));
         found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
     }
-    sink.take(pairs.span(0, found));
+    sink.take(pairs.span_mut(0, found));
 }

@@ -13,6 +13,7 @@ pub(crate) mod small;
 use crate::access::Access;
 use crate::arch::claim::{Chunks, Claims, Indices, Pool};
 use crate::exec::{self, Executor};
+use crate::filter::{Gate, Gated};
 use crate::id::{Index, Pair};
 use crate::layout::CHUNK;
 use crate::storage::OutputParts;
@@ -23,7 +24,7 @@ use scratch::{Scratch, Work};
 /// Where pairs go.
 pub(crate) trait Sink<I> {
     /// Appends pairs.
-    fn take(&mut self, pairs: &[Pair<I>]);
+    fn take(&mut self, pairs: &mut [Pair<I>]);
 }
 
 /// Pairs in their final order. Counts on when it is full.
@@ -34,12 +35,10 @@ pub(crate) struct Ordered<'o, I> {
 }
 
 impl<I: Index> Sink<I> for Ordered<'_, I> {
-    fn take(&mut self, pairs: &[Pair<I>]) {
+    fn take(&mut self, pairs: &mut [Pair<I>]) {
         let start = usize::try_from(self.count).unwrap_or(usize::MAX);
         if let Some(room) = self.pairs.get_mut(start..) {
-            for (to, from) in room.iter_mut().zip(pairs) {
-                *to = *from;
-            }
+            room.copy_in(pairs);
         }
         self.count += pairs.len() as u64;
     }
@@ -60,12 +59,14 @@ pub(crate) struct Collector<'o, I> {
     pub(crate) chunks: &'o mut [[u32; 3]],
     pub(crate) scratch: &'o mut [Record],
     pub(crate) bag: usize,
+    /// Asked about every pair.
+    pub(crate) gate: Option<Gate<'o>>,
 }
 
 impl<'o, I: Index> Collector<'o, I> {
-    pub(crate) fn new(output: &'o mut OutputParts<'_, I>, bag: usize) -> Self {
+    pub(crate) fn new(output: &'o mut OutputParts<'_, I>, bag: usize, gate: Option<Gate<'o>>) -> Self {
         let OutputParts { pairs, staged, chunks, scratch, .. } = output;
-        Self { pairs, staged, chunks, scratch, bag }
+        Self { pairs, staged, chunks, scratch, bag, gate }
     }
 
     /// Does `blocks` blocks of work and appends their pairs in block order to the first `from` pairs. Returns
@@ -81,6 +82,11 @@ impl<'o, I: Index> Collector<'o, I> {
         for area in self.scratch.chunks_exact_mut(area.max(1)) {
             area.put(0, Record::default());
         }
+        let gate = self.gate;
+        let work = &|block: usize, scratch: &mut Scratch<'_, I>, sink: &mut dyn Sink<I>| match &gate {
+            Some(gate) => work(block, scratch, &mut Gated { gate, sink }),
+            None => work(block, scratch, sink),
+        };
         let shared = executor.workers() > 1 && blocks > 1 && !self.staged.is_empty();
         let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
@@ -135,7 +141,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let chunks = self.chunks.span_mut(0, used);
         insertion_sort(chunks);
         for &[_, index, len] in &*chunks {
-            sink.take(self.staged.span(index as usize * CHUNK, len as usize));
+            sink.take(self.staged.span_mut(index as usize * CHUNK, len as usize));
         }
         sink.count
     }
@@ -163,7 +169,8 @@ struct Staged<'s, 'o, I> {
 }
 
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {
-    fn take(&mut self, mut pairs: &[Pair<I>]) {
+    fn take(&mut self, pairs: &mut [Pair<I>]) {
+        let mut pairs = &*pairs;
         while !pairs.is_empty() {
             let Some((room, [entry])) = &mut self.chunk else {
                 let Some((index, (room, entry))) = self.chunks.claim() else {

@@ -146,7 +146,7 @@ impl<I: Index> Report<'_, '_, I> {
     }
 
     fn flush(&mut self) {
-        self.sink.take(self.pairs.span(0, self.found));
+        self.sink.take(self.pairs.span_mut(0, self.found));
         self.found = 0;
     }
 }

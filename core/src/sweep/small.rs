@@ -2,6 +2,7 @@
 //! between the compares. A small processor has no vectors that would make up for more.
 
 use crate::access::Access;
+use crate::filter::Gate;
 use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
 
@@ -22,31 +23,33 @@ pub(crate) fn sweep<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
     axis: usize,
+    gate: Option<Gate<'_>>,
     sorted: &mut [KeyBox],
     pairs: &mut [Pair<I>],
 ) -> Found {
     if sorted.len() < order.len() {
         let boxes = order.iter().map(|slot| boxes.get(slot.at()).unwrap_or(&KeyBox::EMPTY));
-        return sweep_boxes(order, boxes, axis, pairs);
+        return sweep_boxes(order, boxes, axis, gate, pairs);
     }
     for (to, slot) in sorted.iter_mut().zip(order) {
         if let Some(from) = boxes.get(slot.at()) {
             *to = *from;
         }
     }
-    sweep_boxes(order, sorted.span(0, order.len()).iter(), axis, pairs)
+    sweep_boxes(order, sorted.span(0, order.len()).iter(), axis, gate, pairs)
 }
 
 fn sweep_boxes<'b, I: Index>(
     order: &[I],
     boxes: impl Iterator<Item = &'b KeyBox> + Clone,
     axis: usize,
+    gate: Option<Gate<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
     match axis {
-        0 => sweep_along::<I, _, 0, 1, 2>(order, boxes, pairs),
-        1 => sweep_along::<I, _, 1, 2, 0>(order, boxes, pairs),
-        _ => sweep_along::<I, _, 2, 0, 1>(order, boxes, pairs),
+        0 => sweep_along::<I, _, 0, 1, 2>(order, boxes, gate, pairs),
+        1 => sweep_along::<I, _, 1, 2, 0>(order, boxes, gate, pairs),
+        _ => sweep_along::<I, _, 2, 0, 1>(order, boxes, gate, pairs),
     }
 }
 
@@ -55,6 +58,7 @@ fn sweep_boxes<'b, I: Index>(
 fn sweep_along<'b, I, B, const W: usize, const U: usize, const V: usize>(
     order: &[I],
     mut boxes: B,
+    gate: Option<Gate<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found
 where
@@ -71,8 +75,12 @@ where
             }
             other += 1;
             if b.min[U] <= max[U] && min[U] <= b.max[U] && b.min[V] <= max[V] && min[V] <= b.max[V] {
+                let pair = pair(slot.slot(), order.at(other).slot());
+                if gate.is_some_and(|gate| !gate.lets_through(&pair)) {
+                    continue;
+                }
                 if let Some(place) = pairs.get_mut(found.pairs) {
-                    *place = pair(slot.slot(), order.at(other).slot());
+                    *place = pair;
                 }
                 found.pairs += 1;
             }
