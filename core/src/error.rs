@@ -46,6 +46,18 @@ pub enum Error {
         /// The class.
         class: u32,
     },
+    /// A query has NaN, infinities or negative lengths where they make no sense. Nothing is answered.
+    BadQuery {
+        /// The position of the query in the batch; zero for a single one.
+        index: u32,
+    },
+    /// A query has more answers than fit into the output slice.
+    OutputFull {
+        /// Items that would have to fit.
+        needed: u64,
+    },
+    /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
+    BadSnapshot,
     /// The output slice of a batch is shorter than its input.
     LengthMismatch {
         /// Items that are needed.
@@ -72,6 +84,11 @@ impl fmt::Display for Error {
             Self::StaleId { id } => write!(f, "{id} names no living object"),
             Self::NoFilters => f.write_str("the world was made without filters"),
             Self::BadClass { class } => write!(f, "class {class} is not below 32"),
+            Self::BadQuery { index } => write!(f, "query {index} is not valid"),
+            Self::OutputFull { needed } => {
+                write!(f, "the output slice is full: {needed} items would have to fit")
+            }
+            Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
             Self::LengthMismatch { needed } => write!(f, "the output slice needs {needed} items"),
             Self::PairsFull { needed } => {
                 write!(f, "the pair buffer is full: {needed} pairs would have to fit")

@@ -31,12 +31,13 @@ pub(crate) fn ingest<I: Index>(
     executor: &dyn Executor,
 ) -> Intake {
     let mode = parts.mode();
+    let resting = if parts.state.resting != 0 { &*parts.resting } else { &[] };
     if parts.sizes.is_small() {
         let slots = (parts.state.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let objects = Objects { now, fat, margins, moved: parts.moved, changed: parts.changed, mode };
-        return kernels.run(IngestBlock { first: 0, bounds, objects });
+        return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
     // Whole words of the bit sets, whole cache lines of the boxes.
@@ -56,7 +57,8 @@ pub(crate) fn ingest<I: Index>(
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
             let objects = Objects { now, fat, margins, moved, changed, mode };
-            found.fill(kernels.run(IngestBlock { first, bounds, objects }));
+            let resting = resting.get(first / 32..).unwrap_or_default();
+            found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
         }
     });
     let mut sum = Intake::default();
@@ -74,6 +76,8 @@ struct IngestBlock<'b, 'o> {
     first: usize,
     bounds: &'b Boxes<'b>,
     objects: Objects<'o>,
+    /// The objects whose boxes are not asked for; empty where there are none.
+    resting: &'b [u32],
 }
 
 impl Phase for IngestBlock<'_, '_> {
@@ -81,22 +85,28 @@ impl Phase for IngestBlock<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Intake {
-        let Self { first, bounds, mut objects } = self;
+        let Self { first, bounds, mut objects, resting } = self;
         let mut intake = Intake::default();
-        for at in 0..objects.now.len() {
-            let old = objects.now.at(at);
-            if old.is_empty() {
+        for word in 0..objects.now.len().div_ceil(32) {
+            let resting = resting.get(word).copied().unwrap_or(0);
+            if resting == u32::MAX {
                 continue;
             }
-            let slot = first + at;
-            match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
-                Some(keys) if simd.same(keys, simd.keys(&old)) => {}
-                Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
-                None => {
-                    if intake.rejected == 0 {
-                        intake.first_rejected = slot as u32;
+            for at in word * 32..objects.now.len().min(word * 32 + 32) {
+                let old = objects.now.at(at);
+                if old.is_empty() || resting >> (at % 32) & 1 != 0 {
+                    continue;
+                }
+                let slot = first + at;
+                match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
+                    Some(keys) if simd.same(keys, simd.keys(&old)) => {}
+                    Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
+                    None => {
+                        if intake.rejected == 0 {
+                            intake.first_rejected = slot as u32;
+                        }
+                        intake.rejected += 1;
                     }
-                    intake.rejected += 1;
                 }
             }
         }

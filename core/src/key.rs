@@ -88,10 +88,15 @@ impl KeyBox {
         let [a, b, c] = aabb.min;
         let [d, e, f] = aabb.max;
         let keys = Self { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
-        let good = on_all_axes(|k| {
-            keys.min[k] <= keys.max[k] && keys.min[k] >= NEGATIVE_INFINITY && keys.max[k] <= POSITIVE_INFINITY
-        });
-        good.then_some(keys)
+        keys.is_valid().then_some(keys)
+    }
+
+    /// Whether these are the keys of a box.
+    #[inline(always)]
+    pub(crate) fn is_valid(&self) -> bool {
+        on_all_axes(|k| {
+            self.min[k] <= self.max[k] && self.min[k] >= NEGATIVE_INFINITY && self.max[k] <= POSITIVE_INFINITY
+        })
     }
 
     pub(crate) fn to_aabb(self) -> Aabb {

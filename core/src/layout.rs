@@ -154,7 +154,7 @@ impl Sizes {
         plan.add::<u32>(self.classes);
         plan.add::<u32>(crate::access::bits::words(self.filters));
         plan.add::<u32>(objects);
-        plan.add::<u32>(2 * crate::access::bits::words(objects));
+        plan.add::<u32>(3 * crate::access::bits::words(objects));
         plan.add::<u32>(crate::access::bits::words(self.before));
         plan.add::<u32>(crate::access::bits::words(self.tree));
         plan.add::<I>(3 * objects);

@@ -35,6 +35,8 @@
 //! | temporal inference: dynamic and static objects | `objects`, `ingest`, `paths`, `resting`, `results` |
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |
+//!
+//! Beside the pairs there are filters (`filter`) and queries (`query`).
 
 #![no_std]
 #![warn(clippy::undocumented_unsafe_blocks)]
@@ -58,14 +60,17 @@ mod layout;
 mod links;
 mod objects;
 mod paths;
+mod query;
 mod resting;
 mod results;
+mod snapshot;
 mod sort;
 mod state;
 mod storage;
 mod sweep;
 mod tree;
 mod validate;
+mod view;
 mod world;
 
 pub use aabb::{Aabb, Boxes};
@@ -76,7 +81,9 @@ pub use filter::{Filter, Rule};
 pub use id::{Id, Index, Pair};
 pub use kernels::Kernels;
 pub use layout::{Layout, layout};
+pub use query::{Cast, Hit, Region};
 pub use state::{Path, Stats};
 pub use storage::InlineWorld;
 pub use validate::Invalid;
+pub use view::{LeafView, PlaneView};
 pub use world::{Step, World};

@@ -7,11 +7,64 @@
 
 use crate::access::{Access, bits};
 use crate::config::Mode;
-use crate::id::{Index, Pair};
+use crate::error::Error;
+use crate::id::{Id, Index, Pair};
 use crate::storage::Parts;
+use crate::world::World;
 
 /// So many times as many objects may be awake as move, before those that do not move are taken for resting again.
 const AWAKE_FOR_EACH_MOVER: u32 = 8;
+
+/// Objects that the caller knows to rest, beside those that are seen to.
+impl<I: Index> World<'_, I> {
+    /// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
+    /// what the bounds array has for them. Whoever gets another box by [`set_aabb`](Self::set_aabb) or
+    /// [`update_many`](Self::update_many) wakes. O(n).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`].
+    pub fn set_resting(&mut self, ids: &[Id]) -> Result<(), Error> {
+        for id in ids {
+            self.slot_of(*id)?;
+        }
+        let Parts { state, awake, resting, .. } = &mut self.parts;
+        let mut new = false;
+        for id in ids {
+            let slot = id.slot() as usize;
+            bits::set(resting, slot);
+            if !awake.is_empty() && bits::test(awake, slot) {
+                bits::clear(awake, slot);
+                new = true;
+            }
+        }
+        state.resting |= u32::from(!ids.is_empty());
+        // A step that was not complete needs the pairs that are set aside.
+        if new && state.complete != 0 {
+            state.aside = 0;
+        }
+        Ok(())
+    }
+
+    /// Has steps look at the bounds array for objects again, all or none. O(n).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`].
+    pub fn wake(&mut self, ids: &[Id]) -> Result<(), Error> {
+        for id in ids {
+            self.slot_of(*id)?;
+        }
+        for id in ids {
+            bits::clear(self.parts.resting, id.slot() as usize);
+        }
+        Ok(())
+    }
+
+    /// Whether the object was put to rest and has not been woken since.
+    #[must_use]
+    pub fn is_resting(&self, id: Id) -> bool {
+        self.slot_of(id).is_ok_and(|slot| bits::test(self.parts.resting, slot))
+    }
+}
 
 /// For a step that tests only what has moved: brings the pairs that stay to the front of the buffer and returns how many
 /// there are. With events, the others are kept for the comparison.

@@ -107,7 +107,8 @@ pub(crate) struct State {
     pub(crate) high: [i32; 3],
     /// Whether an object may differ from what the last complete step has seen.
     pub(crate) touched: u32,
-    pub(crate) unused: u32,
+    /// Whether the caller has ever put an object to rest.
+    pub(crate) resting: u32,
     /// Whether an object has come since the last complete step.
     pub(crate) entered: u32,
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
@@ -184,6 +185,25 @@ impl State {
             filters: self.flags & 4 != 0,
             workers: self.workers,
         })
+    }
+
+    /// Whether this is the state of a world of the same configuration, but for the workers.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let key = |state: &Self| {
+            let Self {
+                magic, index_bytes, objects, leaf_refs, pairs_capacity, mode, has_margin, flags, ..
+            } = *state;
+            (
+                [magic, index_bytes, objects, leaf_refs, pairs_capacity, mode, has_margin, flags],
+                state.margin.map(f32::to_bits),
+            )
+        };
+        key(self) == key(other)
+    }
+
+    /// Takes over the number of workers, which decides about scratch memory alone.
+    pub(crate) fn adopt_workers(&mut self, other: &Self) {
+        self.workers = other.workers;
     }
 
     pub(crate) fn mode(&self) -> Mode {

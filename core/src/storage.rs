@@ -24,6 +24,8 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) generations: &'m mut [u32],
     /// One bit a slot: the swept box has changed since the last complete step (the paper's dynamic objects).
     pub(crate) moved: &'m mut [u32],
+    /// One bit a slot: the caller has put the object to rest.
+    pub(crate) resting: &'m mut [u32],
     /// With events, one bit a slot: the reported box has changed since the last complete step.
     pub(crate) changed: &'m mut [u32],
     /// With a tree, one bit a slot: the object's pairs are not set aside. Means nothing where none are.
@@ -137,7 +139,8 @@ impl<'m, I: Index> Parts<'m, I> {
         };
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
-        let (moved, listed) = slab.take(2 * words)?.split_at_mut_checked(words)?;
+        let (moved, rest) = slab.take(3 * words)?.split_at_mut_checked(words)?;
+        let (listed, resting) = rest.split_at_mut_checked(words)?;
         let changed = slab.take(bits::words(sizes.before))?;
         let awake = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
@@ -150,6 +153,7 @@ impl<'m, I: Index> Parts<'m, I> {
             filters,
             generations,
             moved,
+            resting,
             changed,
             awake,
             listed,
@@ -188,14 +192,28 @@ impl<'m, I: Index> Parts<'m, I> {
         check(slab, needed)?;
         let slab = slab.get_mut(..needed).unwrap_or_default();
         slab.fill(0);
-        let parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
+        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
         *parts.state = State::new(config, size_of::<I>());
-        parts.boxes.now.fill(KeyBox::EMPTY);
-        parts.boxes.fat.fill(KeyBox::EMPTY);
-        parts.boxes.before.fill(KeyBox::EMPTY);
-        parts.filters.classes.fill(u32::MAX);
-        parts.home.fill(I::NONE);
+        parts.clear();
         Ok(parts)
+    }
+
+    /// Makes the arrays those of an empty world, in which every slot is as good as new.
+    pub(crate) fn clear(&mut self) {
+        self.boxes.now.fill(KeyBox::EMPTY);
+        self.boxes.fat.fill(KeyBox::EMPTY);
+        self.boxes.before.fill(KeyBox::EMPTY);
+        self.filters.classes.fill(u32::MAX);
+        self.generations.fill(0);
+        for marks in
+            [&mut *self.moved, self.changed, self.filters.changed, self.awake, self.resting, self.listed]
+        {
+            marks.fill(0);
+        }
+        self.home.fill(I::NONE);
+        for pairs in [&mut *self.output.pairs, self.output.previous] {
+            pairs.fill([I::default(); 2]);
+        }
     }
 
     /// Finds the world in a slab that holds one.

@@ -5,6 +5,7 @@ use crate::arch::{Simd as _, scalar::Scalar};
 use crate::id::Index;
 use crate::key::KeyBox;
 use crate::links;
+use crate::resting::is_clear_of;
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::tree::cells::cut;
@@ -204,6 +205,10 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         "more pairs than room",
         state.swept_pairs as usize,
     )?;
+    check(state.aside <= state.result_pairs, "more pairs are set aside than there are", state.aside as usize)?;
+    for (at, pair) in parts.output.pairs.span(0, state.aside as usize).iter().enumerate() {
+        check(is_clear_of(parts.awake, pair), "a pair of an object that is awake is set aside", at)?;
+    }
     if state.complete == 0 || state.crept != 0 || bits::count(parts.moved) > 0 {
         return Ok(());
     }

@@ -312,6 +312,7 @@ impl<I: Index> World<'_, I> {
 
     fn accept(&mut self, slot: usize, bounds: KeyBox) {
         self.parts.state.touched = 1;
+        bits::clear(self.parts.resting, slot);
         let crept = self.parts.objects().accept(slot, bounds);
         self.parts.state.crept |= u32::from(crept);
     }
@@ -319,6 +320,7 @@ impl<I: Index> World<'_, I> {
     fn leave(&mut self, slot: usize) {
         let next = self.parts.state.free;
         self.parts.state.touched = 1;
+        bits::clear(self.parts.resting, slot);
         self.parts.objects().leave(slot, next);
         self.parts.state.free = slot as u32 + 1;
         self.parts.state.live -= 1;

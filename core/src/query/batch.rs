@@ -1,0 +1,94 @@
+//! Many queries in one call, shared by the caller's workers.
+
+use super::{Cast, Hit, Region};
+use crate::access::Access;
+use crate::arch::claim::{Chunks, Claims};
+use crate::error::Error;
+use crate::exec::{self, Executor};
+use crate::id::{Id, Index};
+use crate::kernels::Kernels;
+use crate::world::World;
+
+/// Queries that a worker takes at a time.
+const BLOCK: usize = 32;
+/// Workers at most: queries need no scratch memory.
+const WORKERS: usize = 32;
+
+impl<I: Index> World<'_, I> {
+    /// [`first_hit`](Self::first_hit) of each cast, in their order.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] where `out` is shorter than `casts`; nothing is written then.
+    pub fn first_hits(
+        &self,
+        casts: &[Cast],
+        kernels: Kernels,
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        let out = out.get_mut(..casts.len()).ok_or(Error::LengthMismatch { needed: casts.len() })?;
+        check(casts, Cast::is_valid)?;
+        let claims = Claims::new(Chunks::new(out, BLOCK));
+        exec::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
+            while let Some((block, out)) = claims.claim() {
+                for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
+                    // The casts are valid.
+                    *out = self.first_hit(cast, kernels).ok().flatten();
+                }
+            }
+        });
+        Ok(())
+    }
+
+    /// [`overlaps`](Self::overlaps) of each region: `out` is shared out equally, `counts` tells how many objects overlap each
+    /// region.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] or [`Error::LengthMismatch`] where `counts` is shorter than `regions`; nothing is written then.
+    /// [`Error::OutputFull`] where some region has more objects than its share takes: the counts are right, and so are the
+    /// shares that suffice.
+    pub fn overlaps_many(
+        &self,
+        regions: &[Region],
+        kernels: Kernels,
+        executor: &dyn Executor,
+        out: &mut [Option<Id>],
+        counts: &mut [u32],
+    ) -> Result<(), Error> {
+        let counts =
+            counts.get_mut(..regions.len()).ok_or(Error::LengthMismatch { needed: regions.len() })?;
+        check(regions, Region::is_valid)?;
+        let share = out.len() / regions.len().max(1);
+        let claims = Claims::new((
+            Chunks::optional(out.span_mut(0, share * regions.len()), BLOCK * share),
+            Chunks::new(counts, BLOCK),
+        ));
+        exec::run(executor, WORKERS, regions.len().div_ceil(BLOCK), &|| {
+            while let Some((block, (out, counts))) = claims.claim() {
+                for (at, count) in counts.iter_mut().enumerate() {
+                    let Some(region) = regions.get(block * BLOCK + at) else { continue };
+                    let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
+                    *count = match self.overlaps(region, kernels, out) {
+                        Ok(count) => count as u32,
+                        Err(Error::OutputFull { needed }) => needed as u32,
+                        // The regions are valid.
+                        Err(_) => 0,
+                    };
+                }
+            }
+        });
+        let most = counts.iter().copied().max().unwrap_or(0);
+        if most as usize > share {
+            return Err(Error::OutputFull { needed: u64::from(most) * regions.len() as u64 });
+        }
+        Ok(())
+    }
+}
+
+/// The position of the first query that is not valid, as an error.
+fn check<T>(queries: &[T], is_valid: impl Fn(&T) -> bool) -> Result<(), Error> {
+    match queries.iter().position(|query| !is_valid(query)) {
+        Some(index) => Err(Error::BadQuery { index: index as u32 }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,144 @@
+//! Which objects are nearest to a point.
+
+use super::cast::{Hit, precedes};
+use super::region::squared_distance;
+use super::{key_above, key_below, members_near};
+use crate::access::Access;
+use crate::arch::{Phase, Simd};
+use crate::error::Error;
+use crate::id::Index;
+use crate::kernels::Kernels;
+use crate::key::{KeyBox, NEGATIVE_INFINITY};
+use crate::sort::{heapsort, sift_down, sift_up};
+use crate::tree::{axis_of, key_of};
+use crate::world::World;
+
+impl<I: Index> World<'_, I> {
+    /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
+    /// ones by ascending slot. Returns how many there are: less than `out` takes only if there are no more objects.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] where the point is not finite.
+    pub fn nearest(
+        &self,
+        point: [f32; 3],
+        kernels: Kernels,
+        out: &mut [Option<Hit>],
+    ) -> Result<usize, Error> {
+        if !point.iter().all(|x| x.is_finite()) {
+            return Err(Error::BadQuery { index: 0 });
+        }
+        Ok(kernels.run(Nearest { world: self, point, out }))
+    }
+}
+
+/// The nearest objects so far: a heap with the farthest one of them at its root.
+struct Best<'o> {
+    heap: &'o mut [Option<Hit>],
+    count: usize,
+}
+
+impl Best<'_> {
+    /// Beyond which squared distance nothing matters any more.
+    fn limit(&self) -> f64 {
+        match self.heap.first() {
+            Some(Some(farthest)) if self.count == self.heap.len() => farthest.distance,
+            Some(_) => f64::INFINITY,
+            None => f64::NEG_INFINITY,
+        }
+    }
+
+    fn offer(&mut self, hit: Hit) {
+        if self.count < self.heap.len() {
+            self.heap.put(self.count, Some(hit));
+            self.count += 1;
+            sift_up(self.heap.span_mut(0, self.count), &precedes);
+        } else if precedes(Some(hit), self.heap.first().copied().flatten()) {
+            self.heap.put(0, Some(hit));
+            sift_down(self.heap, 0, &precedes);
+        }
+    }
+}
+
+/// A node that waits to be visited.
+#[derive(Clone, Copy, Default)]
+struct Waiting {
+    node: u32,
+    low: [i32; 3],
+    squared: f64,
+}
+
+/// Nodes that can wait at once: one a level.
+const STACK: usize = 32;
+
+struct Nearest<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    point: [f32; 3],
+    out: &'q mut [Option<Hit>],
+}
+
+impl<I: Index> Phase for Nearest<'_, '_, I> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> usize {
+        let Self { world, point, out } = self;
+        let parts = &world.parts;
+        let mut best = Best { heap: out, count: 0 };
+        let offer = |best: &mut Best<'_>, slot: usize| {
+            let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
+            if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot)) {
+                best.offer(Hit { id, distance: squared });
+            }
+        };
+        for slot in world.large_in_tree().chain(world.apart_from_tree()) {
+            offer(&mut best, slot);
+        }
+        let first = 1u32 << parts.state.depth;
+        let mut stack = [Waiting::default(); STACK];
+        stack[0] = Waiting { node: 1, low: [NEGATIVE_INFINITY; 3], squared: 0.0 };
+        let mut waiting = usize::from(world.has_tree());
+        while waiting > 0 {
+            waiting -= 1;
+            let Waiting { node, low, squared } = stack.at(waiting);
+            let limit = best.limit();
+            if squared > limit {
+                continue;
+            }
+            if node >= first {
+                // What is nearer than the limit overlaps this box, which is a little larger than need be.
+                let radius = libm::sqrt(limit) * (1.0 + 4.0 * f64::EPSILON);
+                let around = KeyBox {
+                    min: point.map(|x| key_below((f64::from(x) - radius).next_down())),
+                    max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
+                };
+                members_near(simd, parts, (node - first) as usize, &around, |slot| offer(&mut best, slot));
+                continue;
+            }
+            let plane = parts.tree.planes.at(node as usize);
+            let mut right = low;
+            right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
+            let enter = |node: u32, low: [i32; 3]| {
+                let max = parts.tree.reach.at(node as usize);
+                // A node without members reaches nowhere.
+                let squared = squared_distance(&point, &KeyBox { min: low, max });
+                (max[0] != i32::MIN && squared <= limit).then_some(Waiting { node, low, squared })
+            };
+            let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
+            let squared = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.squared);
+            if squared(&children[0]) <= squared(&children[1]) {
+                children.swap(0, 1);
+            }
+            for child in children.into_iter().flatten() {
+                stack.put(waiting, child);
+                waiting += 1;
+            }
+        }
+        let found = best.heap.span_mut(0, best.count);
+        heapsort(found, precedes);
+        for hit in found.iter_mut().flatten() {
+            hit.distance = libm::sqrt(hit.distance);
+        }
+        found.len()
+    }
+}

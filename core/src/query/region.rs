@@ -1,0 +1,167 @@
+//! What overlaps a box, a ball or a point.
+
+use super::{key_above, key_below, members_near};
+use crate::aabb::Aabb;
+use crate::access::Access;
+use crate::arch::{Phase, Simd};
+use crate::error::Error;
+use crate::id::{Id, Index};
+use crate::kernels::Kernels;
+use crate::key::{KeyBox, value};
+use crate::sort::heapsort;
+use crate::tree::visit::Visit;
+use crate::world::World;
+use core::ops::ControlFlow;
+
+/// A closed part of space that objects are looked for in: touching counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Region {
+    /// A box. Decided exactly.
+    Aabb(Aabb),
+    /// A point. Decided exactly.
+    Point([f32; 3]),
+    /// A ball. The squared distance is computed in `f64`.
+    Sphere {
+        /// The centre.
+        center: [f32; 3],
+        /// The radius, zero or more; infinite holds everything.
+        radius: f32,
+    },
+}
+
+impl Region {
+    /// The least box around the region, or `None` where the region is not valid.
+    fn bounds(&self) -> Option<KeyBox> {
+        match *self {
+            Self::Aabb(aabb) => KeyBox::from_aabb(&aabb),
+            Self::Point(point) => KeyBox::from_aabb(&Aabb::new(point, point)),
+            Self::Sphere { center, radius } => {
+                let valid = radius >= 0.0 && center.iter().all(|x| x.is_finite());
+                let low = center.map(|x| key_below(f64::from(x) - f64::from(radius)));
+                let high = center.map(|x| key_above(f64::from(x) + f64::from(radius)));
+                valid.then_some(KeyBox { min: low, max: high })
+            }
+        }
+    }
+
+    pub(super) fn is_valid(&self) -> bool {
+        self.bounds().is_some()
+    }
+
+    /// Whether a box that overlaps the region's bounds overlaps the region.
+    #[inline(always)]
+    fn meets(&self, bounds: &KeyBox) -> bool {
+        match *self {
+            Self::Aabb(_) | Self::Point(_) => true,
+            Self::Sphere { center, radius } => {
+                squared_distance(&center, bounds) <= f64::from(radius) * f64::from(radius)
+            }
+        }
+    }
+}
+
+/// The squared distance from a finite point to a box, in `f64`.
+#[inline(always)]
+pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
+    let gap = |k: usize| {
+        let x = f64::from(point[k]);
+        let (low, high) = (f64::from(value(bounds.min[k])), f64::from(value(bounds.max[k])));
+        let gap = if x < low {
+            low - x
+        } else if x > high {
+            x - high
+        } else {
+            0.0
+        };
+        gap * gap
+    };
+    gap(0) + gap(1) + gap(2)
+}
+
+impl<I: Index> World<'_, I> {
+    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks; always in the same order for
+    /// the same calls. O(log n + answers + movers since the last step), or O(n) where there is no tree yet.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] where the region is not valid: NaN, a minimum above its maximum, a negative radius.
+    pub fn visit_overlaps(
+        &self,
+        region: &Region,
+        kernels: Kernels,
+        visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+    ) -> Result<(), Error> {
+        let bounds = region.bounds().ok_or(Error::BadQuery { index: 0 })?;
+        kernels.run(Overlaps { world: self, region, bounds, visit });
+        Ok(())
+    }
+
+    /// Writes the objects whose boxes overlap a region to `out`, by ascending slot, and returns how many there are.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    pub fn overlaps(
+        &self,
+        region: &Region,
+        kernels: Kernels,
+        out: &mut [Option<Id>],
+    ) -> Result<usize, Error> {
+        let mut count = 0;
+        self.visit_overlaps(region, kernels, &mut |id| {
+            if let Some(place) = out.get_mut(count) {
+                *place = Some(id);
+            }
+            count += 1;
+            ControlFlow::Continue(())
+        })?;
+        if count > out.len() {
+            return Err(Error::OutputFull { needed: count as u64 });
+        }
+        // Slots are the low half of an id, and no two ids here share one.
+        let slot = |id: Option<Id>| id.map_or(0, Id::slot);
+        heapsort(out.span_mut(0, count), |a, b| slot(a) < slot(b));
+        Ok(count)
+    }
+}
+
+struct Overlaps<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    region: &'q Region,
+    bounds: KeyBox,
+    visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
+}
+
+impl<I: Index> Phase for Overlaps<'_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { world, region, bounds, visit } = self;
+        let parts = &world.parts;
+        let mut stopped = false;
+        let mut meet = |slot: usize| {
+            let now = KeyBox::of(parts.boxes.now, slot);
+            if !stopped && simd.overlap(now, &bounds) && region.meets(now) {
+                stopped = world.id_of(slot).is_some_and(|id| visit(id).is_break());
+            }
+            stopped
+        };
+        if world.has_tree() {
+            let tree = &parts.tree;
+            let depth = parts.state.depth;
+            let mut leaves = Visit::new(tree.planes, tree.reach, depth, bounds.min, bounds.max);
+            while let Some(leaf) = leaves.next() {
+                let reach = tree.reach.at((1 << depth) + leaf);
+                if (KeyBox { min: tree.cells.at(leaf).low(), max: reach }).overlaps(&bounds) {
+                    members_near(simd, parts, leaf, &bounds, |slot| {
+                        meet(slot);
+                    });
+                }
+            }
+        }
+        for slot in world.large_in_tree().chain(world.apart_from_tree()) {
+            if meet(slot) {
+                return;
+            }
+        }
+    }
+}
