@@ -79,8 +79,9 @@ pub(crate) fn carry<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     keep_for_events(parts);
     let Parts { state, moved, output, .. } = parts;
     let pairs = output.pairs.span_mut(0, state.swept_pairs as usize);
-    let mut kept = state.aside as usize;
-    for index in kept..pairs.len() {
+    let aside = state.aside as usize;
+    let mut kept = aside;
+    for index in aside..pairs.len() {
         let pair = pairs.at(index);
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
         pairs.put(kept, pair);
