@@ -2,6 +2,7 @@
 
 use super::{Contact, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::query::line::Slabs;
 use crate::tree::{Frame, GRID_MAX, Record};
 use core::arch::x86_64::*;
 
@@ -49,6 +50,16 @@ fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
         let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
         let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
         _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(bytes, order)) as u32
+    }
+}
+
+/// The floats of four keys. A plain function for the same reason.
+#[inline(always)]
+fn values(_: Avx2, keys: __m128i) -> __m256d {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let sign = _mm_srli_epi32::<1>(_mm_srai_epi32::<31>(keys));
+        _mm256_cvtps_pd(_mm_castsi128_ps(_mm_xor_si128(keys, sign)))
     }
 }
 
@@ -225,6 +236,32 @@ impl Simd for Avx2 {
             let inside = _mm256_cmpeq_epi64(over, _mm256_setzero_si256());
             let mask = _mm256_movemask_pd(_mm256_castsi256_pd(inside)) as u32;
             mask & 0b1001 | (mask & 0b0010) << 1 | (mask & 0b0100) >> 1
+        }
+    }
+
+    #[inline(always)]
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+        // SAFETY: `self` proves AVX2; the slabs' rows are four floats each.
+        unsafe {
+            let (min, max): (__m128i, __m128i) = (bytemuck::cast(min), bytemuck::cast(max));
+            let back: __m128i = bytemuck::cast(slabs.back);
+            let inverse = _mm256_loadu_pd(slabs.inverse.as_ptr());
+            let first = _mm256_sub_pd(
+                values(self, _mm_blendv_epi8(min, max, back)),
+                _mm256_loadu_pd(slabs.first.as_ptr()),
+            );
+            let last = _mm256_sub_pd(
+                values(self, _mm_blendv_epi8(max, min, back)),
+                _mm256_loadu_pd(slabs.last.as_ptr()),
+            );
+            // NaN falls to the second operand. The fourth axis is NaN always: zero times infinity.
+            let from = _mm256_max_pd(_mm256_mul_pd(first, inverse), _mm256_setzero_pd());
+            let to = _mm256_min_pd(_mm256_mul_pd(last, inverse), _mm256_set1_pd(far));
+            let from = _mm_max_pd(_mm256_castpd256_pd128(from), _mm256_extractf128_pd::<1>(from));
+            let to = _mm_min_pd(_mm256_castpd256_pd128(to), _mm256_extractf128_pd::<1>(to));
+            let from = _mm_max_sd(from, _mm_unpackhi_pd(from, from));
+            let to = _mm_min_sd(to, _mm_unpackhi_pd(to, to));
+            (_mm_cvtsd_f64(from), _mm_cvtsd_f64(to))
         }
     }
 

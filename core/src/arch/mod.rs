@@ -11,6 +11,7 @@ pub(crate) mod scalar;
 pub(crate) mod shared;
 
 use crate::key::KeyBox;
+use crate::query::line::Slabs;
 use crate::tree::{Frame, Record};
 
 /// What two records of one leaf have to do with each other.
@@ -87,6 +88,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Which of four records touch the one whose [`limit`] this is: bit `i` for record `i`.
     fn touching(self, records: &[Record; 4], limit: Record) -> u32;
+
+    /// From where and to where a line is inside a box, of the way from zero to `far`; outside of it where the first number
+    /// is above the second. Only the first three axes count.
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
 
     /// A box on the grid of a leaf.
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;

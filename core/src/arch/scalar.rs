@@ -4,6 +4,7 @@ use super::{Contact, Row, Simd, WINDOW, row_lanes};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::key::{KeyBox, value};
+use crate::query::line::Slabs;
 use crate::tree::{Frame, GRID_MAX, Record};
 
 /// No more than the target's baseline.
@@ -130,6 +131,11 @@ impl Simd for Scalar {
             mask |= u32::from(inside) << index;
         }
         mask
+    }
+
+    #[inline(always)]
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+        slabs.span(min, max, far)
     }
 
     #[inline(always)]

@@ -1,14 +1,16 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::{key_above, key_below, members_near, reach_of};
+use super::line::Line;
+use super::{MembersNear, reach_of};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
-use crate::key::{KeyBox, NEGATIVE_INFINITY, value};
+use crate::key::{KeyBox, NEGATIVE_INFINITY};
 use crate::sort::heapsort;
+use crate::storage::Parts;
 use crate::tree::{axis_of, key_of};
 use crate::world::World;
 
@@ -123,66 +125,6 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
     }
 }
 
-/// A cast, prepared: a box is met where the point `t * direction` is inside the box's difference from the start.
-struct Line {
-    low: [f64; 3],
-    high: [f64; 3],
-    direction: [f64; 3],
-    /// One over the direction; infinite where it is zero.
-    inverse: [f64; 3],
-    distance: f64,
-}
-
-impl Line {
-    fn new(cast: &Cast) -> Self {
-        let direction = cast.direction.map(f64::from);
-        Self {
-            low: cast.start.min.map(f64::from),
-            high: cast.start.max.map(f64::from),
-            direction,
-            inverse: direction.map(|d| 1.0 / d),
-            distance: f64::from(cast.distance),
-        }
-    }
-
-    /// Between which distances the cast touches a box, if it does up to `far`. Each number rises with the box's sides, so a
-    /// larger box is met no later and left no earlier.
-    #[inline(always)]
-    fn span(&self, min: &[i32; 3], max: &[i32; 3], far: f64) -> Option<(f64, f64)> {
-        let (mut from, mut to) = (0.0f64, far);
-        for k in 0..3 {
-            let near = f64::from(value(min[k])) - self.high[k];
-            let end = f64::from(value(max[k])) - self.low[k];
-            if self.direction[k] == 0.0 {
-                if near > 0.0 || end < 0.0 {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = (near * self.inverse[k], end * self.inverse[k]);
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
-        }
-        (from <= to).then_some((from, to))
-    }
-
-    /// A box around everything that the cast passes between two distances.
-    fn hull(&self, from: f64, to: f64) -> KeyBox {
-        let mut hull = KeyBox::EMPTY;
-        for k in 0..3 {
-            let (a, b) = (self.direction[k] * from, self.direction[k] * to);
-            // More than what the roundings of the distances and of these sums can come to; nothing moves where there is
-            // no direction, however far.
-            let slack = (a.abs() + b.abs() + self.low[k].abs() + self.high[k].abs()) * (8.0 * f64::EPSILON);
-            let still = self.direction[k] == 0.0;
-            let (a, b) = if still { (0.0, 0.0) } else { (a.min(b) - slack, a.max(b) + slack) };
-            hull.min[k] = key_below(self.low[k] + a);
-            hull.max[k] = key_above(self.high[k] + b);
-        }
-        hull
-    }
-}
-
 /// A node that waits to be visited.
 #[derive(Clone, Copy, Default)]
 struct Waiting {
@@ -216,7 +158,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         // The large ones first: they are often hit, and what is behind them need not be looked at.
         for slot in world.large_in_tree().chain(world.apart_from_tree()) {
             let now = KeyBox::of(parts.boxes.now, slot);
-            if let (Some((from, _)), Some(id)) = (line.span(&now.min, &now.max, far), world.id_of(slot)) {
+            if let (Some((from, _)), Some(id)) = (line.span(simd, &now.min, &now.max, far), world.id_of(slot))
+            {
                 far = far.min(visit(Hit { id, distance: from }));
             }
         }
@@ -235,7 +178,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             }
             if node >= first {
                 let leaf = (node - first) as usize;
-                let span = reach_of(parts, node).and_then(|reach| line.span(&low, &reach, far));
+                let span = reach_of(parts, node).and_then(|reach| line.span(simd, &low, &reach, far));
                 if let Some((from, to)) = span {
                     far = members(simd, world, leaf, &line, [from, to], far, visit);
                 }
@@ -244,11 +187,10 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             let plane = parts.tree.planes.at(node as usize);
             let mut right = low;
             right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
-            let enter = |node: u32, low: [i32; 3]| {
-                let (from, _) = line.span(&low, &reach_of(parts, node)?, far)?;
-                Some(Waiting { node, low, from })
-            };
-            let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
+            let mut children = [
+                enter(simd, parts, &line, far, 2 * node, low),
+                enter(simd, parts, &line, far, 2 * node + 1, right),
+            ];
             let from = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.from);
             if from(&children[0]) <= from(&children[1]) {
                 children.swap(0, 1);
@@ -259,6 +201,20 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             }
         }
     }
+}
+
+/// A node that the cast meets.
+#[inline(always)]
+fn enter<S: Simd, I: Index>(
+    simd: S,
+    parts: &Parts<'_, I>,
+    line: &Line,
+    far: f64,
+    node: u32,
+    low: [i32; 3],
+) -> Option<Waiting> {
+    let (from, _) = line.span(simd, &low, &reach_of(parts, node)?, far)?;
+    Some(Waiting { node, low, from })
 }
 
 /// Visits the members of a leaf that the cast meets between two distances, in parts of that way, and returns how far to look on.
@@ -283,15 +239,16 @@ fn members<S: Simd, I: Index>(
         if start > far {
             break;
         }
-        members_near(simd, parts, leaf, &line.hull(start, end), |slot| {
+        let mut near = MembersNear::new(simd, parts, leaf, &line.hull(start, end));
+        while let Some(slot) = near.next() {
             let now = KeyBox::of(parts.boxes.now, slot);
-            let Some((distance, _)) = line.span(&now.min, &now.max, far) else { return };
+            let Some((distance, _)) = line.span(simd, &now.min, &now.max, far) else { continue };
             // In the part where the cast touches it first; nothing starts before the first part or behind the last.
             let here = (part == 0 || distance >= start) && (last || distance < end);
             if let (true, Some(id)) = (here, world.id_of(slot)) {
                 far = far.min(visit(Hit { id, distance }));
             }
-        });
+        }
     }
     far
 }

@@ -6,6 +6,7 @@
 
 mod batch;
 mod cast;
+pub(crate) mod line;
 mod nearest;
 mod region;
 
@@ -15,9 +16,9 @@ pub use region::Region;
 use crate::access::{Access, bits};
 use crate::arch::{Simd, limit};
 use crate::id::{Id, Index};
-use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
+use crate::key::{KeyBox, POSITIVE_INFINITY, key};
 use crate::storage::Parts;
-use crate::tree::Record;
+use crate::tree::{Frame, Record};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -62,46 +63,67 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.touched == 0 || !bits::test(parts.moved, slot)
 }
 
-/// Calls `visit` with the current members of a leaf that may touch a region; it must find out which ones do.
-#[inline(always)]
-fn members_near<S: Simd, I: Index>(
+/// The current members of a leaf that may touch a region; their boxes have to tell which ones do.
+///
+/// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
+struct MembersNear<'q, S> {
     simd: S,
-    parts: &Parts<'_, I>,
-    leaf: usize,
-    region: &KeyBox,
-    mut visit: impl FnMut(usize),
-) {
-    let bag = parts.tree.leaves.at(leaf);
-    let members = parts.tree.records.span(bag.start as usize, bag.len as usize);
-    let limit = limit(&simd.record(&parts.tree.frames.at(leaf), simd.keys(region), 0));
-    let (quads, rest) = members.as_chunks::<4>();
-    let mut visit = |record: &Record| {
-        let slot = record.slot() as usize;
-        if is_current(parts, slot) {
-            visit(slot);
-        }
-    };
-    for quad in quads {
-        let mut mask = simd.touching(quad, limit);
-        while mask != 0 {
-            visit(&quad.at(mask.trailing_zeros() as usize));
-            mask &= mask - 1;
-        }
-    }
-    rest.iter().for_each(visit);
+    /// Members that are touched since the last step, where there are any.
+    moved: &'q [u32],
+    quads: &'q [[Record; 4]],
+    rest: &'q [Record],
+    limit: Record,
+    quad: &'q [Record; 4],
+    mask: u32,
 }
 
-/// The key of the greatest `f32` that is not above a number, but finite numbers stay finite.
+impl<'q, S: Simd> MembersNear<'q, S> {
+    #[inline(always)]
+    fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: &KeyBox) -> Self {
+        const NONE: &[Record; 4] = &[Record { lanes: [0; 6], tag: 0 }; 4];
+        let bag = parts.tree.leaves.at(leaf);
+        let members = parts.tree.records.span(bag.start as usize, bag.len as usize);
+        let frame = parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE);
+        let limit = limit(&simd.record(frame, simd.keys(region), 0));
+        let (quads, rest) = members.as_chunks::<4>();
+        let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
+        Self { simd, moved, quads, rest, limit, quad: NONE, mask: 0 }
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        loop {
+            let record = if self.mask != 0 {
+                let at = self.mask.trailing_zeros() as usize;
+                self.mask &= self.mask - 1;
+                self.quad.at(at)
+            } else if let Some((quad, quads)) = self.quads.split_first() {
+                self.mask = self.simd.touching(quad, self.limit);
+                (self.quad, self.quads) = (quad, quads);
+                continue;
+            } else {
+                let (record, rest) = self.rest.split_first()?;
+                self.rest = rest;
+                *record
+            };
+            let slot = record.slot() as usize;
+            if self.moved.is_empty() || !bits::test(self.moved, slot) {
+                return Some(slot);
+            }
+        }
+    }
+}
+
+/// The key of the greatest `f32` that is not above a number.
+#[inline(always)]
 fn key_below(x: f64) -> i32 {
     let nearest = x as f32;
-    let below = if f64::from(nearest) > x { nearest.next_down() } else { nearest };
-    // NaN comes from infinities alone: nothing is known.
-    if below.is_nan() { NEGATIVE_INFINITY } else { key(below) }
+    key(nearest) - i32::from(f64::from(nearest) > x)
 }
 
 /// The key of the least `f32` that is not below a number.
+#[inline(always)]
 fn key_above(x: f64) -> i32 {
     let nearest = x as f32;
-    let above = if f64::from(nearest) < x { nearest.next_up() } else { nearest };
-    if above.is_nan() { POSITIVE_INFINITY } else { key(above) }
+    key(nearest) + i32::from(f64::from(nearest) < x)
 }

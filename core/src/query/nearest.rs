@@ -2,7 +2,7 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{key_above, key_below, members_near, reach_of};
+use super::{MembersNear, key_above, key_below, reach_of};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
@@ -112,7 +112,10 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                     min: point.map(|x| key_below((f64::from(x) - radius).next_down())),
                     max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
                 };
-                members_near(simd, parts, (node - first) as usize, &around, |slot| offer(&mut best, slot));
+                let mut near = MembersNear::new(simd, parts, (node - first) as usize, &around);
+                while let Some(slot) = near.next() {
+                    offer(&mut best, slot);
+                }
                 continue;
             }
             let plane = parts.tree.planes.at(node as usize);

@@ -1,6 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{key_above, key_below, members_near};
+use super::{MembersNear, key_above, key_below};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -137,14 +137,6 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { world, region, bounds, visit } = self;
         let parts = &world.parts;
-        let mut stopped = false;
-        let mut meet = |slot: usize| {
-            let now = KeyBox::of(parts.boxes.now, slot);
-            if !stopped && simd.overlap(now, &bounds) && region.meets(now) {
-                stopped = world.id_of(slot).is_some_and(|id| visit(id).is_break());
-            }
-            stopped
-        };
         if world.has_tree() {
             let tree = &parts.tree;
             let depth = parts.state.depth;
@@ -152,16 +144,34 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             while let Some(leaf) = leaves.next() {
                 let reach = tree.reach.at((1 << depth) + leaf);
                 if (KeyBox { min: tree.cells.at(leaf).low(), max: reach }).overlaps(&bounds) {
-                    members_near(simd, parts, leaf, &bounds, |slot| {
-                        meet(slot);
-                    });
+                    let mut members = MembersNear::new(simd, parts, leaf, &bounds);
+                    while let Some(slot) = members.next() {
+                        if meet(simd, world, region, &bounds, slot, visit) {
+                            return;
+                        }
+                    }
                 }
             }
         }
         for slot in world.large_in_tree().chain(world.apart_from_tree()) {
-            if meet(slot) {
+            if meet(simd, world, region, &bounds, slot, visit) {
                 return;
             }
         }
     }
+}
+
+/// Visits an object if it overlaps the region; tells whether to stop.
+#[inline(always)]
+fn meet<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    region: &Region,
+    bounds: &KeyBox,
+    slot: usize,
+    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+) -> bool {
+    let now = KeyBox::of(world.parts.boxes.now, slot);
+    let overlaps = simd.overlap(now, bounds) && region.meets(now);
+    overlaps && world.id_of(slot).is_some_and(|id| visit(id).is_break())
 }

@@ -175,6 +175,9 @@ pub(crate) struct Frame {
 pub(crate) const GRID_MAX: f32 = 65_535.0;
 
 impl Frame {
+    /// Of no leaf.
+    pub(crate) const NONE: Self = Self { origin: [0.0; 8], scale: [0.0; 8] };
+
     /// The grid over the minima between two corners.
     ///
     /// Any monotone map is conservative: it can make apart boxes touch, which the exact test finds, but never the
