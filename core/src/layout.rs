@@ -31,9 +31,9 @@ pub(crate) const SMALL: usize = 256;
 pub(crate) const ONE_LEAF: usize = 512;
 /// Objects that a leaf should have at most when planes are new.
 pub(crate) const LEAF_TARGET: usize = 512;
-/// Levels of planes below those of a full step: leaves of a quarter as many objects, for steps and queries that look at a
+/// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
 /// few objects here and there.
-pub(crate) const FINER: u32 = 2;
+pub(crate) const FINER: u32 = 3;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// The fewest slots in a block.
