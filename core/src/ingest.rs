@@ -87,29 +87,47 @@ impl Phase for IngestBlock<'_, '_> {
     fn run<S: Simd>(self, simd: S) -> Intake {
         let Self { first, bounds, mut objects, resting } = self;
         let mut intake = Intake::default();
-        for word in 0..objects.now.len().div_ceil(32) {
-            let resting = resting.get(word).copied().unwrap_or(0);
-            if resting == u32::MAX {
-                continue;
-            }
-            for at in word * 32..objects.now.len().min(word * 32 + 32) {
-                let old = objects.now.at(at);
-                if old.is_empty() || resting >> (at % 32) & 1 != 0 {
-                    continue;
-                }
-                let slot = first + at;
-                match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
-                    Some(keys) if simd.same(keys, simd.keys(&old)) => {}
-                    Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
-                    None => {
-                        if intake.rejected == 0 {
-                            intake.first_rejected = slot as u32;
-                        }
-                        intake.rejected += 1;
-                    }
-                }
+        let slots = objects.now.len();
+        if resting.is_empty() {
+            take_in(simd, first, bounds, &mut objects, 0..slots, 0, &mut intake);
+            return intake;
+        }
+        for (word, &resting) in resting.iter().take(slots.div_ceil(32)).enumerate() {
+            if resting != u32::MAX {
+                let slots = word * 32..slots.min(word * 32 + 32);
+                take_in(simd, first, bounds, &mut objects, slots, resting, &mut intake);
             }
         }
         intake
+    }
+}
+
+/// Takes in the boxes of some slots, but for those whose bit is set in `resting`: bit `k` is every 32nd slot's.
+#[inline(always)]
+fn take_in<S: Simd>(
+    simd: S,
+    first: usize,
+    bounds: &Boxes<'_>,
+    objects: &mut Objects<'_>,
+    slots: core::ops::Range<usize>,
+    resting: u32,
+    intake: &mut Intake,
+) {
+    for at in slots {
+        let old = objects.now.at(at);
+        if old.is_empty() || resting >> (at % 32) & 1 != 0 {
+            continue;
+        }
+        let slot = first + at;
+        match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
+            Some(keys) if simd.same(keys, simd.keys(&old)) => {}
+            Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
+            None => {
+                if intake.rejected == 0 {
+                    intake.first_rejected = slot as u32;
+                }
+                intake.rejected += 1;
+            }
+        }
     }
 }
