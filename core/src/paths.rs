@@ -36,6 +36,8 @@ pub(crate) struct Means<'e> {
     pub(crate) kernels: Kernels,
     pub(crate) executor: &'e dyn Executor,
     pub(crate) rule: Option<&'e Rule<'e>>,
+    /// How many may work at once.
+    pub(crate) workers: usize,
 }
 
 /// The path for a number of objects that have moved.
@@ -122,7 +124,7 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let Sorted { order, axis, census } = sort_list(order, state, boxes, spare);
     let frame = Frame::over(census.extent.low, census.extent.high);
     means.executor.enter(Stage::Sweep);
-    let mut collector = Collector::new(output, parts.sizes.bag, Gate::new(&parts.filters, means.rule));
+    let mut collector = Collector::new(output, &parts.sizes, Gate::new(&parts.filters, means.rule));
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
         means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
     });
@@ -181,7 +183,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     let (moved, movers, ends) = (&*parts.moved, &*parts.order[0], parts.tree.tally.span(0, lists));
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let gate = Gate::new(&parts.filters, means.rule);
-    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag, gate);
+    let mut collector = Collector::new(&mut parts.output, &parts.sizes, gate);
     let blocks = lists.div_ceil(per_block);
     let (pairs, work) = collector.collect(means.executor, kept, blocks, &|block, scratch, sink| {
         let first = block * per_block;
@@ -222,7 +224,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
     let leaf_count = 1usize << parts.state.depth;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let gate = Gate::new(&parts.filters, means.rule);
-    let mut collector = Collector::new(&mut parts.output, parts.sizes.bag, gate);
+    let mut collector = Collector::new(&mut parts.output, &parts.sizes, gate);
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;

@@ -6,108 +6,161 @@
 //! the two objects.
 
 use crate::access::{Access, bits};
+use crate::arch::claim::{Chunks, Claims};
 use crate::arch::{Phase, Simd};
 use crate::config::Mode;
+use crate::exec;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
+use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::paths::Means;
 use crate::resting::is_clear_of;
 use crate::sort::heapsort;
-use crate::storage::Parts;
+use crate::storage::{BoxParts, Parts};
 
 /// Orders the first `swept` pairs of the buffer, but for those set aside: persisting, found, surplus; and finds the lost
 /// ones. Events only where the pairs are complete: of a part nobody can tell what is lost.
-pub(crate) struct SortOut<'p, 'm, I> {
-    pub(crate) parts: &'p mut Parts<'m, I>,
-    pub(crate) swept: usize,
-    pub(crate) complete: bool,
-}
-
-impl<I: Index> Phase for SortOut<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { parts, swept, complete } = self;
-        let events = parts.sizes.previous > 0 && complete;
-        let mode = parts.state.mode();
-        let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
-        let aside = parts.state.aside as usize;
-        let pairs = parts.output.pairs.span_mut(aside, swept - aside);
-        let margins = !parts.boxes.fat.is_empty();
-        let result =
-            if mode == Mode::Exact && margins { partition(simd, pairs, Overlap(now)) } else { pairs.len() };
-        let mut persisting = result;
-        parts.state.lost = 0;
-        if events {
-            let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
-            let pairs = pairs.span_mut(0, result);
-            persisting = partition(simd, pairs, Overlap(before));
-            // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
-            let asked = &*parts.filters.changed;
-            let lost = if asked.iter().any(|word| *word != 0) {
-                let staying = staying(simd, pairs.span_mut(0, persisting), previous, asked);
-                persisting = staying.end;
-                partition(
-                    simd,
-                    previous,
-                    Dropped { now, before, asked, staying: pairs.span(staying.start, staying.len()) },
-                )
-            } else if parts.state.entered != 0 {
-                partition(simd, previous, Ended { now, before })
-            } else {
-                partition(simd, previous, Apart(now))
-            };
-            parts.state.lost = lost as u64;
-        }
-        parts.state.swept_pairs = swept as u64;
-        parts.state.result_pairs = (aside + result) as u64;
-        parts.state.found = (result - persisting) as u64;
+pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool, means: Means<'_>) {
+    let events = parts.sizes.previous > 0 && complete;
+    let mode = parts.state.mode();
+    let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
+    let aside = parts.state.aside as usize;
+    let pairs = parts.output.pairs.span_mut(aside, swept - aside);
+    let margins = !parts.boxes.fat.is_empty();
+    let result =
+        if mode == Mode::Exact && margins { partition(means, pairs, &Overlap(now)) } else { pairs.len() };
+    let mut persisting = result;
+    parts.state.lost = 0;
+    if events {
+        let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
+        let pairs = pairs.span_mut(0, result);
+        persisting = partition(means, pairs, &Overlap(before));
+        // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
+        let asked = &*parts.filters.changed;
+        let lost = if asked.iter().any(|word| *word != 0) {
+            let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
+            persisting = staying.end;
+            let staying = pairs.span(staying.start, staying.len());
+            partition(means, previous, &Dropped { now, before, asked, staying })
+        } else if parts.state.entered != 0 {
+            partition(means, previous, &Ended { now, before })
+        } else {
+            partition(means, previous, &Apart(now))
+        };
+        parts.state.lost = lost as u64;
     }
+    parts.state.swept_pairs = swept as u64;
+    parts.state.result_pairs = (aside + result) as u64;
+    parts.state.found = (result - persisting) as u64;
 }
 
 /// Keeps the boxes that a complete step reports, for the events of the next one.
-pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
+pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     let mode = parts.state.mode();
-    let boxes =
-        if mode == Mode::Fat && !parts.boxes.fat.is_empty() { &*parts.boxes.fat } else { &*parts.boxes.now };
-    for (word, changed) in parts.changed.iter_mut().enumerate() {
-        let first = word * 32;
-        if *changed == u32::MAX {
-            parts.boxes.before.span_mut(first, 32).copy_in(boxes.span(first, 32));
-        } else {
-            for bit in bits::ones(&[*changed]) {
-                parts.boxes.before.put(first + bit, boxes.at(first + bit));
+    let BoxParts { now, fat, before, .. } = &mut parts.boxes;
+    let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
+    let len = before.len().div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);
+    let blocks = before.len().div_ceil(len);
+    let claims = Claims::new((Chunks::new(before, len), Chunks::new(parts.changed, len / 32)));
+    exec::run(means.executor, means.workers, blocks, &|| {
+        while let Some((block, (before, changed))) = claims.claim() {
+            let boxes = boxes.span(block * len, before.len());
+            for (word, changed) in changed.iter_mut().enumerate() {
+                let first = word * 32;
+                if *changed == u32::MAX {
+                    before.span_mut(first, 32).copy_in(boxes.span(first, 32));
+                } else {
+                    for bit in bits::ones(&[*changed]) {
+                        before.put(first + bit, boxes.at(first + bit));
+                    }
+                }
+                *changed = 0;
             }
         }
-        *changed = 0;
-    }
+    });
 }
 
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the
 /// pairs of then can tell: the range of those that they tell stay, in order, behind all the others that stay.
-#[inline(always)]
-fn staying<S: Simd, I: Index>(
-    simd: S,
+fn staying<I: Index>(
+    means: Means<'_>,
     pairs: &mut [Pair<I>],
     previous: &mut [Pair<I>],
     asked: &[u32],
 ) -> core::ops::Range<usize> {
-    let others = partition(simd, pairs, ClearOf(asked));
-    let known = partition(simd, previous, Touch(asked));
+    let others = partition(means, pairs, &ClearOf(asked));
+    let known = partition(means, previous, &Touch(asked));
     let known = previous.span_mut(0, known);
     heapsort(known, |a, b| a < b);
     let open = pairs.len() - others;
     let open = pairs.span_mut(others, open);
-    let stay = partition(simd, open, Among(known));
+    let stay = partition(means, open, &Among(known));
     heapsort(open.span_mut(0, stay), |a, b| a < b);
     others..others + stay
+}
+
+/// Blocks that pairs are divided in. Fixed, so that the order does not depend on the number of workers.
+const BLOCKS: usize = 32;
+/// The fewest pairs in a block.
+const PAIRS_PER_BLOCK: usize = 8192;
+
+/// Brings the pairs that the test holds of to the front and returns how many there are: block by block, and then those on
+/// the wrong side of the border change places.
+fn partition<I: Index>(means: Means<'_>, pairs: &mut [Pair<I>], test: &impl Test<I>) -> usize {
+    let count = pairs.len();
+    let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
+    let blocks = count.div_ceil(len);
+    let mut fronts = [0; BLOCKS];
+    let claims = Claims::new((Chunks::new(pairs, len), Chunks::new(&mut fronts, 1)));
+    exec::run(means.executor, means.workers, blocks, &|| {
+        while let Some((_, (pairs, front))) = claims.claim() {
+            front.fill(means.kernels.run(PartitionBlock { pairs, test }));
+        }
+    });
+    let border = fronts.iter().sum();
+    if blocks > 1 {
+        let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
+        let late = ends().flat_map(|(start, end)| start.max(border)..end);
+        let early = ends().flat_map(|(start, end)| end..(start + len).min(border));
+        for (late, early) in late.zip(early) {
+            pairs.swap_at(late, early);
+        }
+    }
+    border
+}
+
+struct PartitionBlock<'b, I, T> {
+    pairs: &'b mut [Pair<I>],
+    test: &'b T,
 }
 
 /// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
 const AHEAD: usize = 12;
 
+impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> usize {
+        let Self { pairs, test } = self;
+        let mut front = 0;
+        for index in 0..pairs.len() {
+            if let Some(pair) = pairs.get(index + AHEAD) {
+                test.prepare(simd, pair);
+            }
+            let pair = pairs.at(index);
+            // Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are
+            // those that the test does not hold of, in any order.
+            pairs.put(index, pairs.at(front));
+            pairs.put(front, pair);
+            front += usize::from(test.holds(simd, &pair));
+        }
+        front
+    }
+}
+
 /// Something that is true or false of a pair.
-trait Test<I> {
+trait Test<I>: Sync {
     /// Asks for what it takes to tell.
     fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>);
 
@@ -222,22 +275,4 @@ impl<I: Index> Test<I> for Among<'_, I> {
     fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
         self.0.binary_search(pair).is_ok()
     }
-}
-
-/// Brings the pairs that the test holds of to the front and returns how many there are.
-#[inline(always)]
-fn partition<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
-    let mut front = 0;
-    for index in 0..pairs.len() {
-        if let Some(pair) = pairs.get(index + AHEAD) {
-            test.prepare(simd, pair);
-        }
-        let pair = pairs.at(index);
-        // Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are
-        // those that the test does not hold of, in any order.
-        pairs.put(index, pairs.at(front));
-        pairs.put(front, pair);
-        front += usize::from(test.holds(simd, &pair));
-    }
-    front
 }

@@ -47,7 +47,7 @@ impl<I: Index> World<'_, I> {
             let (path, progress) = paths::find(parts, path, means);
             parts.state.record(moved, path, &progress);
             means.executor.enter(Stage::Results);
-            Self::conclude(parts, progress.pairs, means.kernels)?;
+            Self::conclude(parts, progress.pairs, means)?;
         }
         means.executor.enter(Stage::Done);
         Ok(Step { rejected, world: self })
@@ -79,15 +79,15 @@ impl<I: Index> World<'_, I> {
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
     /// the step that will be complete.
-    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, kernels: Kernels) -> Result<(), Error> {
+    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, means: Means<'_>) -> Result<(), Error> {
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
-        kernels.run(results::SortOut { parts, swept: fitting as usize, complete });
+        results::sort_out(parts, fitting as usize, complete, means);
         parts.state.complete = u32::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }
-        results::remember(parts);
+        results::remember(parts, means);
         parts.moved.fill(0);
         parts.state.crept = 0;
         parts.filters.changed.fill(0);
@@ -344,7 +344,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::PairsFull`].
     pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, Means { kernels, executor, rule: None })
+        self.advance(None, Means { kernels, executor, rule: None, workers: self.parts.sizes.workers })
     }
 
     /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
@@ -359,7 +359,7 @@ impl<I: Index> World<'_, I> {
         kernels: Kernels,
         executor: &dyn Executor,
     ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), Means { kernels, executor, rule: None })
+        self.advance(Some(bounds), Means { kernels, executor, rule: None, workers: self.parts.sizes.workers })
     }
 
     /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
@@ -377,7 +377,7 @@ impl<I: Index> World<'_, I> {
         if self.parts.filters.of.is_empty() {
             return Err(Error::NoFilters);
         }
-        self.advance(bounds, Means { kernels, executor, rule: Some(rule) })
+        self.advance(bounds, Means { kernels, executor, rule: Some(rule), workers: self.parts.sizes.workers })
     }
 
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but

@@ -15,7 +15,7 @@ use crate::arch::claim::{Chunks, Claims, Indices, Pool};
 use crate::exec::{self, Executor};
 use crate::filter::{Gate, Gated};
 use crate::id::{Index, Pair};
-use crate::layout::CHUNK;
+use crate::layout::{CHUNK, Sizes};
 use crate::storage::OutputParts;
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -59,14 +59,15 @@ pub(crate) struct Collector<'o, I> {
     pub(crate) chunks: &'o mut [[u32; 3]],
     pub(crate) scratch: &'o mut [Record],
     pub(crate) bag: usize,
+    workers: usize,
     /// Asked about every pair.
     pub(crate) gate: Option<Gate<'o>>,
 }
 
 impl<'o, I: Index> Collector<'o, I> {
-    pub(crate) fn new(output: &'o mut OutputParts<'_, I>, bag: usize, gate: Option<Gate<'o>>) -> Self {
+    pub(crate) fn new(output: &'o mut OutputParts<'_, I>, sizes: &Sizes, gate: Option<Gate<'o>>) -> Self {
         let OutputParts { pairs, staged, chunks, scratch, .. } = output;
-        Self { pairs, staged, chunks, scratch, bag, gate }
+        Self { pairs, staged, chunks, scratch, bag: sizes.bag, workers: sizes.workers, gate }
     }
 
     /// Does `blocks` blocks of work and appends their pairs in block order to the first `from` pairs. Returns
@@ -87,7 +88,8 @@ impl<'o, I: Index> Collector<'o, I> {
             Some(gate) => work(block, scratch, &mut Gated { gate, sink }),
             None => work(block, scratch, sink),
         };
-        let shared = executor.workers() > 1 && blocks > 1 && !self.staged.is_empty();
+        let countable = self.pairs.len() <= i32::MAX as usize;
+        let shared = executor.workers() > 1 && blocks > 1 && countable && !self.staged.is_empty();
         let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
             let mut sink = Ordered { pairs: self.pairs, count: from };
@@ -131,19 +133,49 @@ impl<'o, I: Index> Collector<'o, I> {
             }
             return None;
         }
-        Some(self.merge(from, used))
+        Some(self.merge(executor, from, used))
     }
 
     /// Puts the staged chunks in the order of their blocks. A block's chunks were claimed by one worker, so they
     /// stand in the order in which it filled them.
-    fn merge(&mut self, from: u64, used: usize) -> u64 {
-        let mut sink = Ordered { pairs: self.pairs, count: from };
+    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize) -> u64 {
         let chunks = self.chunks.span_mut(0, used);
         insertion_sort(chunks);
-        for &[_, index, len] in &*chunks {
-            sink.take(self.staged.span_mut(index as usize * CHUNK, len as usize));
+        // The block has done its duty; from here on its place has where the chunk ends.
+        let mut end = 0;
+        for [block, _, len] in &mut *chunks {
+            end += *len;
+            *block = end;
         }
-        sink.count
+        let (chunks, staged) = (&*chunks, &*self.staged);
+        let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
+        let count = room.len().min(end as usize);
+        let claims = Claims::new(Chunks::new(room.span_mut(0, count), MERGED));
+        exec::run(executor, self.workers, count.div_ceil(MERGED), &|| {
+            while let Some((block, room)) = claims.claim() {
+                gather(chunks, staged, block * MERGED, room);
+            }
+        });
+        from + u64::from(end)
+    }
+}
+
+/// Pairs that a worker puts in order at a time.
+const MERGED: usize = 16 * CHUNK;
+
+/// Fills `room` with the pairs from number `from` on: `chunks` has where each chunk ends, its position and its length.
+fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mut room: &mut [Pair<I>]) {
+    let first = chunks.partition_point(|chunk| chunk[0] as usize <= from);
+    for &[end, index, len] in chunks.get(first..).unwrap_or_default() {
+        let left = end as usize - from;
+        let pairs = staged.span(index as usize * CHUNK + len as usize - left, left.min(room.len()));
+        let (now, later) = core::mem::take(&mut room).split_at_mut(pairs.len());
+        now.copy_in(pairs);
+        from += pairs.len();
+        room = later;
+        if room.is_empty() {
+            return;
+        }
     }
 }
 
