@@ -166,6 +166,7 @@ impl Case {
             mode: self.mode,
             margin: self.margin,
             events: self.events,
+            filters: false,
             lean: self.objects <= 256 && self.seed.is_multiple_of(2),
             workers,
         }
