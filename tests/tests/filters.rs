@@ -203,6 +203,17 @@ fn a_world_without_filters_refuses_and_pays_nothing() {
     }
 }
 
+/// Even where there is room for nobody, a world with filters is one.
+#[test]
+fn a_world_for_nobody_has_filters_too() {
+    let config = Config::new(ample(0, 0)).with_filters();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    world.set_classes(&[0; 32]);
+    world.rule();
+    assert!(world.step(Setup::REFERENCE).pairs.is_empty());
+}
+
 #[test]
 fn bad_filters_are_refused() {
     let config = Config::new(ample(4, 4)).with_filters();
