@@ -85,7 +85,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::NoFilters`].
     pub fn set_classes(&mut self, meets: &[u32; 32]) -> Result<(), Error> {
-        if self.parts.filters.of.is_empty() {
+        if self.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);
         }
         self.parts.filters.classes.copy_in(meets);

@@ -105,6 +105,7 @@ impl<I: Index> World<'_, I> {
         *parts.state = state;
         (whole && rest.is_empty() && slots_in_range(parts)).then_some(())?;
         remake(parts);
+        are_in_place(parts).then_some(())?;
         self.validate().ok()
     }
 }
@@ -193,6 +194,7 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && state.swept_depth <= sizes.depth
         && state.planted as usize <= sizes.tree
         && (state.filled == 0 || state.planted > 0)
+        && state.settled <= u64::from(state.planted).pow(2)
         && state.large_start as u64 + u64::from(state.large) <= sizes.fronts as u64;
     let pairs = state.swept_pairs <= sizes.pairs as u64
         && state.result_pairs <= state.swept_pairs
@@ -215,13 +217,19 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     for pairs in [&*parts.output.pairs, &*parts.output.previous] {
         good &= pairs.iter().flatten().all(|slot| slot.at() < slots.max(1));
     }
+    for marks in [&*parts.moved, parts.resting, parts.changed, parts.awake, parts.filters.changed] {
+        good &= bits::ones(marks).all(|slot| slot < slots);
+    }
+    good &= parts.tree.leaves.iter().all(|leaf| leaf.settled as usize <= slots);
     if state.filled == 0 {
         return good;
     }
     let leaves = parts.tree.leaves.span(0, 1 << state.depth);
+    let mut end = 0;
     good &= leaves.iter().all(|leaf| {
-        let end = u64::from(leaf.start) + u64::from(leaf.room);
-        leaf.len <= leaf.room && end <= parts.tree.records.len() as u64 && leaf.axis < 3
+        let follows = u64::from(leaf.start) == end;
+        end += u64::from(leaf.room);
+        follows && leaf.len <= leaf.room && end <= parts.tree.records.len() as u64 && leaf.axis < 3
     });
     let large = parts.tree.fronts.span(state.large_start as usize, state.large as usize);
     good &= large.iter().all(|front| (front.slot as usize) < slots);
@@ -234,7 +242,7 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         good &= fits;
         members += u64::from(*home < I::LARGE);
     }
-    // With as many members as places, and each at a place of its leaf, `validate` sees whether a place is taken twice.
+    // With as many members as places, and each at a place of its leaf, `are_in_place` sees whether a place is taken twice.
     good && members == leaves.iter().map(|leaf| u64::from(leaf.len)).sum::<u64>()
 }
 
@@ -265,6 +273,25 @@ fn remake<I: Index>(parts: &mut Parts<'_, I>) {
             parts.tree.records.put(at, Scalar.record(&frame, swept.at(slot), slot as u32));
         }
     }
+}
+
+/// Whether every object of the tree, moved since or not, stands where its home and place say, and nobody else does.
+fn are_in_place<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let state = &*parts.state;
+    if state.filled == 0 {
+        return true;
+    }
+    let mut large = 0;
+    let in_place = (0..state.slots as usize).all(|slot| {
+        let (home, place) = (parts.home.at(slot), parts.place.at(slot).at());
+        if home == I::LARGE {
+            large += 1;
+            return parts.tree.fronts.at(state.large_start as usize + place).slot as usize == slot;
+        }
+        let leaf = parts.tree.leaves.get(home.at()).copied().unwrap_or_default();
+        home == I::NONE || parts.tree.records.at(leaf.start as usize + place).slot() as usize == slot
+    });
+    in_place && large == state.large
 }
 
 /// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.

@@ -211,6 +211,12 @@ impl<'m, I: Index> Parts<'m, I> {
             marks.fill(0);
         }
         self.home.fill(I::NONE);
+        let tree = &mut self.tree;
+        tree.planes.fill(0);
+        tree.cells.fill(Cell::default());
+        tree.frames.fill(Frame::default());
+        tree.leaves.fill(Leaf::default());
+        tree.reach.fill([0; 3]);
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);
         }

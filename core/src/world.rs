@@ -374,7 +374,7 @@ impl<I: Index> World<'_, I> {
         kernels: Kernels,
         executor: &dyn Executor,
     ) -> Result<Step<'_, I>, Error> {
-        if self.parts.filters.of.is_empty() {
+        if self.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);
         }
         self.advance(bounds, Means { kernels, executor, rule: Some(rule), workers: self.parts.sizes.workers })

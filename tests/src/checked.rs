@@ -3,7 +3,7 @@
 use crate::model::{Events, Model};
 use crate::worlds::Setup;
 use crate::{SlotPair, oracle, sorted};
-use trisap_core::{Aabb, Boxes, Config, Error, Id, Index, Mode, Pair, Rejected, Stats, Step, World};
+use trisap_core::{Aabb, Boxes, Config, Error, Filter, Id, Index, Mode, Pair, Rejected, Stats, Step, World};
 
 /// What a complete step said, copied out of the world in the order in which it said it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -102,6 +102,9 @@ impl<'m, I: Index> Checked<'m, I> {
                 // Equal as numbers: a negative zero may come back as a positive one.
                 assert_eq!(self.world.aabb(id), *aabb, "the box of {id}");
                 assert!(self.world.contains(id));
+                assert_eq!(self.world.is_resting(id), self.model.is_resting(slot), "whether {id} rests");
+                let filter = self.config.filters.then(|| self.model.filter(slot));
+                assert_eq!(self.world.filter(id), filter, "the filter of {id}");
             }
         }
     }
@@ -148,6 +151,63 @@ impl<'m, I: Index> Checked<'m, I> {
         self.check();
     }
 
+    /// Sets whom an object meets.
+    pub fn set_filter(&mut self, id: Id, filter: Filter) {
+        self.world.set_filter(id, filter).expect("a living object and a good class");
+        self.model.set_filter(id, filter);
+        self.check();
+    }
+
+    /// Sets which classes meet.
+    pub fn set_classes(&mut self, meets: &[u32; 32]) {
+        self.world.set_classes(meets).expect("a world with filters");
+        self.model.set_classes(meets);
+        self.check();
+    }
+
+    /// From now on, steps have a rule.
+    pub fn rule(&mut self) {
+        self.model.rule();
+    }
+
+    /// The rule changes its mind about an object.
+    pub fn refilter(&mut self, id: Id, opinion: u32) {
+        self.world.refilter(id).expect("a living object in a world with filters");
+        self.model.set_opinion(id, opinion);
+        self.check();
+    }
+
+    /// Puts objects to rest.
+    pub fn set_resting(&mut self, ids: &[Id]) {
+        self.world.set_resting(ids).expect("living objects");
+        ids.iter().for_each(|id| self.model.set_resting(*id, true));
+        self.check();
+    }
+
+    /// Wakes objects.
+    pub fn wake(&mut self, ids: &[Id]) {
+        self.world.wake(ids).expect("living objects");
+        ids.iter().for_each(|id| self.model.set_resting(*id, false));
+        self.check();
+    }
+
+    /// A snapshot of the world, and the model as it is now.
+    pub fn save(&self) -> (Vec<u8>, Model) {
+        let size = self.world.snapshot_size();
+        let mut bytes = vec![0; size + 3];
+        assert_eq!(self.world.save(&mut bytes), Ok(size));
+        assert_eq!(bytes[size..], [0; 3], "nothing is written behind a snapshot");
+        bytes.truncate(size);
+        (bytes, self.model.clone())
+    }
+
+    /// Goes back to a snapshot.
+    pub fn load(&mut self, (bytes, model): &(Vec<u8>, Model)) {
+        self.world.load(bytes).expect("a good snapshot");
+        self.model = model.clone();
+        self.check();
+    }
+
     /// Removes one object.
     pub fn remove(&mut self, id: Id) {
         self.world.remove(id).expect("a living object");
@@ -186,17 +246,30 @@ impl<'m, I: Index> Checked<'m, I> {
 
     /// A step. An error must be a full pair buffer, and the right one.
     pub fn try_step(&mut self, setup: Setup) -> Result<Outcome, Error> {
-        let result = self.world.step(setup.kernels, &setup.jobs).map(|step| Outcome::of(&step));
+        let result = self.advance(None, setup);
         self.settle(result, None)
+    }
+
+    fn advance(&mut self, bounds: Option<Boxes<'_>>, setup: Setup) -> Result<Outcome, Error> {
+        let Self { world, model, .. } = self;
+        let Setup { kernels, jobs } = setup;
+        let step = match bounds {
+            _ if model.has_rule() => world.step_with_rule(bounds, &|a, b| model.agree(a, b), kernels, &jobs),
+            Some(bounds) => world.step_over(bounds, kernels, &jobs),
+            None => world.step(kernels, &jobs),
+        };
+        step.map(|step| Outcome::of(&step))
     }
 
     /// A step over a bounds array, which may have bad boxes in it, be shorter than the slots or longer.
     pub fn try_step_over(&mut self, boxes: &[Aabb], setup: Setup) -> Result<Outcome, Error> {
-        let bounds = Boxes::new(boxes);
-        let result = self.world.step_over(bounds, setup.kernels, &setup.jobs).map(|step| Outcome::of(&step));
+        let result = self.advance(Some(Boxes::new(boxes)), setup);
         let mut rejected: Option<Rejected> = None;
         for (aabb, slot) in boxes.iter().zip(0..) {
             let Some(id) = self.model.id_at(slot) else { continue };
+            if self.model.is_resting(slot) {
+                continue;
+            }
             if aabb.is_valid() {
                 self.model.set(id, *aabb);
             } else {
@@ -236,6 +309,8 @@ impl<'m, I: Index> Checked<'m, I> {
             Mode::Fat => {
                 let missing = exact.iter().find(|pair| pairs.binary_search(pair).is_err());
                 assert_eq!(missing, None, "every overlap is among the fat pairs");
+                let barred = pairs.iter().find(|pair| !self.model.meet(**pair));
+                assert_eq!(barred, None, "no pair that a filter holds back");
             }
         }
         assert_eq!(outcome.surplus, (pairs.len() - exact.len()) as u64, "the surplus");

@@ -9,6 +9,7 @@ pub mod jobs;
 pub mod model;
 pub mod oracle;
 pub mod play;
+pub mod queries;
 pub mod recordings;
 pub mod scenes;
 pub mod worlds;
@@ -22,4 +23,13 @@ pub fn sorted(pairs: &[SlotPair]) -> Vec<SlotPair> {
     let mut sorted = pairs.to_vec();
     sorted.sort_unstable();
     sorted
+}
+
+/// How many times as many cases a test should play: what `TRISAP_EFFORT` says, 1 where it is not set.
+///
+/// # Panics
+/// If it says no number.
+#[must_use]
+pub fn effort() -> u32 {
+    std::env::var("TRISAP_EFFORT").map_or(1, |effort| effort.parse().expect("a number"))
 }

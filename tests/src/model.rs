@@ -1,7 +1,7 @@
 //! A world as simple as can be: what every call must do, without any structure to make it fast.
 
 use crate::{SlotPair, oracle};
-use trisap_core::{Aabb, Id};
+use trisap_core::{Aabb, Filter, Id};
 
 /// One pair of a complete step, with the generations of its slots: a slot that was given away in between makes
 /// it another pair.
@@ -12,6 +12,12 @@ type Held = (SlotPair, [u32; 2]);
 pub struct Model {
     boxes: Vec<Option<Aabb>>,
     generations: Vec<u32>,
+    filters: Vec<Filter>,
+    /// Which classes meet; all do where nothing has been said.
+    classes: Option<[u32; 32]>,
+    /// What the rule thinks of the object in each slot; without a rule nothing.
+    opinions: Option<Vec<u32>>,
+    resting: Vec<bool>,
     last: Vec<Held>,
 }
 
@@ -28,7 +34,7 @@ impl Model {
     /// A model that follows events alone: objects in the first `count` slots, which never change.
     #[must_use]
     pub fn of_events(count: usize) -> Self {
-        Self { boxes: vec![None; count], generations: vec![1; count], last: Vec::new() }
+        Self { boxes: vec![None; count], generations: vec![1; count], ..Self::default() }
     }
 
     /// Takes a new object under the id that the world gave it.
@@ -40,23 +46,98 @@ impl Model {
         if slot >= self.boxes.len() {
             self.boxes.resize(slot + 1, None);
             self.generations.resize(slot + 1, 0);
+            self.filters.resize(slot + 1, Filter::ALL);
+            self.resting.resize(slot + 1, false);
         }
         assert!(self.boxes[slot].is_none(), "{id} was given out, but its slot is in use");
         self.generations[slot] += 1;
         assert_eq!(id.generation(), self.generations[slot], "{id} has not the next generation of its slot");
         self.boxes[slot] = Some(aabb);
+        self.filters[slot] = Filter::ALL;
+        self.resting[slot] = false;
+        if let Some(opinions) = &mut self.opinions {
+            opinions.resize(self.boxes.len(), 0);
+            opinions[slot] = 0;
+        }
     }
 
-    /// Moves an object.
+    /// Moves an object, which wakes it.
     pub fn set(&mut self, id: Id, aabb: Aabb) {
         assert!(self.contains(id), "the test moves {id}, which is not alive");
         self.boxes[id.slot() as usize] = Some(aabb);
+        self.resting[id.slot() as usize] = false;
+    }
+
+    /// Sets whom an object meets.
+    pub fn set_filter(&mut self, id: Id, filter: Filter) {
+        self.filters[id.slot() as usize] = filter;
+    }
+
+    /// Whom an object meets.
+    #[must_use]
+    pub fn filter(&self, slot: u32) -> Filter {
+        self.filters[slot as usize]
+    }
+
+    /// Sets which classes meet.
+    pub fn set_classes(&mut self, meets: &[u32; 32]) {
+        self.classes = Some(*meets);
+    }
+
+    /// From now on there is a rule.
+    pub fn rule(&mut self) {
+        self.opinions = Some(vec![0; self.boxes.len()]);
+    }
+
+    /// Whether there is a rule.
+    #[must_use]
+    pub fn has_rule(&self) -> bool {
+        self.opinions.is_some()
+    }
+
+    /// What the rule thinks of an object from now on.
+    pub fn set_opinion(&mut self, id: Id, opinion: u32) {
+        if let Some(opinions) = &mut self.opinions {
+            opinions[id.slot() as usize] = opinion;
+        }
+    }
+
+    /// The rule: no two objects whose opinions add up to one, four, seven and so on.
+    #[must_use]
+    pub fn agree(&self, a: u32, b: u32) -> bool {
+        assert!(a < b, "the rule is asked about the lower slot first");
+        let of = |slot: u32| self.opinions.as_ref().map_or(0, |opinions| opinions[slot as usize]);
+        (of(a) + of(b)) % 3 != 1
+    }
+
+    /// Whether two objects make a pair where their boxes overlap.
+    #[must_use]
+    pub fn meet(&self, [a, b]: SlotPair) -> bool {
+        let (one, other) = (self.filter(a), self.filter(b));
+        let likes = |one: Filter, other: Filter| {
+            let classes = self.classes.map_or(u32::MAX, |classes| classes[one.class as usize]);
+            other.group & one.mask > 0 && classes & (1 << other.class) > 0
+        };
+        likes(one, other) && likes(other, one) && self.agree(a, b)
+    }
+
+    /// Puts an object to rest or wakes it.
+    pub fn set_resting(&mut self, id: Id, rests: bool) {
+        assert!(self.contains(id), "the test puts {id} to rest, which is not alive");
+        self.resting[id.slot() as usize] = rests;
+    }
+
+    /// Whether the object in a slot rests.
+    #[must_use]
+    pub fn is_resting(&self, slot: u32) -> bool {
+        self.resting[slot as usize]
     }
 
     /// Removes an object.
     pub fn remove(&mut self, id: Id) {
         assert!(self.contains(id), "the test removes {id}, which is not alive");
         self.boxes[id.slot() as usize] = None;
+        self.resting[id.slot() as usize] = false;
     }
 
     /// Whether the id names a living object.
@@ -99,7 +180,9 @@ impl Model {
     /// The pairs that an exact step must return, ascending.
     #[must_use]
     pub fn pairs(&self) -> Vec<SlotPair> {
-        oracle::overlaps(&self.boxes)
+        let mut pairs = oracle::overlaps(&self.boxes);
+        pairs.retain(|pair| self.meet(*pair));
+        pairs
     }
 
     /// Takes the pairs of a complete step (ascending) and tells what has changed since the last one.

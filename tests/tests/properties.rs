@@ -1,14 +1,16 @@
 //! Random lives of worlds of any size and configuration. After every operation the world validates itself and
-//! agrees with the model; after every step so do pairs and events; and a second life with other kernels, job
-//! systems and workers says the same, byte for byte.
+//! agrees with the model, queries included; after every step so do pairs and events; and a second life with other
+//! kernels, job systems and workers says the same, byte for byte.
 //!
 //! `TRISAP_EFFORT` multiplies the number of cases (1 where it is not set).
 
 use proptest::prelude::*;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, Index, Kernels, Margin, Mode, World};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
+use trisap_tests::queries::Questions;
 use trisap_tests::scenes::{Rng, at, shifted};
 use trisap_tests::worlds::{Setup, Slab};
 
@@ -131,6 +133,19 @@ enum Op {
     Remove,
     RemoveMany(usize),
     SetMargin(f32),
+    /// The filter of an object, or of a share of them.
+    SetFilter(usize),
+    SetClasses,
+    /// The rule changes its mind about a share of the objects.
+    Refilter(usize),
+    Rest(usize),
+    Wake(usize),
+    /// Takes a snapshot.
+    Save,
+    /// Goes back to one of the snapshots.
+    Load,
+    /// Many queries at once.
+    Ask(usize),
     Step(usize),
     /// A step over a bounds array: the share that moves, and how; whether some boxes are bad; its length in
     /// thousandths of the slots.
@@ -138,6 +153,8 @@ enum Op {
     Fail(Fault),
     /// Drops the world and opens it again.
     Reopen,
+    /// Goes on in other memory, from a snapshot.
+    Migrate,
 }
 
 #[derive(Clone, Debug)]
@@ -147,6 +164,9 @@ struct Case {
     margin: Option<Margin>,
     mode: Mode,
     events: bool,
+    filters: bool,
+    /// Where there are filters, a rule too.
+    rule: bool,
     leaf_refs: usize,
     pairs: usize,
     /// The share of the objects that are there from the beginning, in thousandths.
@@ -166,6 +186,7 @@ impl Case {
             mode: self.mode,
             margin: self.margin,
             events: self.events,
+            filters: self.filters,
             lean: self.objects <= 256 && self.seed.is_multiple_of(2),
             workers,
         }
@@ -177,42 +198,63 @@ impl Case {
     }
 }
 
+/// What goes on from one operation to the next beside the world.
+struct Life {
+    rng: Rng,
+    /// Ids of objects that are no more.
+    gone: Vec<Id>,
+    /// Snapshots, and who was gone then.
+    saves: Vec<((Vec<u8>, Model), Vec<Id>)>,
+    said: Vec<Result<Outcome, Error>>,
+}
+
 /// A life, on the setups that `choose` takes for the numbers in the steps, and all that was said in it.
 fn live<I: Index>(case: &Case, workers: u32, choose: impl Fn(usize) -> Setup) -> Vec<Result<Outcome, Error>> {
     let config = case.config(workers);
     let mut slab = Slab::new::<I>(&config);
-    let mut rng = Rng::new(case.seed);
-    let mut said = Vec::new();
+    let mut life = Life { rng: Rng::new(case.seed), gone: Vec::new(), saves: Vec::new(), said: Vec::new() };
     let mut model = {
         let mut checked = Checked::<I>::new(slab.world(&config));
+        if case.rule && case.filters {
+            checked.rule();
+        }
         let boxes: Vec<Aabb> =
-            (0..case.share(case.start)).map(|_| case.style.place(case.objects, &mut rng)).collect();
+            (0..case.share(case.start)).map(|_| case.style.place(case.objects, &mut life.rng)).collect();
         checked.insert_many(&boxes);
         checked.into_model()
     };
-    let mut gone: Vec<Id> = Vec::new();
-    for life in case.ops.split(|op| matches!(op, Op::Reopen)) {
+    for ops in case.ops.split_inclusive(|op| matches!(op, Op::Reopen | Op::Migrate)) {
         let world = World::<I>::open(slab.bytes_mut()).expect("the world that is there");
         let mut checked = Checked::resume(world, model);
-        for op in life {
-            apply(op, case, &mut checked, &mut gone, &mut rng, &choose, &mut said);
+        for op in ops {
+            apply(op, case, &mut checked, &mut life, &choose);
+            // Whatever has been done, queries see it at once.
+            let questions = Questions::about(checked.model(), 1, &mut life.rng);
+            questions.ask(checked.world(), checked.model(), choose(life.rng.below(1 << 16)));
         }
+        let snapshot = matches!(ops.last(), Some(Op::Migrate)).then(|| checked.save().0);
         model = checked.into_model();
+        if let Some(snapshot) = snapshot {
+            slab = Slab::new::<I>(&config);
+            slab.world::<I>(&config).load(&snapshot).expect("a good snapshot");
+        }
     }
-    said
+    life.said
 }
 
 fn apply<I: Index>(
     op: &Op,
     case: &Case,
     world: &mut Checked<'_, I>,
-    gone: &mut Vec<Id>,
-    rng: &mut Rng,
+    life: &mut Life,
     choose: &impl Fn(usize) -> Setup,
-    said: &mut Vec<Result<Outcome, Error>>,
 ) {
+    let Life { rng, gone, saves, said } = life;
     let ids = world.model().ids();
     let any = |rng: &mut Rng| (!ids.is_empty()).then(|| ids[rng.below(ids.len())]);
+    let some = |thousandths: usize, rng: &mut Rng| -> Vec<Id> {
+        ids.iter().copied().filter(|_| rng.below(1000) < thousandths).collect()
+    };
     let aabb = |world: &Checked<'_, I>, id: Id| world.model().boxes()[id.slot() as usize].expect("alive");
     match op {
         Op::Insert | Op::InsertMany(_) => {
@@ -235,7 +277,7 @@ fn apply<I: Index>(
             }
         }
         Op::Update(thousandths, motion) => {
-            let movers: Vec<Id> = ids.iter().copied().filter(|_| rng.below(1000) < *thousandths).collect();
+            let movers = some(*thousandths, rng);
             let next = |id: &Id| motion.apply(&aabb(world, *id), case, world.model(), rng);
             let boxes: Vec<Aabb> = movers.iter().map(next).collect();
             world.update_many(&movers, &boxes);
@@ -247,8 +289,7 @@ fn apply<I: Index>(
             }
         }
         Op::RemoveMany(thousandths) => {
-            let mut leaving: Vec<Id> =
-                ids.iter().copied().filter(|_| rng.below(1000) < *thousandths).collect();
+            let mut leaving = some(*thousandths, rng);
             let third = leaving.len() / 3;
             leaving.rotate_left(third);
             world.remove_many(&leaving);
@@ -258,6 +299,46 @@ fn apply<I: Index>(
             if let Some(id) = any(rng) {
                 world.set_margin(id, *length);
             }
+        }
+        Op::SetFilter(_) | Op::SetClasses | Op::Refilter(_) if !case.filters => {
+            let id = any(rng);
+            let error = world.refuse(|world| match id {
+                Some(id) => world.set_filter(id, Filter::ALL),
+                None => world.set_classes(&[0; 32]),
+            });
+            assert_eq!(error, Error::NoFilters);
+        }
+        Op::SetFilter(thousandths) => {
+            for id in some(*thousandths, rng).into_iter().chain(any(rng)).take(50) {
+                let bits = |rng: &mut Rng| if rng.once_in(2) { u32::MAX } else { 1 << rng.below(3) };
+                world
+                    .set_filter(id, Filter { group: bits(rng), mask: bits(rng), class: rng.below(3) as u32 });
+            }
+        }
+        Op::SetClasses => {
+            let mut meets = [u32::MAX; 32];
+            meets[rng.below(3)] &= rng.bits() as u32;
+            world.set_classes(&meets);
+        }
+        Op::Refilter(thousandths) => {
+            for id in some(*thousandths, rng).into_iter().chain(any(rng)).take(50) {
+                world.refilter(id, rng.below(3) as u32);
+            }
+        }
+        Op::Rest(thousandths) => world.set_resting(&some(*thousandths, rng)),
+        Op::Wake(thousandths) => world.wake(&some(*thousandths, rng)),
+        Op::Save => saves.push((world.save(), gone.clone())),
+        Op::Load => {
+            if !saves.is_empty() {
+                let (save, gone_then) = &saves[rng.below(saves.len())];
+                world.load(save);
+                gone.clone_from(gone_then);
+            }
+        }
+        Op::Ask(number) => {
+            let questions = Questions::about(world.model(), 12, rng);
+            questions.ask(world.world(), world.model(), choose(*number));
+            questions.ask_batches(world.world(), choose(*number));
         }
         Op::Step(number) => said.push(world.try_step(choose(*number))),
         Op::StepOver(number, thousandths, motion, some_bad, length) => {
@@ -280,7 +361,8 @@ fn apply<I: Index>(
             said.push(world.try_step_over(&bounds, choose(*number)));
         }
         Op::Fail(fault) => fail(*fault, case, world, &ids, gone, rng),
-        Op::Reopen => unreachable!("lives end there"),
+        // It ends a life.
+        Op::Reopen | Op::Migrate => {}
     }
 }
 
@@ -398,8 +480,17 @@ fn op() -> impl Strategy<Value = Op> {
         5 => over.prop_map(|(number, share, motion, bad, length)| {
             Op::StepOver(number.into(), share, motion, bad, length)
         }),
+        1 => thousandths().prop_map(Op::SetFilter),
+        1 => Just(Op::SetClasses),
+        1 => thousandths().prop_map(Op::Refilter),
+        2 => thousandths().prop_map(Op::Rest),
+        1 => thousandths().prop_map(Op::Wake),
+        1 => Just(Op::Save),
+        1 => Just(Op::Load),
+        1 => any::<u16>().prop_map(|number| Op::Ask(number.into())),
         1 => fault().prop_map(Op::Fail),
         1 => Just(Op::Reopen),
+        1 => Just(Op::Migrate),
     ]
 }
 
@@ -415,30 +506,24 @@ fn margin() -> impl Strategy<Value = Option<Margin>> {
 fn case(objects: impl Strategy<Value = usize>, ops: usize) -> impl Strategy<Value = Case> {
     let modes =
         (margin(), prop_oneof![2 => Just(Mode::Exact), 1 => Just(Mode::Fat)], prop::bool::weighted(0.8));
+    let filters = (any::<bool>(), any::<bool>());
     // Capacities in per cent of the objects: mostly enough, now and then not.
     let room = (
         prop_oneof![Just(0_usize), 0_usize..100, Just(50), Just(800)],
         prop_oneof![1 => 0_usize..300, 5 => Just(4000_usize)],
     );
-    (style(), objects, modes, room, 0_usize..=1000, any::<u64>(), prop::collection::vec(op(), 1..ops))
-        .prop_map(|(style, objects, (margin, mode, events), (leaf_refs, pairs), start, seed, ops)| Case {
-            style,
-            objects,
-            margin,
-            mode,
-            events,
-            leaf_refs: objects * leaf_refs / 100,
-            pairs: objects * pairs / 100,
-            start,
-            seed,
-            ops,
-        })
+    let life = (0_usize..=1000, any::<u64>(), prop::collection::vec(op(), 1..ops));
+    (style(), objects, modes, filters, room, life).prop_map(|(style, objects, modes, filters, room, life)| {
+        let ((margin, mode, events), (filters, rule), (leaf_refs, pairs)) = (modes, filters, room);
+        let (start, seed, ops) = life;
+        let (leaf_refs, pairs) = (objects * leaf_refs / 100, objects * pairs / 100);
+        Case { style, objects, margin, mode, events, filters, rule, leaf_refs, pairs, start, seed, ops }
+    })
 }
 
 /// No files are written on failure: what is printed is the whole case.
 fn cases(count: u32) -> ProptestConfig {
-    let effort = std::env::var("TRISAP_EFFORT").map_or(1, |effort| effort.parse().expect("a number"));
-    ProptestConfig { cases: count * effort, failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig { cases: count * effort(), failure_persistence: None, ..ProptestConfig::default() }
 }
 
 proptest! {

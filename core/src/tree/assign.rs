@@ -15,7 +15,7 @@ use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::KeyBox;
+use crate::key::{KeyBox, POSITIVE_INFINITY};
 use crate::layout::{FINER, LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
@@ -366,9 +366,9 @@ fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor
     }
 }
 
-/// How far members reach that stay inside their cell.
+/// How far members reach that stay inside their cell: at the rim to infinity, beyond which keys are not numbers.
 pub(crate) fn own_reach(cell: &Cell) -> [i32; 3] {
-    cell.high().map(|high| high.saturating_sub(1))
+    cell.high().map(|high| high.saturating_sub(1).min(POSITIVE_INFINITY))
 }
 
 /// Raises a reach to a maximum; tells whether that changed it.

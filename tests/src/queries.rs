@@ -1,0 +1,354 @@
+//! What queries must answer, by definition: every box is asked, in `f64`, without a tree. And the comparison of a world's
+//! answers with that.
+
+use crate::model::Model;
+use crate::scenes::Rng;
+use crate::worlds::Setup;
+use std::ops::ControlFlow::{Break, Continue};
+use trisap_core::{Aabb, Cast, Error, Hit, Id, Index, Region, World};
+
+/// A slot and a distance.
+pub type Near = (u32, f64);
+
+fn live(boxes: &[Option<Aabb>]) -> impl Iterator<Item = (u32, Aabb)> + '_ {
+    boxes.iter().zip(0..).filter_map(|(aabb, slot)| aabb.map(|aabb| (slot, aabb)))
+}
+
+/// The square of the distance from a point to the nearest point of a box.
+fn squared(point: [f32; 3], aabb: &Aabb) -> f64 {
+    let gap = |k: usize| {
+        let x = f64::from(point[k]);
+        x - x.clamp(f64::from(aabb.min[k]), f64::from(aabb.max[k]))
+    };
+    gap(0).powi(2) + gap(1).powi(2) + gap(2).powi(2)
+}
+
+/// The slots of the boxes that share a point with a region, ascending.
+#[must_use]
+pub fn overlapping(boxes: &[Option<Aabb>], region: &Region) -> Vec<u32> {
+    let meets = |aabb: &Aabb| match *region {
+        Region::Aabb(other) => (0..3).all(|k| aabb.min[k] <= other.max[k] && aabb.max[k] >= other.min[k]),
+        Region::Point(point) => (0..3).all(|k| aabb.min[k] <= point[k] && aabb.max[k] >= point[k]),
+        Region::Sphere { center, radius } => squared(center, aabb) <= f64::from(radius).powi(2),
+    };
+    live(boxes).filter(|(_, aabb)| meets(aabb)).map(|(slot, _)| slot).collect()
+}
+
+/// The `count` boxes nearest to a point: by distance, equal ones by slot.
+#[must_use]
+pub fn nearest(boxes: &[Option<Aabb>], point: [f32; 3], count: usize) -> Vec<Near> {
+    let mut all: Vec<Near> = live(boxes).map(|(slot, aabb)| (slot, squared(point, &aabb))).collect();
+    all.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    all.truncate(count);
+    all.into_iter().map(|(slot, squared)| (slot, squared.sqrt())).collect()
+}
+
+/// What a cast meets.
+#[derive(Clone, Debug, Default)]
+pub struct Met {
+    /// The boxes that it meets, and where.
+    pub sure: Vec<Near>,
+    /// Boxes that it grazes so closely that rounding decides.
+    pub grazed: Vec<Near>,
+}
+
+/// The boxes that a cast meets: it is inside the slabs of all three axes at once, touching included.
+#[must_use]
+pub fn met(boxes: &[Option<Aabb>], cast: &Cast) -> Met {
+    // Dividing by a power of two rounds nothing.
+    let exact = cast.direction.iter().all(|d| d.to_bits() << 9 == 0);
+    let mut met = Met::default();
+    for (slot, aabb) in live(boxes) {
+        let (mut enter, mut exit) = (0.0_f64, f64::from(cast.distance));
+        let mut missed = false;
+        for k in 0..3 {
+            let speed = f64::from(cast.direction[k]);
+            let front = f64::from(aabb.min[k]) - f64::from(cast.start.max[k]);
+            let back = f64::from(aabb.max[k]) - f64::from(cast.start.min[k]);
+            if speed == 0.0 {
+                missed |= front > 0.0 || back < 0.0;
+            } else if speed > 0.0 {
+                (enter, exit) = (enter.max(front / speed), exit.min(back / speed));
+            } else {
+                (enter, exit) = (enter.max(back / speed), exit.min(front / speed));
+            }
+        }
+        let close = !exact && (enter - exit).abs() <= 1e-12 * enter.abs().max(exit.abs());
+        if missed {
+        } else if close {
+            met.grazed.push((slot, enter));
+        } else if enter <= exit {
+            met.sure.push((slot, enter));
+        }
+    }
+    met
+}
+
+fn slots(ids: &[Option<Id>]) -> Vec<u32> {
+    ids.iter().map(|id| id.expect("an id for each object").slot()).collect()
+}
+
+/// Asks a world about a region in every way.
+///
+/// # Panics
+/// If an answer is wrong.
+pub fn ask_region<I: Index>(world: &World<'_, I>, model: &Model, region: &Region, setup: Setup) {
+    let Setup { kernels, .. } = setup;
+    let expected = overlapping(model.boxes(), region);
+    let mut out = vec![None; expected.len()];
+    let count = world.overlaps(region, kernels, &mut out);
+    assert_eq!(count, Ok(expected.len()), "{setup:?} {region:?}");
+    assert_eq!(slots(&out), expected, "{setup:?} {region:?}");
+    assert!(out.iter().flatten().all(|id| model.contains(*id)));
+    if let Some((_, less)) = out.split_first_mut() {
+        let full = Error::OutputFull { needed: expected.len() as u64 };
+        assert_eq!(world.overlaps(region, kernels, less), Err(full), "{region:?}");
+    }
+    let visit = |most: usize| {
+        let mut visited = Vec::new();
+        let mut each = |id: Id| {
+            visited.push(id.slot());
+            if visited.len() < most { Continue(()) } else { Break(()) }
+        };
+        world.visit_overlaps(region, kernels, &mut each).expect("a good region");
+        visited
+    };
+    let all = visit(usize::MAX);
+    let mut ascending = all.clone();
+    ascending.sort_unstable();
+    assert_eq!(ascending, expected, "each object is visited once: {region:?}");
+    for most in [1, all.len() / 2, all.len()].into_iter().filter(|most| *most > 0) {
+        assert_eq!(visit(most), all[..most.min(all.len())], "the same order, until the visitor breaks");
+    }
+}
+
+/// Asks a world for the nearest objects.
+///
+/// # Panics
+/// If an answer is wrong.
+pub fn ask_nearest<I: Index>(
+    world: &World<'_, I>,
+    model: &Model,
+    point: [f32; 3],
+    count: usize,
+    setup: Setup,
+) {
+    let expected = nearest(model.boxes(), point, count);
+    // What stands there before does not matter.
+    let stale = model.ids().first().map(|&id| Hit { id, distance: -1.0 });
+    let mut out = vec![stale; count];
+    assert_eq!(world.nearest(point, setup.kernels, &mut out), Ok(expected.len()), "{point:?} {setup:?}");
+    let told: Vec<Near> =
+        out[..expected.len()].iter().flatten().map(|hit| (hit.id.slot(), hit.distance)).collect();
+    assert_eq!(told, expected, "the {count} nearest to {point:?} with {setup:?}");
+}
+
+/// Asks a world about a cast in every way.
+///
+/// # Panics
+/// If an answer is wrong.
+pub fn ask_cast<I: Index>(world: &World<'_, I>, model: &Model, cast: &Cast, setup: Setup) {
+    let Setup { kernels, .. } = setup;
+    let met = met(model.boxes(), cast);
+    let mut out = vec![None; met.sure.len() + met.grazed.len()];
+    let count = world.hits(cast, kernels, &mut out).unwrap_or_else(|error| panic!("{error}: {cast:?}"));
+    let hits: Vec<Hit> = out[..count].iter().map(|hit| hit.expect("a hit for each object")).collect();
+    let order = |hit: &Hit| (hit.distance, hit.id.slot());
+    assert!(hits.windows(2).all(|two| order(&two[0]) < order(&two[1])), "near ones first: {hits:?}");
+    let find = |slot: u32| hits.iter().find(|hit| hit.id.slot() == slot);
+    for (slot, distance) in &met.sure {
+        let hit = find(*slot).unwrap_or_else(|| {
+            panic!("{setup:?} {cast:?} misses {slot} at {distance}: {:?}", model.boxes()[*slot as usize])
+        });
+        let wrong = (hit.distance - distance).abs();
+        assert!(
+            hit.distance == *distance || wrong <= 1e-12 * distance,
+            "{cast:?} meets {slot} at {distance}: {hit:?}"
+        );
+        assert!(model.contains(hit.id));
+    }
+    let grazed = met.grazed.iter().filter(|(slot, _)| find(*slot).is_some()).count();
+    assert_eq!(count, met.sure.len() + grazed, "{setup:?} {cast:?} meets what it does not: {hits:?} {met:?}");
+    if count > 0 {
+        let full = Error::OutputFull { needed: count as u64 };
+        assert_eq!(world.hits(cast, kernels, &mut out[..count - 1]), Err(full), "{cast:?}");
+    }
+    assert_eq!(world.first_hit(cast, kernels), Ok(hits.first().copied()), "the first of {cast:?}");
+    let visit = |mut far: Box<dyn FnMut(&Hit) -> f64>| {
+        let mut visited = Vec::new();
+        let mut each = |hit: Hit| {
+            visited.push(hit);
+            far(&hit)
+        };
+        world.visit_hits(cast, kernels, &mut each).expect("a good cast");
+        visited
+    };
+    let distance = f64::from(cast.distance);
+    let all = visit(Box::new(move |_| distance));
+    assert_eq!(all, visit(Box::new(|_| f64::INFINITY)), "the same order each time");
+    let mut by_distance = all.clone();
+    by_distance.sort_by(|a, b| order(a).partial_cmp(&order(b)).expect("distances are numbers"));
+    assert_eq!(by_distance, hits, "each object is visited once: {cast:?}");
+    assert_eq!(visit(Box::new(|_| -1.0)), all[..all.len().min(1)], "a visitor can stop");
+    let nearer = visit(Box::new(|hit| hit.distance));
+    assert!(nearer.windows(2).all(|two| two[1].distance <= two[0].distance), "only nearer ones: {nearer:?}");
+    assert_eq!(
+        nearer.iter().map(|hit| hit.distance).reduce(f64::min),
+        hits.first().map(|hit| hit.distance),
+        "the nearest is among them"
+    );
+}
+
+/// Queries near the boxes of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Questions {
+    /// For overlaps.
+    pub regions: Vec<Region>,
+    /// For rays and moving boxes.
+    pub casts: Vec<Cast>,
+    /// For the nearest, and how many of them.
+    pub points: Vec<([f32; 3], usize)>,
+}
+
+impl Questions {
+    /// `count` of each kind, of all sorts.
+    #[must_use]
+    pub fn about(model: &Model, count: usize, rng: &mut Rng) -> Self {
+        let boxes: Vec<Aabb> = model.boxes().iter().flatten().copied().collect();
+        let mut questions = Self::default();
+        for _ in 0..count {
+            let aabb = any_box(&boxes, rng);
+            questions.regions.push(any_region(&aabb, rng));
+            let target = any_box(&boxes, rng);
+            questions.casts.push(any_cast(&aabb, &target, rng));
+            let far = [[1e30, -1e30, 0.0], [f32::MAX; 3], [0.0, -f32::MAX, 1e-40]][rng.below(3)];
+            let point = if rng.once_in(12) { far } else { any_point(&aabb, rng) };
+            questions.points.push((point, [0, 1, 1, 2, 7, 40, boxes.len(), boxes.len() + 3][rng.below(8)]));
+        }
+        questions
+    }
+
+    /// Asks all of them.
+    ///
+    /// # Panics
+    /// If an answer is wrong.
+    pub fn ask<I: Index>(&self, world: &World<'_, I>, model: &Model, setup: Setup) {
+        self.regions.iter().for_each(|region| ask_region(world, model, region, setup));
+        self.casts.iter().for_each(|cast| ask_cast(world, model, cast, setup));
+        self.points.iter().for_each(|&(point, count)| ask_nearest(world, model, point, count, setup));
+    }
+
+    /// Asks for all casts at once and all regions at once, which must be the same as one by one.
+    ///
+    /// # Panics
+    /// If an answer differs.
+    pub fn ask_batches<I: Index>(&self, world: &World<'_, I>, setup: Setup) {
+        let Setup { kernels, jobs } = setup;
+        let mut hits = vec![None; self.casts.len() + 1];
+        hits[self.casts.len()] = world.id_at(0).map(|id| Hit { id, distance: -1.0 });
+        let last = hits[self.casts.len()];
+        world.first_hits(&self.casts, kernels, &jobs, &mut hits).expect("good casts and room");
+        for (cast, hit) in self.casts.iter().zip(&hits) {
+            assert_eq!(world.first_hit(cast, kernels), Ok(*hit), "{setup:?} {cast:?}");
+        }
+        assert_eq!(hits[self.casts.len()], last, "nothing is written behind the answers");
+
+        let regions = self.regions.len();
+        let one_by_one: Vec<Vec<Option<Id>>> = self
+            .regions
+            .iter()
+            .map(|region| {
+                let mut out = vec![None; world.len() as usize];
+                let count = world.overlaps(region, kernels, &mut out).expect("room for all");
+                out.truncate(count);
+                out
+            })
+            .collect();
+        let most = one_by_one.iter().map(Vec::len).max().unwrap_or(0);
+        for share in [most, most / 2, 0] {
+            let (mut out, mut counts) = (vec![None; share * regions + regions.min(1)], vec![9; regions]);
+            let told = world.overlaps_many(&self.regions, kernels, &jobs, &mut out, &mut counts);
+            let share = out.len() / regions.max(1);
+            let full = Error::OutputFull { needed: (most * regions) as u64 };
+            assert_eq!(told, if most > share { Err(full) } else { Ok(()) }, "{setup:?}");
+            for (index, expected) in one_by_one.iter().enumerate() {
+                assert_eq!(counts[index] as usize, expected.len(), "{setup:?}: how many in region {index}");
+                if expected.len() <= share {
+                    let answer = &out[index * share..][..expected.len()];
+                    assert_eq!(answer, expected, "{setup:?}: region {index}");
+                }
+            }
+        }
+    }
+}
+
+fn any_box(boxes: &[Aabb], rng: &mut Rng) -> Aabb {
+    let finite = |aabb: &Aabb| aabb.min.iter().chain(&aabb.max).all(|x| x.abs() < 1e30);
+    let aabb = if boxes.is_empty() { None } else { Some(boxes[rng.below(boxes.len())]) };
+    aabb.filter(finite).unwrap_or(Aabb::new([-1.0; 3], [2.0; 3]))
+}
+
+/// On a corner, inside, or around a box.
+fn any_point(aabb: &Aabb, rng: &mut Rng) -> [f32; 3] {
+    [0, 1, 2].map(|k| match rng.below(4) {
+        0 => aabb.min[k],
+        1 => aabb.max[k],
+        2 => rng.between(aabb.min[k], aabb.max[k]),
+        _ => aabb.min[k] + rng.between(-5.0, 5.0),
+    })
+}
+
+fn any_region(aabb: &Aabb, rng: &mut Rng) -> Region {
+    let point = any_point(aabb, rng);
+    match rng.below(8) {
+        0 => Region::Point(point),
+        1 => Region::Sphere { center: point, radius: 0.0 },
+        2 | 3 => Region::Sphere { center: point, radius: rng.between(0.0, 3.0) },
+        4 => {
+            // Open to one side, or to several.
+            let mut region = *aabb;
+            region.max[rng.below(3)] = f32::INFINITY;
+            region.min[rng.below(3)] = f32::NEG_INFINITY;
+            Region::Aabb(region)
+        }
+        5 => {
+            // It touches the box on one side, and nothing else of it.
+            let (mut region, axis) = (*aabb, rng.below(3));
+            region.min[axis] = aabb.max[axis];
+            region.max[axis] = aabb.max[axis] + 1.0;
+            Region::Aabb(region)
+        }
+        _ => {
+            let other = any_point(aabb, rng);
+            Region::Aabb(Aabb::new(
+                [0, 1, 2].map(|k| point[k].min(other[k])),
+                [0, 1, 2].map(|k| point[k].max(other[k])),
+            ))
+        }
+    }
+}
+
+fn any_cast(from: &Aabb, to: &Aabb, rng: &mut Rng) -> Cast {
+    let point = any_point(from, rng);
+    let target = any_point(to, rng);
+    let mut direction = [0, 1, 2].map(|k| target[k] - point[k]);
+    match rng.below(8) {
+        // Along an axis, along a side of the box where the point is on it.
+        0 | 1 => {
+            direction = [0.0; 3];
+            direction[rng.below(3)] = [1.0, -1.0, 0.25, -8.0][rng.below(4)];
+        }
+        2 => direction[rng.below(3)] = [0.0, -0.0][rng.below(2)],
+        3 => direction = [0.0, -0.0, 0.0],
+        // Of any length.
+        4 => {
+            let length = [1e-30, 1e-6, 1e6, 1e20][rng.below(4)];
+            direction = direction.map(|d| d * length);
+        }
+        5 => direction = [1.0, -1.0, 0.5].map(|d| if rng.once_in(3) { -d } else { d }),
+        _ => {}
+    }
+    let distance = [0.0, 0.5, 1.0, 1.0, 30.0, f32::MAX, f32::INFINITY][rng.below(7)];
+    let edges = if rng.once_in(2) { [0.0; 3] } else { rng.point(0.0, 2.0) };
+    Cast { start: Aabb::new(point, [0, 1, 2].map(|k| point[k] + edges[k])), direction, distance }
+}

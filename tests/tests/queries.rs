@@ -1,0 +1,334 @@
+//! Queries in every state that a world can be in: the answers are those of the boxes as they are at that moment.
+
+use trisap_core::{Aabb, Boxes, Cast, Config, Error, Hit, Index, Margin, Mode, Region, World};
+use trisap_tests::checked::Checked;
+use trisap_tests::jobs::Jobs;
+use trisap_tests::model::Model;
+use trisap_tests::queries::{Near, Questions, ask_cast, ask_nearest, ask_region};
+use trisap_tests::scenes::{self, Rng, cube, shifted};
+use trisap_tests::worlds::{Setup, Slab, ample};
+
+/// A few unbounded boxes, some large ones, and cubes.
+fn scene(count: usize, seed: u64) -> Vec<Aabb> {
+    let mut boxes = scenes::uniform(count, seed);
+    let side = scenes::side(count);
+    let (low, high) = (f32::NEG_INFINITY, f32::INFINITY);
+    let odd = [
+        Aabb::new([low, low, low], [high, high, 0.5]),
+        Aabb::new([low, 2.0, low], [high, 2.5, high]),
+        Aabb::new([3.0, low, 1.0], [4.0, high, 2.0]),
+        Aabb::new([-1.0; 3], [side + 1.0, side + 1.0, 1.5]),
+        Aabb::new([side / 2.0; 3], [high; 3]),
+        Aabb::new([-1e30; 3], [-1e29; 3]),
+        Aabb::new([1.0; 3], [1.0; 3]),
+    ];
+    for (at, aabb) in odd.into_iter().enumerate().take(count / 9) {
+        boxes[at * 9] = aabb;
+    }
+    boxes
+}
+
+/// A world that has never made a step answers from its boxes alone.
+fn ask_twin<I: Index>(world: &World<'_, I>, model: &Model, questions: &Questions, setup: Setup) {
+    let boxes: Vec<Aabb> = model.boxes().iter().map(|aabb| aabb.unwrap_or(cube(0.0, 0.0, 0.0))).collect();
+    let config = Config::new(ample(boxes.len(), 0));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut twin = slab.world::<u32>(&config);
+    twin.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    for slot in (0..boxes.len() as u32).filter(|slot| model.id_at(*slot).is_none()) {
+        twin.remove(twin.id_at(slot).expect("just inserted")).expect("alive");
+    }
+    let near = |hit: &Hit| (hit.id.slot(), hit.distance);
+    for cast in &questions.casts {
+        let mut one = vec![None; boxes.len()];
+        let mut other = one.clone();
+        let told: Result<usize, Error> = world.hits(cast, setup.kernels, &mut one);
+        assert_eq!(told, twin.hits(cast, setup.kernels, &mut other), "{setup:?} {cast:?}");
+        let one: Vec<Near> = one.iter().flatten().map(near).collect();
+        let other: Vec<Near> = other.iter().flatten().map(near).collect();
+        assert_eq!(one, other, "{setup:?} {cast:?}");
+    }
+}
+
+fn ask<I: Index>(checked: &Checked<'_, I>, rng: &mut Rng, setup: Setup) {
+    let (world, model) = (checked.world(), checked.model());
+    let questions = Questions::about(model, 24, rng);
+    questions.ask(world, model, setup);
+    questions.ask_batches(world, setup);
+    ask_twin(world, model, &questions, setup);
+}
+
+/// The life of a world, with questions in each of its states.
+fn live<I: Index>(config: Config, count: usize, setup: Setup) {
+    let capacity = ample(count + count / 4 + 8, 12 * count + 400);
+    let config = setup.configure(Config { capacity, ..config });
+    let mut slab = Slab::new::<I>(&config);
+    let mut world = Checked::<I>::new(slab.world(&config));
+    let rng = &mut Rng::new(count as u64);
+    ask(&world, rng, setup);
+    let ids = world.insert_many(&scene(count, 1));
+    ask(&world, rng, setup);
+    world.step(setup);
+    ask(&world, rng, setup);
+    // Before the next step, with reused slots.
+    world.remove_many(&ids[count / 2..count / 2 + count / 8]);
+    ask(&world, rng, setup);
+    world.insert_many(&scenes::uniform(count / 10, 2));
+    let fresh = world.model().ids();
+    world.update_many(&fresh[..count / 20], &scene(count, 3)[..count / 20]);
+    ask(&world, rng, setup);
+    world.step(setup);
+    ask(&world, rng, setup);
+    // Calm: nobody moves, few move, and in between there are questions.
+    let ids = world.model().ids();
+    let mut boxes: Vec<Aabb> = world.model().boxes().iter().map(|b| b.unwrap_or_default()).collect();
+    let saved = world.save();
+    for calm in 0..8 {
+        if calm > 1 {
+            let mover = ids[rng.below(ids.len())];
+            let (slot, by) = (mover.slot() as usize, rng.point(-2.0, 2.0));
+            boxes[slot] = shifted(&boxes[slot], by);
+            world.set(mover, boxes[slot]);
+            ask(&world, rng, setup);
+        }
+        if calm == 5 {
+            let gone = world.insert(cube(1.0, 1.0, 1.0));
+            world.step(setup);
+            ask(&world, rng, setup);
+            world.remove(gone);
+        }
+        world.step(setup);
+        if calm % 2 == 1 {
+            ask(&world, rng, setup);
+        }
+    }
+    let calm = world.save();
+    // All move, and inside their margins.
+    scenes::walk(&mut boxes, 1000, 1.0, rng);
+    world.step_over(&boxes, setup);
+    ask(&world, rng, setup);
+    scenes::walk(&mut boxes, 1000, 0.01, rng);
+    world.step_over(&boxes, setup);
+    ask(&world, rng, setup);
+    // Too many pairs.
+    let pile = vec![cube(0.0, 0.0, 0.0); boxes.len()];
+    if count > 60 {
+        world.try_step_over(&pile, setup).expect_err("no room for the pairs of a pile");
+        ask(&world, rng, setup);
+        let some = world.model().ids()[..20].to_vec();
+        world.update_many(&some, &boxes[..20]);
+        ask(&world, rng, setup);
+        world.step_over(&boxes, setup);
+        ask(&world, rng, setup);
+    }
+    for saved in [saved, calm] {
+        world.load(&saved);
+        ask(&world, rng, setup);
+        world.step(setup);
+        ask(&world, rng, setup);
+    }
+    let ids = world.model().ids();
+    world.remove_many(&ids);
+    ask(&world, rng, setup);
+    world.step(setup);
+    ask(&world, rng, setup);
+}
+
+fn configs() -> [Config; 3] {
+    let plain = Config::new(ample(0, 0));
+    let margin = plain.with_margin(Margin::length(0.1));
+    [plain.with_events(), margin, margin.with_mode(Mode::Fat).with_events()]
+}
+
+#[test]
+fn small_worlds_answer() {
+    for setup in Setup::each(&Jobs::USUAL) {
+        for config in configs() {
+            live::<u16>(config, 20, setup);
+            live::<u32>(config.with_lean(), 150, setup);
+            live::<u32>(config, 300, setup);
+        }
+    }
+}
+
+#[test]
+fn worlds_with_a_tree_answer() {
+    for setup in Setup::each(&Jobs::USUAL) {
+        for config in configs() {
+            live::<u32>(config, 900, setup);
+        }
+        live::<u16>(configs()[0], 4200, setup);
+    }
+}
+
+#[test]
+fn every_scene_answers() {
+    for setup in Setup::each(&[Jobs::Serial]) {
+        for scene in scenes::all(1500, 6) {
+            let config = Config::new(ample(1500, 400_000));
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = Checked::<u32>::new(slab.world(&config));
+            world.insert_many(&scene.boxes);
+            for calm in 0..3 {
+                world.step(setup);
+                ask(&world, &mut Rng::new(calm), setup);
+            }
+        }
+    }
+}
+
+/// A lattice of cubes that touch: every query below ends exactly where boxes do.
+#[test]
+fn touching_counts() {
+    let boxes = scenes::voxels(10);
+    for setup in Setup::each(&[Jobs::Serial]) {
+        let config = Config::new(ample(boxes.len(), 20 * boxes.len()));
+        let mut slab = Slab::new::<u16>(&config);
+        let mut world = Checked::<u16>::new(slab.world(&config));
+        world.insert_many(&boxes);
+        for calm in 0..3 {
+            let (asked, model) = (world.world(), world.model());
+            let count = |region: Region| {
+                ask_region(asked, model, &region, setup);
+                let mut out = vec![None; 1000];
+                asked.overlaps(&region, setup.kernels, &mut out).expect("room for all")
+            };
+            assert_eq!(count(Region::Point([5.0; 3])), 8);
+            assert_eq!(count(Region::Point([5.5, 5.0, 5.5])), 2);
+            assert_eq!(count(Region::Aabb(Aabb::new([10.0, 4.0, 4.5], [11.0, 4.5, 4.5]))), 2);
+            assert_eq!(count(Region::Aabb(Aabb::new([10.000_001, 4.0, 4.5], [11.0, 4.5, 4.5]))), 0);
+            assert_eq!(count(Region::Sphere { center: [12.0, 5.5, 5.5], radius: 2.0 }), 1);
+            assert_eq!(count(Region::Sphere { center: [12.0, 5.5, 5.5], radius: 1.999_999_9 }), 0);
+            assert_eq!(count(Region::Sphere { center: [0.0; 3], radius: f32::INFINITY }), 1000);
+            assert_eq!(count(Region::Aabb(Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]))), 1000);
+            let hits = |cast: Cast| {
+                ask_cast(asked, model, &cast, setup);
+                let mut out = vec![None; 1000];
+                asked.hits(&cast, setup.kernels, &mut out).expect("room for all")
+            };
+            let along = [[1.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, -1e-3]];
+            for direction in along {
+                let start = direction.map(|d| {
+                    if d > 0.0 {
+                        -3.0
+                    } else if d < 0.0 {
+                        13.0
+                    } else {
+                        5.0
+                    }
+                });
+                // Along an edge that four cubes share, along a face of two, and through the middle of one.
+                assert_eq!(hits(Cast::ray(start, direction, f32::INFINITY)), 40);
+                let rest = [0, 1, 2].map(|k| if direction[k] == 0.0 { 5.5 } else { start[k] });
+                assert_eq!(hits(Cast::ray(rest, direction, f32::INFINITY)), 10);
+                let rim = [0, 1, 2].map(|k| if direction[k] == 0.0 { 10.0 } else { start[k] });
+                assert_eq!(hits(Cast::ray(rim, direction, f32::INFINITY)), 10);
+                let beyond = [0, 1, 2].map(|k| if direction[k] == 0.0 { 10.000_001 } else { start[k] });
+                assert_eq!(hits(Cast::ray(beyond, direction, f32::INFINITY)), 0);
+            }
+            // Just as far as the first cube, and not quite.
+            let ray = Cast::ray([-2.0, 0.5, 0.5], [0.25, 0.0, 0.0], 8.0);
+            assert_eq!(hits(ray), 1);
+            assert_eq!(hits(Cast { distance: 8.0_f32.next_down(), ..ray }), 0);
+            // A diagonal through corners: eight cubes at each of the nine inner ones, one at each end.
+            assert_eq!(hits(Cast::ray([-1.0; 3], [1.0; 3], 1e9)), 10 + 9 * 6);
+            // Where it starts, without and with a direction.
+            assert_eq!(hits(Cast::ray([5.0; 3], [0.0; 3], 7.0)), 8);
+            assert_eq!(hits(Cast::ray([5.0; 3], [1.0, 2.0, 3.0], 0.0)), 8);
+            assert_eq!(hits(Cast::swept(Aabb::new([4.0; 3], [5.0; 3]), [0.0; 3])), 27);
+            assert_eq!(hits(Cast::swept(Aabb::new([4.25; 3], [4.75; 3]), [2.0, 0.0, 0.0])), 3);
+            assert_eq!(hits(Cast::swept(Aabb::new([4.25; 3], [4.75; 3]), [0.25, 0.0, 0.0])), 2);
+            for (count, point) in [(0, [5.0; 3]), (8, [5.0; 3]), (9, [5.5; 3]), (1005, [-20.0, 3.0, 90.0])] {
+                ask_nearest(asked, model, point, count, setup);
+            }
+            assert!(calm < 3);
+            world.step(setup);
+        }
+    }
+}
+
+#[test]
+fn bad_queries_are_refused() {
+    let config = Config::new(ample(8, 8));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    world.insert(cube(0.0, 0.0, 0.0)).expect("room");
+    let kernels = Setup::REFERENCE.kernels;
+    let bad = Error::BadQuery { index: 0 };
+    let mut regions = vec![
+        Region::Aabb(Aabb::new([1.0, 0.0, 0.0], [0.0, 1.0, 1.0])),
+        Region::Sphere { center: [0.0; 3], radius: -1.0 },
+        Region::Sphere { center: [0.0; 3], radius: f32::NAN },
+    ];
+    let ray = Cast::ray([0.0; 3], [1.0, 0.0, 0.0], 1.0);
+    let mut casts = vec![
+        Cast { distance: -1.0, ..ray },
+        Cast { distance: f32::NAN, ..ray },
+        Cast { start: Aabb::new([1.0; 3], [0.0; 3]), ..ray },
+    ];
+    for k in 0..3 {
+        let with = |x: f32| {
+            let mut point = [0.0; 3];
+            point[k] = x;
+            point
+        };
+        regions.push(Region::Point(with(f32::NAN)));
+        regions.push(Region::Aabb(Aabb::new(with(f32::NAN), [1.0; 3])));
+        regions.push(Region::Aabb(Aabb::new([-1.0; 3], with(f32::NAN))));
+        for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            regions.push(Region::Sphere { center: with(x), radius: 1.0 });
+            casts.push(Cast::ray(with(x), [1.0; 3], 1.0));
+            casts.push(Cast::ray([0.0; 3], with(x), 1.0));
+            casts.push(Cast::swept(Aabb::new([-1.0; 3], with(x)), [1.0; 3]));
+            assert_eq!(world.nearest(with(x), kernels, &mut [None]), Err(bad));
+        }
+    }
+    let good = Region::Point([0.5; 3]);
+    for region in regions {
+        assert_eq!(world.overlaps(&region, kernels, &mut [None]), Err(bad), "{region:?}");
+        let visited = world.visit_overlaps(&region, kernels, &mut |_| panic!("nothing is answered"));
+        assert_eq!(visited, Err(bad), "{region:?}");
+        let (mut out, mut counts) = ([None; 9], [7; 3]);
+        let batch = [good, good, region];
+        let told = world.overlaps_many(&batch, kernels, &Jobs::Threads(2), &mut out, &mut counts);
+        assert_eq!(told, Err(Error::BadQuery { index: 2 }));
+        assert_eq!((out, counts), ([None; 9], [7; 3]), "nothing is written");
+    }
+    for cast in casts {
+        assert_eq!(world.first_hit(&cast, kernels), Err(bad), "{cast:?}");
+        assert_eq!(world.hits(&cast, kernels, &mut [None]), Err(bad), "{cast:?}");
+        assert_eq!(
+            world.visit_hits(&cast, kernels, &mut |_| panic!("nothing is answered")),
+            Err(bad),
+            "{cast:?}"
+        );
+        let mut out = [None; 2];
+        let told = world.first_hits(&[ray, cast], kernels, &Jobs::Serial, &mut out);
+        assert_eq!((told, out), (Err(Error::BadQuery { index: 1 }), [None; 2]));
+    }
+    let short = Error::LengthMismatch { needed: 2 };
+    let told = world.first_hits(&[ray, ray], kernels, &Jobs::Serial, &mut [None]);
+    assert_eq!(told, Err(short));
+    let told = world.overlaps_many(&[good, good], kernels, &Jobs::Serial, &mut [None; 4], &mut [0]);
+    assert_eq!(told, Err(short));
+    // Nothing asked is nothing answered.
+    assert_eq!(world.first_hits(&[], kernels, &Jobs::Serial, &mut []), Ok(()));
+    assert_eq!(world.overlaps_many(&[], kernels, &Jobs::Serial, &mut [], &mut []), Ok(()));
+}
+
+/// Any executor, more queries than a block, and the same answers as one by one.
+#[test]
+fn batches_are_the_same_under_every_executor() {
+    let every: Vec<Jobs> = Jobs::ALL.into_iter().chain(Jobs::PERVERSE).chain([Jobs::Helping(3)]).collect();
+    let config = Config::new(ample(2000, 40_000));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    world.insert_many(&scene(2000, 8));
+    world.step(Setup::REFERENCE);
+    for count in [1, 31, 32, 33, 300] {
+        let questions = Questions::about(world.model(), count, &mut Rng::new(count as u64));
+        for setup in Setup::each(&every) {
+            questions.ask_batches(world.world(), setup);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The tree to look at, and what becomes of it when many objects come or go at once.
+
+use trisap_core::{Aabb, Config, Index, Margin, Path, World};
+use trisap_tests::checked::Checked;
+use trisap_tests::jobs::Jobs;
+use trisap_tests::scenes::{self, Brownian, Rng, shifted};
+use trisap_tests::worlds::{Setup, Slab, ample};
+
+/// Whether a half-open cell has a corner in it; a side at infinity has what is there.
+fn holds(cell: &Aabb, corner: [f32; 3]) -> bool {
+    (0..3).all(|k| {
+        cell.min[k] <= corner[k]
+            && (corner[k] < cell.max[k] || cell.max[k] == f32::INFINITY)
+            && (cell.min[k] < f32::INFINITY)
+    })
+}
+
+/// The leaves divide space, every object is in one of them or large, and the planes are where the leaves meet.
+fn look<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>]) {
+    let leaves: Vec<_> = world.leaves().collect();
+    let planes: Vec<_> = world.planes().collect();
+    let mut large: Vec<u32> = world.large().map(|id| id.slot()).collect();
+    large.sort_unstable();
+    assert!(large.windows(2).all(|two| two[0] != two[1]), "no object is large twice");
+    if world.stats().leaves <= 1 {
+        return;
+    }
+    assert_eq!(leaves.len() as u32, world.stats().leaves);
+    assert_eq!(world.stats().large as usize, large.len());
+    let mut counts = vec![0; leaves.len()];
+    for (slot, aabb) in boxes.iter().enumerate() {
+        let Some(aabb) = aabb else { continue };
+        let homes: Vec<usize> =
+            (0..leaves.len()).filter(|&leaf| holds(&leaves[leaf].cell, aabb.min)).collect();
+        assert_eq!(homes.len(), 1, "the minimum of {slot} is in one leaf: {aabb:?} {homes:?}");
+        if large.binary_search(&(slot as u32)).is_err() {
+            counts[homes[0]] += 1;
+        }
+    }
+    let told: Vec<u32> = leaves.iter().map(|leaf| leaf.objects).collect();
+    assert_eq!(told, counts, "the objects of each leaf");
+
+    for plane in &planes {
+        assert!(plane.axis < 3 && plane.depth < leaves.len().ilog2());
+        let (low, high) = (plane.cell.min[plane.axis], plane.cell.max[plane.axis]);
+        assert!(low <= plane.position && plane.position <= high, "a plane stands in its cell: {plane:?}");
+        for leaf in &leaves {
+            let inside = (0..3)
+                .all(|k| plane.cell.min[k] <= leaf.cell.min[k] && leaf.cell.max[k] <= plane.cell.max[k]);
+            let cut =
+                leaf.cell.min[plane.axis] < plane.position && plane.position < leaf.cell.max[plane.axis];
+            assert!(!inside || !cut, "a plane cuts a leaf: {plane:?} {leaf:?}");
+        }
+    }
+    // Every inner side of a leaf is a plane.
+    for leaf in leaves.iter().filter(|leaf| leaf.objects > 0) {
+        for k in 0..3 {
+            for side in [leaf.cell.min[k], leaf.cell.max[k]].into_iter().filter(|side| side.is_finite()) {
+                let plane = planes.iter().find(|plane| plane.axis == k && plane.position == side);
+                assert!(plane.is_some(), "no plane at a side of {leaf:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn leaves_and_planes_agree() {
+    for setup in Setup::each(&Jobs::USUAL) {
+        for scene in scenes::all(1600, 3) {
+            let config = setup.configure(Config::new(ample(1600, 400_000)));
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = Checked::<u32>::new(slab.world(&config));
+            assert_eq!(world.world().leaves().count() + world.world().planes().count(), 0);
+            let ids = world.insert_many(&scene.boxes);
+            assert_eq!(world.world().leaves().count() + world.world().large().count(), 0);
+            let rng = &mut Rng::new(1);
+            for calm in 0..5 {
+                if calm > 0 {
+                    let id = ids[rng.below(ids.len())];
+                    let aabb = world.model().boxes()[id.slot() as usize].expect("alive");
+                    world.set(id, shifted(&aabb, rng.point(-3.0, 3.0)));
+                }
+                let outcome = world.step(setup);
+                look(world.world(), world.model().boxes());
+                assert!(calm == 0 || outcome.stats.path != Path::Rebuilt, "{}", scene.name);
+            }
+            let mut boxes: Vec<Aabb> = world.model().boxes().iter().flatten().copied().collect();
+            scenes::walk(&mut boxes, 1000, 1.0, rng);
+            world.step_over(&boxes, setup);
+            look(world.world(), world.model().boxes());
+        }
+    }
+}
+
+#[test]
+fn a_world_that_is_swept_from_a_list_shows_nothing() {
+    for count in [0, 30, 400] {
+        let config = Config::new(ample(count, 100 * count));
+        let mut slab = Slab::new::<u16>(&config);
+        let mut world = Checked::<u16>::new(slab.world(&config));
+        world.insert_many(&scenes::uniform(count, 1));
+        world.step(Setup::REFERENCE);
+        let world = world.world();
+        assert_eq!(world.leaves().count() + world.planes().count() + world.large().count(), 0);
+    }
+}
+
+/// A tenth of a scene goes and comes in one call, at random or all from one corner, while everything moves or all is calm.
+#[test]
+fn bulk_changes_spoil_nothing() {
+    for setup in Setup::each(&Jobs::USUAL) {
+        for (margin, moving) in [(None, true), (Some(Margin::length(0.1)), true), (None, false)] {
+            let count = 6000;
+            let config = Config { margin, ..Config::new(ample(count, 20 * count)).with_events() };
+            let config = setup.configure(config);
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = Checked::<u32>::new(slab.world(&config));
+            let mut scene = Brownian::new(count, 3);
+            world.insert_many(scene.boxes());
+            assert_eq!(world.step(setup).stats.path, Path::Rebuilt);
+            let rng = &mut Rng::new(5);
+            let mut go_on = |world: &mut Checked<'_, u32>, what: &str| {
+                let start = scene.boxes().to_vec();
+                for frame in 0..4 {
+                    let outcome =
+                        if moving { world.step_over(scene.advance(), setup) } else { world.step(setup) };
+                    let stats = outcome.stats;
+                    assert_ne!(stats.path, Path::Rebuilt, "{what}, frame {frame}: {stats:?}");
+                    assert!(stats.rebalanced <= stats.objects / 4, "{what}, frame {frame}: {stats:?}");
+                    if !moving && frame > 0 {
+                        assert_eq!(stats.path, Path::Unchanged, "{what}, frame {frame}");
+                    }
+                }
+                start
+            };
+            for round in 0..3 {
+                let mut ids = world.model().ids();
+                let boxes = go_on(&mut world, "before");
+                for at in 0..ids.len() {
+                    ids.swap(at, rng.below(at + 1));
+                }
+                let mut gone = ids[..count / 10].to_vec();
+                world.remove_many(&gone);
+                go_on(&mut world, "after the removal");
+                gone.truncate(count / 10);
+                let new: Vec<Aabb> =
+                    gone.iter().map(|id| boxes[(id.slot() as usize + round) % boxes.len()]).collect();
+                world.insert_many(&new);
+                go_on(&mut world, "after the insertion");
+            }
+        }
+    }
+}
