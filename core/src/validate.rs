@@ -205,7 +205,11 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         "more pairs than room",
         state.swept_pairs as usize,
     )?;
-    check(state.aside <= state.result_pairs, "more pairs are set aside than there are", state.aside as usize)?;
+    check(
+        state.aside <= state.result_pairs,
+        "more pairs are set aside than there are",
+        state.aside as usize,
+    )?;
     for (at, pair) in parts.output.pairs.span(0, state.aside as usize).iter().enumerate() {
         check(is_clear_of(parts.awake, pair), "a pair of an object that is awake is set aside", at)?;
     }

@@ -1,6 +1,6 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::{key_above, key_below, members_near};
+use super::{key_above, key_below, members_near, reach_of};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -233,10 +233,10 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             if from > far {
                 continue;
             }
-            let reach = |node: u32| parts.tree.reach.at(node as usize);
             if node >= first {
                 let leaf = (node - first) as usize;
-                if let Some((from, to)) = line.span(&low, &reach(node), far) {
+                let span = reach_of(parts, node).and_then(|reach| line.span(&low, &reach, far));
+                if let Some((from, to)) = span {
                     far = members(simd, world, leaf, &line, [from, to], far, visit);
                 }
                 continue;
@@ -245,10 +245,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             let mut right = low;
             right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
             let enter = |node: u32, low: [i32; 3]| {
-                let reach = reach(node);
-                // A node without members reaches nowhere.
-                let from = if reach[0] == i32::MIN { None } else { line.span(&low, &reach, far) };
-                from.map(|(from, _)| Waiting { node, low, from })
+                let (from, _) = line.span(&low, &reach_of(parts, node)?, far)?;
+                Some(Waiting { node, low, from })
             };
             let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
             let from = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.from);

@@ -48,6 +48,14 @@ impl<I: Index> World<'_, I> {
     }
 }
 
+/// How far the members of a node reach at most, or `None` where there are none.
+#[inline(always)]
+fn reach_of<I: Index>(parts: &Parts<'_, I>, node: u32) -> Option<[i32; 3]> {
+    let reach = parts.tree.reach.at(node as usize);
+    // Cells at the rim end beyond all floats.
+    (reach[0] != i32::MIN).then_some(reach.map(|key| key.min(POSITIVE_INFINITY)))
+}
+
 /// Whether the tree's record of an object is that of its box.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {

@@ -2,7 +2,7 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{key_above, key_below, members_near};
+use super::{key_above, key_below, members_near, reach_of};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
@@ -119,10 +119,9 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             let mut right = low;
             right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
             let enter = |node: u32, low: [i32; 3]| {
-                let max = parts.tree.reach.at(node as usize);
-                // A node without members reaches nowhere.
+                let max = reach_of(parts, node)?;
                 let squared = squared_distance(&point, &KeyBox { min: low, max });
-                (max[0] != i32::MIN && squared <= limit).then_some(Waiting { node, low, squared })
+                (squared <= limit).then_some(Waiting { node, low, squared })
             };
             let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
             let squared = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.squared);
