@@ -1,7 +1,7 @@
 //! Many queries in one call, shared by the caller's workers.
 
 use crate::border::{self, Items};
-use crate::jobs::{Workers, executor};
+use crate::jobs::executor;
 use crate::query::{trisap_cast, trisap_hit, trisap_region};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_id, trisap_jobs};
@@ -80,11 +80,14 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         // SAFETY: the caller's promise.
         let regions = unsafe { Items::new(regions, stride, count, &range)? };
         // SAFETY: the caller's promise.
-        let executor: Workers = unsafe { executor(jobs, NAME)? };
+        let executor = unsafe { executor(jobs, NAME)? };
         let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
+        if count > 0 {
+            border::span(counts, count, &range)?;
+        }
         // SAFETY: the caller's promise.
-        let (counts, ids) =
-            unsafe { (border::zeros(counts, count, &range)?, border::new_ids(ids, all, &range)?) };
+        let (ids, counts) =
+            unsafe { (border::new_ids(ids, all, &range)?, border::zeros(counts, count, &range)?) };
         let world = call.world()?;
         let mut block = [Region::Point([0.0; 3]); BLOCK];
         let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
