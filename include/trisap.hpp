@@ -412,7 +412,7 @@ public:
     /// call into this world.
     template <class Visit> [[nodiscard]] Status visit_overlaps(const Region &region, Visit &&visit) const noexcept {
         const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
-            auto &visitor = *static_cast<std::remove_reference_t<Visit> *>(user);
+            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
             if constexpr (std::is_void_v<decltype(visitor(id))>) {
                 visitor(id);
                 return 1;
@@ -420,7 +420,8 @@ public:
                 return visitor(id) ? 1 : 0;
             }
         };
-        return trisap_world_visit_overlaps(world_, &region, call, address(visit));
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_overlaps(world_, &region, call, &reference);
     }
 
     /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
@@ -471,7 +472,7 @@ public:
     /// call into this world.
     template <class Visit> [[nodiscard]] Status visit_hits(const Cast &cast, Visit &&visit) const noexcept {
         const auto call = [](void *user, trisap_hit hit) noexcept -> double {
-            auto &visitor = *static_cast<std::remove_reference_t<Visit> *>(user);
+            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
             if constexpr (std::is_void_v<decltype(visitor(hit))>) {
                 visitor(hit);
                 return std::numeric_limits<double>::infinity();
@@ -479,7 +480,8 @@ public:
                 return visitor(hit);
             }
         };
-        return trisap_world_visit_hits(world_, &cast, call, address(visit));
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_hits(world_, &cast, call, &reference);
     }
 
     /// The objects whose boxes are nearest to a point of three numbers, as many as there is room for, the nearest first.
@@ -559,6 +561,11 @@ private:
     };
     using Memory = std::unique_ptr<void, Free>;
 
+    /// A callable as the C functions hand it on, also a constant one and a plain function.
+    template <class Callable> struct Reference {
+        std::remove_reference_t<Callable> &callable;
+    };
+
     [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
         const Status status = trisap_world_step(world_, jobs, &result);
@@ -576,10 +583,11 @@ private:
     [[nodiscard]] Step step_with_rule_and(const Boxes *boxes, Rule &rule, const trisap_jobs *jobs) noexcept {
         static_assert(std::is_invocable_r_v<bool, Rule &, std::uint32_t, std::uint32_t>);
         const auto call = [](void *user, std::uint32_t a, std::uint32_t b) noexcept -> std::uint32_t {
-            return (*static_cast<Rule *>(user))(a, b) ? 1 : 0;
+            return static_cast<Reference<Rule> *>(user)->callable(a, b) ? 1 : 0;
         };
+        Reference<Rule> reference{rule};
         trisap_result result = trisap_default_result();
-        const Status status = trisap_world_step_with_rule(world_, boxes, call, address(rule), jobs, &result);
+        const Status status = trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result);
         return view(status, result);
     }
 
@@ -603,11 +611,6 @@ private:
     template <class T>
     [[nodiscard]] static Answers<T> answers(Status status, View<T> room, std::size_t count) noexcept {
         return {status, {room.data(), count < room.size() ? count : room.size()}, count};
-    }
-
-    /// A callable as the C functions hand it on, also where it is constant.
-    template <class Callable> [[nodiscard]] static void *address(Callable &callable) noexcept {
-        return const_cast<void *>(static_cast<const void *>(std::addressof(callable)));
     }
 
     [[nodiscard]] static Step view(Status status, const trisap_result &result) noexcept {
