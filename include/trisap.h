@@ -7,7 +7,7 @@
 // - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
 //   initialised.
 // - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
-//   next step.
+//   next step or load.
 // - Nobody else writes to the memory of a world.
 // - Callbacks return by no other way than returning: no exception, no longjmp.
 
@@ -28,6 +28,15 @@
 #define TRISAP_NODISCARD
 #endif
 #endif
+
+/// The classes that there can be.
+#define TRISAP_CLASSES 32
+
+/// A box: for `trisap_region::kind`.
+#define TRISAP_REGION_AABB 0
+
+/// A ball: for `trisap_region::kind`.
+#define TRISAP_REGION_SPHERE 1
 
 /// Exactly the overlaps of the boxes as given: for `trisap_config::mode`.
 #define TRISAP_MODE_EXACT 0
@@ -51,7 +60,7 @@
 #define TRISAP_PATH_REBUILT 4
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 1
+#define TRISAP_ABI_VERSION 2
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0
@@ -63,7 +72,7 @@
 #define TRISAP_VERSION_PATCH 0
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
-/// was before the call.
+/// was before the call, but for what `trisap_world_load` says.
 enum trisap_status
 #ifdef __cplusplus
   : int32_t
@@ -105,8 +114,19 @@ enum trisap_status
     TRISAP_STATUS_PAIRS_FULL = 14,
     /// The memory of the world was written to by others.
     TRISAP_STATUS_CORRUPT = 15,
+    /// The world was made without `trisap_config::filters`.
+    TRISAP_STATUS_NO_FILTERS = 16,
+    /// A class is 32 or more. The detail is the class.
+    TRISAP_STATUS_BAD_CLASS = 17,
+    /// A query has NaN, infinities or negative lengths where they make no sense, or is of no known kind. The detail is its
+    /// position in the batch.
+    TRISAP_STATUS_BAD_QUERY = 18,
+    /// More answers than there is room for. The detail says how many there are; the room holds as many as fit.
+    TRISAP_STATUS_OUTPUT_FULL = 19,
+    /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
+    TRISAP_STATUS_BAD_SNAPSHOT = 20,
     /// Refused for a reason that this version of the ABI has no word for.
-    TRISAP_STATUS_OTHER = 16,
+    TRISAP_STATUS_OTHER = 21,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -118,10 +138,6 @@ typedef int32_t trisap_status;
 /// One thread at a time may use it; there is nothing to free.
 typedef struct trisap_world trisap_world;
 
-/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
-/// when its slot is used again.
-typedef uint64_t trisap_id;
-
 /// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
 /// welcome; NaN and a minimum above its maximum are refused.
 typedef struct trisap_aabb {
@@ -131,21 +147,15 @@ typedef struct trisap_aabb {
     float max[3];
 } trisap_aabb;
 
-/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
-/// places in items of a fixed size. Filled by `trisap_default_boxes`.
-typedef struct trisap_boxes {
-    /// The size of this struct in bytes.
-    uint32_t struct_size;
-    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
-    /// floats.
-    uint32_t max_offset;
-    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
-    const void *first;
-    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
-    size_t stride;
-    /// How many items there are.
-    size_t count;
-} trisap_boxes;
+/// A box, or a point, that moves along a line. Made by `trisap_cast_ray` or `trisap_cast_swept`.
+typedef struct trisap_cast {
+    /// Where it starts; a ray starts as a box of one point. Finite.
+    struct trisap_aabb start;
+    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    float direction[3];
+    /// How far it moves, in units of `direction`. Zero or more; may be infinite.
+    float distance;
+} trisap_cast;
 
 /// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
 typedef struct trisap_jobs {
@@ -173,6 +183,66 @@ typedef struct trisap_jobs {
     void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
 } trisap_jobs;
 
+/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// when its slot is used again.
+typedef uint64_t trisap_id;
+
+/// An object that a cast meets, or that is near a point.
+typedef struct trisap_hit {
+    /// The object.
+    trisap_id id;
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
+    /// the nearest objects: the distance.
+    double distance;
+} trisap_hit;
+
+/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
+/// `trisap_region_point` or `trisap_region_sphere`.
+typedef struct trisap_region {
+    /// One of `TRISAP_REGION_...`.
+    uint32_t kind;
+    /// The radius of a ball, zero or more; infinite holds everything.
+    float radius;
+    /// The lowest corner of a box; the centre of a ball.
+    float min[3];
+    /// The highest corner of a box.
+    float max[3];
+} trisap_region;
+
+/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
+/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+typedef struct trisap_filter {
+    /// The groups that the object is in, one bit each. By default all.
+    uint32_t group;
+    /// The groups that it meets. By default all.
+    uint32_t mask;
+    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    uint32_t object_class;
+} trisap_filter;
+
+/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
+/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+typedef struct trisap_boxes {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// floats.
+    uint32_t max_offset;
+    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    const void *first;
+    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
+    size_t stride;
+    /// How many items there are.
+    size_t count;
+} trisap_boxes;
+
+/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
+typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
+
+/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
+/// less than zero to stop. Every call into the same world is refused as busy.
+typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
+
 /// Two overlapping objects by slot.
 typedef struct trisap_pair {
     /// The lower slot.
@@ -183,8 +253,8 @@ typedef struct trisap_pair {
 
 /// What a step has found. Made by `trisap_default_result`, filled by the step.
 ///
-/// The arrays lie in the memory of the world and stay as they are until its next step: inserting, updating and removing
-/// does not touch them. Never null, also where they are empty.
+/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
+/// updating and removing does not touch them. Never null, also where they are empty.
 typedef struct trisap_result {
     /// The size of this struct in bytes.
     uint32_t struct_size;
@@ -212,6 +282,13 @@ typedef struct trisap_result {
     uint64_t pairs_needed;
 } trisap_result;
 
+/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+///
+/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
+/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
+
 /// What a world is made for. Filled by `trisap_default_config`.
 typedef struct trisap_config {
     /// The size of this struct in bytes.
@@ -227,6 +304,8 @@ typedef struct trisap_config {
     uint32_t mode;
     /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
     uint32_t events;
+    /// 1 if objects have a `trisap_filter`, which says whom they meet; costs 12 bytes an object. By default 0.
+    uint32_t filters;
     /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
     /// By default 1.
     uint32_t workers;
@@ -278,12 +357,102 @@ typedef struct trisap_stats {
     uint64_t surplus;
 } trisap_stats;
 
+/// A leaf of the tree.
+typedef struct trisap_leaf {
+    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    struct trisap_aabb cell;
+    /// The objects that were in it at the last step.
+    uint32_t objects;
+} trisap_leaf;
+
+/// A plane of the tree.
+typedef struct trisap_plane {
+    /// The part of space that it divides; infinite at the rim.
+    struct trisap_aabb cell;
+    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    uint32_t axis;
+    /// Where it stands on that axis.
+    float position;
+    /// How many planes are above it.
+    uint32_t depth;
+} trisap_plane;
+
 /// The id of no object.
 #define TRISAP_NULL_ID 0
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
+/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
+TRISAP_NODISCARD
+trisap_status trisap_world_first_hits(const struct trisap_world *world,
+                                      const struct trisap_cast *casts,
+                                      size_t stride,
+                                      size_t count,
+                                      const struct trisap_jobs *jobs,
+                                      struct trisap_hit *hits)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
+/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
+/// null.
+///
+/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
+/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
+/// written to them.
+TRISAP_NODISCARD
+trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
+                                         const struct trisap_region *regions,
+                                         size_t stride,
+                                         size_t count,
+                                         const struct trisap_jobs *jobs,
+                                         trisap_id *ids,
+                                         size_t room,
+                                         uint32_t *counts)
+TRISAP_NOEXCEPT;
+
+/// What a new object has: in all groups, meets all groups, class 0.
+TRISAP_NODISCARD struct trisap_filter trisap_default_filter(void) TRISAP_NOEXCEPT;
+
+/// Sets whom an object meets. Its pairs follow at the next step. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_filter(struct trisap_world *world,
+                                      trisap_id id,
+                                      const struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
+/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
+/// stride of 0 all get the same one. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_filter_many(struct trisap_world *world,
+                                           const trisap_id *ids,
+                                           const struct trisap_filter *filters,
+                                           size_t stride,
+                                           size_t count)
+TRISAP_NOEXCEPT;
+
+/// Writes whom an object meets to `filter`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_filter(const struct trisap_world *world,
+                                  trisap_id id,
+                                  struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
+/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
+/// O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_classes(struct trisap_world *world,
+                                       const uint32_t *meets)
+TRISAP_NOEXCEPT;
+
+/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_refilter(struct trisap_world *world,
+                                    trisap_id id)
+TRISAP_NOEXCEPT;
 
 /// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
 TRISAP_NODISCARD uint32_t trisap_id_slot(trisap_id id) TRISAP_NOEXCEPT;
@@ -358,6 +527,136 @@ TRISAP_NOEXCEPT;
 /// Living objects; 0 for misuse. O(1).
 TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
+/// A box to look in. Of null, a region that is refused.
+TRISAP_NODISCARD struct trisap_region trisap_region_aabb(const struct trisap_aabb *aabb) TRISAP_NOEXCEPT;
+
+/// A point to look at, of three numbers. Of null, a region that is refused.
+TRISAP_NODISCARD struct trisap_region trisap_region_point(const float *position) TRISAP_NOEXCEPT;
+
+/// A ball to look in; its centre is three numbers. Of null, a region that is refused.
+TRISAP_NODISCARD struct trisap_region trisap_region_sphere(const float *center, float radius) TRISAP_NOEXCEPT;
+
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is refused.
+TRISAP_NODISCARD
+struct trisap_cast trisap_cast_ray(const float *origin,
+                                   const float *direction,
+                                   float distance)
+TRISAP_NOEXCEPT;
+
+/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused.
+TRISAP_NODISCARD
+struct trisap_cast trisap_cast_swept(const struct trisap_aabb *start,
+                                     const float *direction)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and their
+/// number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `ids` holds some of them.
+/// O(log n + answers + movers since the last step).
+TRISAP_NODISCARD
+trisap_status trisap_world_overlaps(const struct trisap_world *world,
+                                    const struct trisap_region *region,
+                                    trisap_id *ids,
+                                    size_t room,
+                                    size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for the
+/// same calls. `user` is handed to the visitor.
+TRISAP_NODISCARD
+trisap_status trisap_world_visit_overlaps(const struct trisap_world *world,
+                                          const struct trisap_region *region,
+                                          trisap_visit_id visit,
+                                          void *user)
+TRISAP_NOEXCEPT;
+
+/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where it meets
+/// none, `TRISAP_NULL_ID`.
+TRISAP_NODISCARD
+trisap_status trisap_world_first_hit(const struct trisap_world *world,
+                                     const struct trisap_cast *cast,
+                                     struct trisap_hit *hit)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near ones by
+/// ascending slot, and their number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `hits` holds some
+/// of them.
+TRISAP_NODISCARD
+trisap_status trisap_world_hits(const struct trisap_world *world,
+                                const struct trisap_cast *cast,
+                                struct trisap_hit *hits,
+                                size_t room,
+                                size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to the
+/// visitor.
+TRISAP_NODISCARD
+trisap_status trisap_world_visit_hits(const struct trisap_world *world,
+                                      const struct trisap_cast *cast,
+                                      trisap_visit_hit visit,
+                                      void *user)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the nearest
+/// first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are no more
+/// objects.
+TRISAP_NODISCARD
+trisap_status trisap_world_nearest(const struct trisap_world *world,
+                                   const float *position,
+                                   struct trisap_hit *hits,
+                                   size_t room,
+                                   size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
+/// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
+/// `trisap_world_update_many` wakes. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_resting(struct trisap_world *world,
+                                       const trisap_id *ids,
+                                       size_t count)
+TRISAP_NOEXCEPT;
+
+/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_wake(struct trisap_world *world,
+                                const trisap_id *ids,
+                                size_t count)
+TRISAP_NOEXCEPT;
+
+/// 1 if the object was put to rest and has not been woken since, else 0; 0 for misuse and stale ids. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_world_is_resting(const struct trisap_world *world,
+                                 trisap_id id)
+TRISAP_NOEXCEPT;
+
+/// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
+TRISAP_NODISCARD size_t trisap_world_snapshot_size(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. After
+/// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
+///
+/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
+/// world of the same configuration, in any program of the same version, on any machine of the same byte order.
+TRISAP_NODISCARD
+trisap_status trisap_world_save(const struct trisap_world *world,
+                                void *snapshot,
+                                size_t room,
+                                size_t *bytes)
+TRISAP_NOEXCEPT;
+
+/// Replaces the world by the one that a snapshot was taken of. The configuration must be the same, but for the number of
+/// workers. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
+/// any more. O(n log n + pairs): all invariants are checked.
+///
+/// After `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before; but bytes that were forged so well that the checksum is
+/// right may leave an empty world. No bytes do harm.
+TRISAP_NODISCARD
+trisap_status trisap_world_load(struct trisap_world *world,
+                                const void *snapshot,
+                                size_t bytes)
+TRISAP_NOEXCEPT;
+
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
 TRISAP_NODISCARD const char *trisap_status_text(int32_t status) TRISAP_NOEXCEPT;
 
@@ -385,15 +684,39 @@ trisap_status trisap_world_step_over(struct trisap_world *world,
                                      struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// Writes the result of the last step to `result` once more: after `trisap_world_open`, for instance. `rejected_count` is
-/// zero.
+/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
+/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
+/// `trisap_config::filters`.
+TRISAP_NODISCARD
+trisap_status trisap_world_step_with_rule(struct trisap_world *world,
+                                          const struct trisap_boxes *boxes,
+                                          trisap_rule rule,
+                                          void *user,
+                                          const struct trisap_jobs *jobs,
+                                          struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
+/// instance. `rejected_count` is zero.
 TRISAP_NODISCARD
 trisap_status trisap_world_result(struct trisap_world *world,
                                   struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no margin,
-/// one worker.
+/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
+/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
+/// numbers; of null, a box that is refused.
+///
+/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
+/// the `f64` box, so that the rounding comes after it.
+TRISAP_NODISCARD
+struct trisap_aabb trisap_aabb_from_f64(const double *min,
+                                        const double *max,
+                                        const double *origin)
+TRISAP_NOEXCEPT;
+
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
+/// no margin, one worker.
 TRISAP_NODISCARD
 struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
@@ -423,6 +746,33 @@ TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 /// The instruction set that steps use on this CPU: "scalar", "avx2". It changes the speed and nothing else.
 TRISAP_NODISCARD const char *trisap_instruction_set(void) TRISAP_NOEXCEPT;
 
+/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
+/// O(leaves).
+TRISAP_NODISCARD
+trisap_status trisap_world_leaves(const struct trisap_world *world,
+                                  struct trisap_leaf *leaves,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
+/// O(leaves log leaves).
+TRISAP_NODISCARD
+trisap_status trisap_world_planes(const struct trisap_world *world,
+                                  struct trisap_plane *planes,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
+/// and their number to `count`. O(large objects).
+TRISAP_NODISCARD
+trisap_status trisap_world_large(const struct trisap_world *world,
+                                 trisap_id *ids,
+                                 size_t room,
+                                 size_t *count)
+TRISAP_NOEXCEPT;
+
 /// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
 /// says why. Grows linearly with objects, leaf references and pairs.
 TRISAP_NODISCARD
@@ -445,7 +795,8 @@ TRISAP_NOEXCEPT;
 
 /// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For snapshots within a program, and between programs that run the same version on the same kind of machine.
+/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller, and
+/// checked when they come back, are the snapshots of `trisap_world_save`.
 TRISAP_NODISCARD
 trisap_status trisap_world_open(void *memory,
                                 size_t bytes,
@@ -455,7 +806,8 @@ TRISAP_NOEXCEPT;
 /// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
 TRISAP_NODISCARD uint64_t trisap_world_error_detail(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// The bytes that the world takes of its memory: what a snapshot has to copy. 0 for misuse.
+/// The bytes that the world takes of its memory: what a copy for
+/// `trisap_world_open` has to copy. 0 for misuse.
 TRISAP_NODISCARD size_t trisap_world_bytes(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
 /// Writes what the world was made for to `config`.
@@ -491,9 +843,15 @@ TRISAP_NOEXCEPT;
 TRISAP_SIZE(trisap_status, 4);
 TRISAP_SIZE(trisap_aabb, 24);
 TRISAP_SIZE(trisap_pair, 8);
-TRISAP_SIZE(trisap_config, 48);
+TRISAP_SIZE(trisap_config, 52);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
 TRISAP_SIZE(trisap_stats, 80);
+TRISAP_SIZE(trisap_filter, 12);
+TRISAP_SIZE(trisap_region, 32);
+TRISAP_SIZE(trisap_cast, 40);
+TRISAP_SIZE(trisap_hit, 16);
+TRISAP_SIZE(trisap_leaf, 28);
+TRISAP_SIZE(trisap_plane, 36);
 #undef TRISAP_SIZE

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -25,9 +26,15 @@ namespace trisap {
 
 using Aabb = trisap_aabb;
 using Boxes = trisap_boxes;
+using Cast = trisap_cast;
 using Config = trisap_config;
+using Filter = trisap_filter;
+using Hit = trisap_hit;
 using Id = trisap_id;
+using Leaf = trisap_leaf;
 using Pair = trisap_pair;
+using Plane = trisap_plane;
+using Region = trisap_region;
 using Stats = trisap_stats;
 using Status = trisap_status;
 
@@ -45,6 +52,47 @@ inline constexpr Id null_id = TRISAP_NULL_ID;
 
 /// A configuration for so many objects with the proportions that suit most scenes.
 [[nodiscard]] inline Config config(std::uint32_t objects) noexcept { return trisap_default_config(objects); }
+
+/// The least box in `float` that holds a box in `double`, seen from `origin`: rounded outward, so that no pair is lost.
+[[nodiscard]] inline Aabb aabb_from_f64(const double (&min)[3], const double (&max)[3],
+                                        const double (&origin)[3]) noexcept {
+    return trisap_aabb_from_f64(min, max, origin);
+}
+
+/// What a new object has: in all groups, meets all groups, class 0.
+[[nodiscard]] inline Filter filter() noexcept { return trisap_default_filter(); }
+
+/// Class 0, with a group and a mask.
+[[nodiscard]] inline Filter groups(std::uint32_t group, std::uint32_t mask) noexcept { return {group, mask, 0}; }
+
+/// Of a class, in all groups, meets all groups.
+[[nodiscard]] inline Filter object_class(std::uint32_t object_class) noexcept {
+    Filter filter = trisap_default_filter();
+    filter.object_class = object_class;
+    return filter;
+}
+
+/// A box to look in.
+[[nodiscard]] inline Region region(const Aabb &aabb) noexcept { return trisap_region_aabb(&aabb); }
+
+/// A point to look at, of three numbers.
+[[nodiscard]] inline Region point(const float *position) noexcept { return trisap_region_point(position); }
+
+/// A ball to look in; its centre is three numbers.
+[[nodiscard]] inline Region sphere(const float *center, float radius) noexcept {
+    return trisap_region_sphere(center, radius);
+}
+
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers.
+[[nodiscard]] inline Cast ray(const float *origin, const float *direction,
+                              float distance = std::numeric_limits<float>::infinity()) noexcept {
+    return trisap_cast_ray(origin, direction, distance);
+}
+
+/// A box that moves by `direction`, which is three numbers.
+[[nodiscard]] inline Cast swept(const Aabb &start, const float *direction) noexcept {
+    return trisap_cast_swept(&start, direction);
+}
 
 /// A view of items that stand one after another, as `std::span` is where there is one.
 template <class T> class View {
@@ -147,8 +195,8 @@ template <class ForkJoin> [[nodiscard]] Jobs<std::decay_t<ForkJoin>> jobs(std::u
     return {workers, std::forward<ForkJoin>(fork_join)};
 }
 
-/// What a step has found. The views are good until the next step of the world, also after objects have come, moved and
-/// gone.
+/// What a step has found. The views are good until the next step or load of the world, also after objects have come, moved
+/// and gone.
 struct Step {
     /// `TRISAP_STATUS_OK`; or `TRISAP_STATUS_PAIRS_FULL`, with the pairs that fitted; or another refusal, with nothing.
     Status status;
@@ -166,6 +214,22 @@ struct Step {
     std::uint64_t pairs_needed;
 
     [[nodiscard]] explicit operator bool() const noexcept { return status == TRISAP_STATUS_OK; }
+};
+
+/// What a query has found, in the room that it was given.
+template <class T> struct Answers {
+    /// `TRISAP_STATUS_OK`; or `TRISAP_STATUS_OUTPUT_FULL`, with some of the answers; or another refusal, with nothing.
+    Status status;
+    /// The answers that are there.
+    View<const T> items;
+    /// Answers that there are; more than `items` has after `TRISAP_STATUS_OUTPUT_FULL`.
+    std::size_t needed;
+
+    [[nodiscard]] explicit operator bool() const noexcept { return status == TRISAP_STATUS_OK; }
+    [[nodiscard]] std::size_t size() const noexcept { return items.size(); }
+    [[nodiscard]] const T *begin() const noexcept { return items.begin(); }
+    [[nodiscard]] const T *end() const noexcept { return items.end(); }
+    [[nodiscard]] const T &operator[](std::size_t index) const noexcept { return items[index]; }
 };
 
 /// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
@@ -232,6 +296,49 @@ public:
         return trisap_world_set_margin(world_, id, length);
     }
 
+    /// Sets whom an object meets. Needs `Config::filters`.
+    [[nodiscard]] Status set_filter(Id id, const Filter &filter) noexcept {
+        return trisap_world_set_filter(world_, id, &filter);
+    }
+
+    /// Sets whom objects meet, all or none; all the same.
+    [[nodiscard]] Status set_filter(View<const Id> ids, const Filter &filter) noexcept {
+        return trisap_world_set_filter_many(world_, ids.data(), &filter, 0, ids.size());
+    }
+
+    /// Sets whom objects meet, all or none; as many filters as ids.
+    [[nodiscard]] Status set_filter(View<const Id> ids, View<const Filter> filters) noexcept {
+        if (ids.size() != filters.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_set_filter_many(world_, ids.data(), filters.data(), sizeof(Filter), ids.size());
+    }
+
+    /// Writes whom an object meets to `filter`.
+    [[nodiscard]] Status filter(Id id, Filter &filter) const noexcept {
+        return trisap_world_filter(world_, id, &filter);
+    }
+
+    /// Sets which classes meet: bit `b` of `meets[a]` and bit `a` of `meets[b]`.
+    [[nodiscard]] Status set_classes(const std::uint32_t (&meets)[TRISAP_CLASSES]) noexcept {
+        return trisap_world_set_classes(world_, meets);
+    }
+
+    /// Has the next step ask about all pairs of an object again, for a rule that has changed its mind.
+    [[nodiscard]] Status refilter(Id id) noexcept { return trisap_world_refilter(world_, id); }
+
+    /// Puts objects to rest, all or none: steps do not look at their boxes until they are updated or woken.
+    [[nodiscard]] Status set_resting(View<const Id> ids) noexcept {
+        return trisap_world_set_resting(world_, ids.data(), ids.size());
+    }
+
+    /// Has steps look at the boxes of objects again, all or none.
+    [[nodiscard]] Status wake(View<const Id> ids) noexcept {
+        return trisap_world_wake(world_, ids.data(), ids.size());
+    }
+
+    [[nodiscard]] bool is_resting(Id id) const noexcept { return trisap_world_is_resting(world_, id) != 0; }
+
     [[nodiscard]] bool contains(Id id) const noexcept {
         return trisap_world_contains(world_, id) == TRISAP_STATUS_OK;
     }
@@ -261,6 +368,163 @@ public:
     template <class ForkJoin> [[nodiscard]] Step step_over(const Boxes &boxes, Jobs<ForkJoin> &jobs) noexcept {
         const trisap_jobs c = jobs.c();
         return step_over_with(boxes, &c);
+    }
+
+    /// As `step`, with a rule that decides about the pairs that the filters let through: `rule(a, b)` is true if the objects
+    /// in two slots, the lower one first, make a pair. See `trisap_rule`.
+    template <class Rule> [[nodiscard]] Step step_with_rule(Rule &&rule) noexcept {
+        return step_with_rule_and(nullptr, rule, nullptr);
+    }
+
+    /// The same with the help of a job system, whose workers call the rule all at once.
+    template <class Rule, class ForkJoin> [[nodiscard]] Step step_with_rule(Rule &&rule, Jobs<ForkJoin> &jobs) noexcept {
+        const trisap_jobs c = jobs.c();
+        return step_with_rule_and(nullptr, rule, &c);
+    }
+
+    /// As `step_over`, with a rule.
+    template <class Rule> [[nodiscard]] Step step_over_with_rule(const Boxes &boxes, Rule &&rule) noexcept {
+        return step_with_rule_and(&boxes, rule, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class Rule, class ForkJoin>
+    [[nodiscard]] Step step_over_with_rule(const Boxes &boxes, Rule &&rule, Jobs<ForkJoin> &jobs) noexcept {
+        const trisap_jobs c = jobs.c();
+        return step_with_rule_and(&boxes, rule, &c);
+    }
+
+    /// The result of the last step once more, after `load` for instance.
+    [[nodiscard]] Step result() noexcept {
+        trisap_result result = trisap_default_result();
+        const Status status = trisap_world_result(world_, &result);
+        return view(status, result);
+    }
+
+    /// The objects whose boxes overlap a region, by ascending slot.
+    [[nodiscard]] Answers<Id> overlaps(const Region &region, View<Id> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_overlaps(world_, &region, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// Visits the objects whose boxes overlap a region: `visit(id)` returns nothing, or false to end the visit. It must not
+    /// call into this world.
+    template <class Visit> [[nodiscard]] Status visit_overlaps(const Region &region, Visit &&visit) const noexcept {
+        const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
+            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
+            if constexpr (std::is_void_v<decltype(visitor(id))>) {
+                visitor(id);
+                return 1;
+            } else {
+                return visitor(id) ? 1 : 0;
+            }
+        };
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_overlaps(world_, &region, call, &reference);
+    }
+
+    /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
+    /// regions.
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids,
+                                       View<std::uint32_t> counts) const noexcept {
+        return overlaps_many_with(regions, ids, counts, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin>
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+                                       Jobs<ForkJoin> &jobs) const noexcept {
+        const trisap_jobs c = jobs.c();
+        return overlaps_many_with(regions, ids, counts, &c);
+    }
+
+    /// The first object that a cast meets, or the null id; the reason of a refusal is written to `status`, if that is given.
+    [[nodiscard]] Hit first_hit(const Cast &cast, Status *status = nullptr) const noexcept {
+        Hit hit = {null_id, 0.0};
+        const Status outcome = trisap_world_first_hit(world_, &cast, &hit);
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return hit;
+    }
+
+    /// The first hits of many casts at once, as many as casts; null ids where a cast meets nothing.
+    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits) const noexcept {
+        return first_hits_with(casts, hits, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin>
+    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits, Jobs<ForkJoin> &jobs) const noexcept {
+        const trisap_jobs c = jobs.c();
+        return first_hits_with(casts, hits, &c);
+    }
+
+    /// The objects that a cast meets, the nearest first.
+    [[nodiscard]] Answers<Hit> hits(const Cast &cast, View<Hit> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_hits(world_, &cast, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It must not
+    /// call into this world.
+    template <class Visit> [[nodiscard]] Status visit_hits(const Cast &cast, Visit &&visit) const noexcept {
+        const auto call = [](void *user, trisap_hit hit) noexcept -> double {
+            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
+            if constexpr (std::is_void_v<decltype(visitor(hit))>) {
+                visitor(hit);
+                return std::numeric_limits<double>::infinity();
+            } else {
+                return visitor(hit);
+            }
+        };
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_hits(world_, &cast, call, &reference);
+    }
+
+    /// The objects whose boxes are nearest to a point of three numbers, as many as there is room for, the nearest first.
+    [[nodiscard]] Answers<Hit> nearest(const float *position, View<Hit> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_nearest(world_, position, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The bytes of a snapshot of the world as it is now.
+    [[nodiscard]] std::size_t snapshot_size() const noexcept { return trisap_world_snapshot_size(world_); }
+
+    /// Writes a snapshot of the world to the front of `room`; the answer is its bytes.
+    [[nodiscard]] Answers<std::byte> save(View<std::byte> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_save(world_, room.data(), room.size(), &count);
+        return {status, {room.data(), status == TRISAP_STATUS_OK ? count : 0}, count};
+    }
+
+    /// Replaces the world by the one that a snapshot was taken of; the configuration must be the same.
+    [[nodiscard]] Status load(View<const std::byte> snapshot) noexcept {
+        return trisap_world_load(world_, snapshot.data(), snapshot.size());
+    }
+
+    /// The leaves of the tree, from left to right, for a debug view.
+    [[nodiscard]] Answers<Leaf> leaves(View<Leaf> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_leaves(world_, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The planes of the tree, from the root down.
+    [[nodiscard]] Answers<Plane> planes(View<Plane> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_planes(world_, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The objects that live in the list of large objects.
+    [[nodiscard]] Answers<Id> large(View<Id> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_large(world_, room.data(), room.size(), &count);
+        return answers(status, room, count);
     }
 
     /// What the last step did.
@@ -297,6 +561,11 @@ private:
     };
     using Memory = std::unique_ptr<void, Free>;
 
+    /// A callable as the C functions hand it on, also a constant one and a plain function.
+    template <class Callable> struct Reference {
+        std::remove_reference_t<Callable> &callable;
+    };
+
     [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
         const Status status = trisap_world_step(world_, jobs, &result);
@@ -307,6 +576,41 @@ private:
         trisap_result result = trisap_default_result();
         const Status status = trisap_world_step_over(world_, &boxes, jobs, &result);
         return view(status, result);
+    }
+
+    /// `boxes` may be null.
+    template <class Rule>
+    [[nodiscard]] Step step_with_rule_and(const Boxes *boxes, Rule &rule, const trisap_jobs *jobs) noexcept {
+        static_assert(std::is_invocable_r_v<bool, Rule &, std::uint32_t, std::uint32_t>);
+        const auto call = [](void *user, std::uint32_t a, std::uint32_t b) noexcept -> std::uint32_t {
+            return static_cast<Reference<Rule> *>(user)->callable(a, b) ? 1 : 0;
+        };
+        Reference<Rule> reference{rule};
+        trisap_result result = trisap_default_result();
+        const Status status = trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result);
+        return view(status, result);
+    }
+
+    [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+                                            const trisap_jobs *jobs) const noexcept {
+        if (counts.size() < regions.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        const std::size_t room = regions.empty() ? 0 : ids.size() / regions.size();
+        return trisap_world_overlaps_many(world_, regions.data(), sizeof(Region), regions.size(), jobs, ids.data(), room,
+                                          counts.data());
+    }
+
+    [[nodiscard]] Status first_hits_with(View<const Cast> casts, View<Hit> hits, const trisap_jobs *jobs) const noexcept {
+        if (hits.size() < casts.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_first_hits(world_, casts.data(), sizeof(Cast), casts.size(), jobs, hits.data());
+    }
+
+    template <class T>
+    [[nodiscard]] static Answers<T> answers(Status status, View<T> room, std::size_t count) noexcept {
+        return {status, {room.data(), count < room.size() ? count : room.size()}, count};
     }
 
     [[nodiscard]] static Step view(Status status, const trisap_result &result) noexcept {

@@ -1,11 +1,12 @@
 //! Where the caller's pointers become Rust's: everything that can be seen to be wrong is a status here, before a world
 //! is touched.
 
+use crate::query::trisap_hit;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_boxes, trisap_config, trisap_id, trisap_jobs, trisap_result, trisap_stats};
 use core::ffi::c_void;
 use core::ops::Range;
-use trisap_core::{Boxes, Id};
+use trisap_core::{Boxes, Hit, Id};
 
 /// Structs that begin with their `struct_size`.
 pub(crate) trait Versioned: Copy {}
@@ -48,13 +49,109 @@ pub(crate) unsafe fn read<T: Versioned>(pointer: *const T) -> Result<T, trisap_s
     Ok(unsafe { pointer.read() })
 }
 
-/// The address range of `count` items, if there can be such an array outside of `world`.
+/// Whether there can be an array of `count` items outside of `world`.
 pub(crate) fn span<T>(first: *const T, count: usize, world: &Range<usize>) -> Result<(), trisap_status> {
     check(first)?;
-    let bytes = count.checked_mul(size_of::<T>()).filter(|bytes| isize::try_from(*bytes).is_ok());
+    extent(first, count.checked_mul(size_of::<T>()), world)
+}
+
+/// Whether there can be so many bytes outside of `world`.
+fn extent<T>(first: *const T, bytes: Option<usize>, world: &Range<usize>) -> Result<(), trisap_status> {
+    let bytes = bytes.filter(|bytes| isize::try_from(*bytes).is_ok());
     let end = bytes.and_then(|bytes| first.addr().checked_add(bytes));
     let end = end.ok_or(trisap_status::InvalidArgument)?;
     if first.addr() < world.end && world.start < end { Err(trisap_status::Overlap) } else { Ok(()) }
+}
+
+/// The caller's items, each so many bytes behind the one before.
+pub(crate) struct Items<T> {
+    first: *const T,
+    stride: usize,
+    count: usize,
+}
+
+impl<T: Copy> Items<T> {
+    /// # Safety
+    /// A pointer that is not null points to `count` items with this stride, for the life of the result.
+    pub(crate) unsafe fn new(
+        first: *const T,
+        stride: usize,
+        count: usize,
+        world: &Range<usize>,
+    ) -> Result<Self, trisap_status> {
+        if stride != 0 && stride < size_of::<T>() {
+            return Err(trisap_status::InvalidArgument);
+        }
+        if !stride.is_multiple_of(align_of::<T>()) {
+            return Err(trisap_status::Misaligned);
+        }
+        if let Some(strides) = count.checked_sub(1) {
+            check(first)?;
+            let bytes = strides.checked_mul(stride).and_then(|bytes| bytes.checked_add(size_of::<T>()));
+            extent(first, bytes, world)?;
+        }
+        Ok(Self { first, stride, count })
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    pub(crate) fn get(&self, index: usize) -> Option<T> {
+        // SAFETY: `new` has found room for `count` items, aligned, which the caller has initialised.
+        (index < self.count).then(|| unsafe { self.first.byte_add(index * self.stride).read() })
+    }
+}
+
+/// Room for answers, whose number is known only when all of them are there.
+pub(crate) struct Answers<T> {
+    first: *mut T,
+    room: usize,
+    count: usize,
+    told: *mut usize,
+}
+
+impl<T> Answers<T> {
+    /// # Safety
+    /// Pointers that are not null point to room for `room` items and for their number, for the life of the result.
+    pub(crate) unsafe fn new(
+        first: *mut T,
+        room: usize,
+        told: *mut usize,
+        world: &Range<usize>,
+    ) -> Result<Self, trisap_status> {
+        if room > 0 {
+            span(first, room, world)?;
+        }
+        span(told, 1, world)?;
+        Ok(Self { first, room, count: 0, told })
+    }
+
+    /// Writes another answer, or counts it where there is no more room.
+    pub(crate) fn push(&mut self, answer: T) {
+        if self.count < self.room {
+            // SAFETY: not null, aligned, and within the caller's room.
+            unsafe { self.first.add(self.count).write(answer) };
+        }
+        self.count += 1;
+    }
+
+    /// The answers that were written.
+    pub(crate) fn written(&mut self) -> &mut [T] {
+        match self.count.min(self.room) {
+            0 => &mut [],
+            // SAFETY: not null, aligned, and `push` has initialised so many.
+            count => unsafe { core::slice::from_raw_parts_mut(self.first, count) },
+        }
+    }
+
+    /// Tells how many there are.
+    pub(crate) fn conclude(self) -> Result<(), Refusal> {
+        // SAFETY: `new` has checked the pointer.
+        unsafe { self.told.write(self.count) };
+        let full = Refusal { status: trisap_status::OutputFull, detail: self.count as u64 };
+        if self.count > self.room { Err(full) } else { Ok(()) }
+    }
 }
 
 /// The caller's boxes, where they stand.
@@ -126,6 +223,74 @@ pub(crate) unsafe fn new_ids<'a>(
     // SAFETY: no longer than a slice may be, and zero is `None` (asserted below).
     Ok(unsafe { core::slice::from_raw_parts_mut(first.cast::<Option<Id>>(), count) })
 }
+
+/// Room for numbers, made zero.
+///
+/// # Safety
+/// A pointer that is not null points to room for `count` numbers, for the life of the result.
+pub(crate) unsafe fn zeros<'a>(
+    first: *mut u32,
+    count: usize,
+    world: &Range<usize>,
+) -> Result<&'a mut [u32], trisap_status> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    span(first, count, world)?;
+    // SAFETY: not null, aligned, and by the caller's promise there is room.
+    unsafe { first.write_bytes(0, count) };
+    // SAFETY: no longer than a slice may be, and initialised just now.
+    Ok(unsafe { core::slice::from_raw_parts_mut(first, count) })
+}
+
+/// Room for hits, which the core fills in its own form.
+pub(crate) struct Hits {
+    first: *mut trisap_hit,
+    count: usize,
+}
+
+impl Hits {
+    /// # Safety
+    /// A pointer that is not null points to room for `count` hits, for the life of the result.
+    pub(crate) unsafe fn new(
+        first: *mut trisap_hit,
+        count: usize,
+        world: &Range<usize>,
+    ) -> Result<Self, trisap_status> {
+        if count > 0 {
+            span(first, count, world)?;
+        }
+        for index in 0..count {
+            // SAFETY: not null, aligned and large enough (asserted below), and by the caller's promise there is room.
+            unsafe { first.add(index).cast::<Option<Hit>>().write(None) };
+        }
+        Ok(Self { first, count })
+    }
+
+    pub(crate) fn as_options(&mut self) -> &mut [Option<Hit>] {
+        if self.count == 0 {
+            return &mut [];
+        }
+        // SAFETY: no longer than a slice may be, and `new` has initialised it.
+        unsafe { core::slice::from_raw_parts_mut(self.first.cast::<Option<Hit>>(), self.count) }
+    }
+
+    /// Brings the hits to the caller's form.
+    pub(crate) fn settle(self) {
+        for index in 0..self.count {
+            // SAFETY: within the room, and in the core's form until here.
+            let hit = unsafe { self.first.add(index).cast::<Option<Hit>>().read() };
+            // SAFETY: within the room.
+            unsafe { self.first.add(index).write(hit.map_or(trisap_hit::NONE, Into::into)) };
+        }
+    }
+}
+
+// A hit fits where one of the caller's does.
+const _: () = {
+    assert!(size_of::<Option<Hit>>() == size_of::<trisap_hit>());
+    assert!(align_of::<Option<Hit>>() == align_of::<trisap_hit>());
+};
 
 // An `Id` is its bits, with or without an `Option` around it, and zero is `None`.
 const _: () = {

@@ -1,7 +1,7 @@
 //! The C ABI of trisap. `include/trisap.h` is generated from this crate; `ffi/README.md` is its manual.
 //!
-//! Each file is a part of the header: `status`, `structs`, `world`, `objects`, `step`, `version`. `border` is where the
-//! caller's pointers become Rust's.
+//! Each file is a part of the header: `status`, `structs`, `world`, `objects`, `filter`, `resting`, `step`, `jobs`, `query`,
+//! `batch`, `snapshot`, `view`, `version`. `border` is where the caller's pointers become Rust's.
 //!
 //! # Safety
 //!
@@ -10,10 +10,9 @@
 //! - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
 //!   initialised.
 //! - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
-//!   next step.
+//!   next step or load.
 //! - Nobody else writes to the memory of a world, and it stays where it is while a call runs.
-//! - The callbacks of [`trisap_jobs`](structs::trisap_jobs) return, by no other way than returning: no exception, no
-//!   `longjmp`.
+//! - Callbacks return by no other way than returning: no exception, no `longjmp`.
 //!
 //! # Panics
 //!
@@ -28,12 +27,19 @@
 #[cfg(any(feature = "std", test))]
 extern crate std;
 
+pub mod batch;
 mod border;
+pub mod filter;
+mod jobs;
 pub mod objects;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic;
+pub mod query;
+pub mod resting;
+pub mod snapshot;
 pub mod status;
 pub mod step;
 pub mod structs;
 pub mod version;
+pub mod view;
 pub mod world;

@@ -6,7 +6,7 @@ use crate::structs::{TRISAP_NULL_ID, trisap_aabb, trisap_boxes, trisap_id};
 use crate::world::{Call, trisap_world, with};
 use trisap_core::{Error, Id};
 
-fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
+pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
     let stale = crate::status::Refusal { status: trisap_status::StaleId, detail: id };
     Id::from_bits(id).ok_or(stale)
 }

@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use trisap_core::Error;
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
-/// was before the call.
+/// was before the call, but for what `trisap_world_load` says.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum trisap_status {
@@ -44,15 +44,26 @@ pub enum trisap_status {
     PairsFull = 14,
     /// The memory of the world was written to by others.
     Corrupt = 15,
+    /// The world was made without `trisap_config::filters`.
+    NoFilters = 16,
+    /// A class is 32 or more. The detail is the class.
+    BadClass = 17,
+    /// A query has NaN, infinities or negative lengths where they make no sense, or is of no known kind. The detail is its
+    /// position in the batch.
+    BadQuery = 18,
+    /// More answers than there is room for. The detail says how many there are; the room holds as many as fit.
+    OutputFull = 19,
+    /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
+    BadSnapshot = 20,
     /// Refused for a reason that this version of the ABI has no word for.
-    Other = 16,
+    Other = 21,
 }
 
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 17] = [
+    const TEXTS: [&core::ffi::CStr; 22] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -69,6 +80,11 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"an id names no living object",
         c"more pairs than the capacity",
         c"the memory of the world was written to by others",
+        c"the world was made without filters",
+        c"a class is not below 32",
+        c"a query has NaN, infinities or negative lengths where they make no sense",
+        c"more answers than there is room for",
+        c"the bytes are no snapshot of a world of this configuration",
         c"refused",
     ];
     const _: () = assert!(TEXTS.len() == trisap_status::Other as usize + 1);
@@ -101,6 +117,11 @@ impl From<Error> for Refusal {
             Error::StaleId { id } => (trisap_status::StaleId, id.to_bits()),
             Error::LengthMismatch { needed } => (trisap_status::InvalidArgument, needed as u64),
             Error::PairsFull { needed } => (trisap_status::PairsFull, needed),
+            Error::NoFilters => (trisap_status::NoFilters, 0),
+            Error::BadClass { class } => (trisap_status::BadClass, u64::from(class)),
+            Error::BadQuery { index } => (trisap_status::BadQuery, u64::from(index)),
+            Error::OutputFull { needed } => (trisap_status::OutputFull, needed),
+            Error::BadSnapshot => (trisap_status::BadSnapshot, 0),
             _ => (trisap_status::Other, 0),
         };
         Self { status, detail }

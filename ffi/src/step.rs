@@ -1,11 +1,14 @@
 //! Steps and their results.
 
 use crate::border;
+use crate::jobs::executor;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_jobs, trisap_result};
 use crate::world::{Call, trisap_world, with};
-use core::ffi::{c_char, c_void};
-use trisap_core::{Error, Executor, Id, Kernels, Rejected, World};
+use core::ffi::{CStr, c_void};
+use trisap_core::{Error, Id, Kernels, Rejected, World};
+
+const NAME: &CStr = c"trisap step";
 
 /// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
 /// everything happens on the calling thread.
@@ -22,7 +25,7 @@ pub unsafe extern "C" fn trisap_world_step(
 ) -> trisap_status {
     let step = |call: &mut Call| {
         // SAFETY: the caller's promise.
-        let (executor, result) = unsafe { (executor(jobs)?, output(result, call)?) };
+        let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
         let outcome = call.world()?.step(Kernels::detect(), &executor).map(|step| step.rejected());
         conclude(call, outcome, result)
     };
@@ -47,7 +50,7 @@ pub unsafe extern "C" fn trisap_world_step_over(
         // SAFETY: the caller's promise.
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
-        let (executor, result) = unsafe { (executor(jobs)?, output(result, call)?) };
+        let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
         let outcome =
             call.world()?.step_over(boxes, Kernels::detect(), &executor).map(|step| step.rejected());
         conclude(call, outcome, result)
@@ -56,8 +59,65 @@ pub unsafe extern "C" fn trisap_world_step_over(
     unsafe { with(world, step) }
 }
 
-/// Writes the result of the last step to `result` once more: after `trisap_world_open`, for instance. `rejected_count` is
-/// zero.
+/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+///
+/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
+/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+pub type trisap_rule = Option<unsafe extern "C" fn(user: *mut c_void, a: u32, b: u32) -> u32>;
+
+/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
+/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
+/// `trisap_config::filters`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_step_with_rule(
+    world: *mut trisap_world,
+    boxes: *const trisap_boxes,
+    rule: trisap_rule,
+    user: *mut c_void,
+    jobs: *const trisap_jobs,
+    result: *mut trisap_result,
+) -> trisap_status {
+    let step = |call: &mut Call| {
+        let rule = Judge { rule: rule.ok_or(trisap_status::NullPointer)?, user };
+        let boxes = if boxes.is_null() {
+            None
+        } else {
+            // SAFETY: the caller's promise.
+            Some(unsafe { border::boxes(boxes, &call.range())? })
+        };
+        // SAFETY: the caller's promise.
+        let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
+        let rule = |a: u32, b: u32| rule.meet(a, b);
+        let outcome = call
+            .world()?
+            .step_with_rule(boxes, &rule, Kernels::detect(), &executor)
+            .map(|step| step.rejected());
+        conclude(call, outcome, result)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, step) }
+}
+
+/// A rule and what it is called with.
+struct Judge {
+    rule: unsafe extern "C" fn(*mut c_void, u32, u32) -> u32,
+    user: *mut c_void,
+}
+
+// SAFETY: a rule is made to be called by several threads at once.
+unsafe impl Sync for Judge {}
+
+impl Judge {
+    fn meet(&self, a: u32, b: u32) -> bool {
+        // SAFETY: called as its contract says, within the step that it was given to.
+        unsafe { (self.rule)(self.user, a, b) != 0 }
+    }
+}
+
+/// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
+/// instance. `rejected_count` is zero.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_result(
@@ -127,58 +187,4 @@ fn tell(
         lost_count,
         pairs_needed: needed.unwrap_or(pair_count as u64),
     }
-}
-
-/// The caller's job system as an executor.
-enum Workers {
-    Calling,
-    Hook { user: *mut c_void, workers: u32, fork_join: ForkJoin },
-}
-
-type Run = unsafe extern "C" fn(task: *mut c_void);
-type ForkJoin = unsafe extern "C" fn(*mut c_void, Option<Run>, *mut c_void, u32, *const c_char);
-
-/// # Safety
-/// A pointer that is not null points to a struct that begins with its size, and whose callback keeps its contract.
-unsafe fn executor(jobs: *const trisap_jobs) -> Result<Workers, trisap_status> {
-    if jobs.is_null() {
-        return Ok(Workers::Calling);
-    }
-    // SAFETY: the same promise.
-    let jobs = unsafe { border::read(jobs)? };
-    match (jobs.worker_count, jobs.fork_join) {
-        (0, _) => Err(trisap_status::InvalidArgument),
-        (1, _) => Ok(Workers::Calling),
-        (_, None) => Err(trisap_status::NullPointer),
-        (workers, Some(fork_join)) => Ok(Workers::Hook { user: jobs.user, workers, fork_join }),
-    }
-}
-
-impl Executor for Workers {
-    fn workers(&self) -> u32 {
-        match self {
-            Self::Calling => 1,
-            Self::Hook { workers, .. } => *workers,
-        }
-    }
-
-    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
-        if let Self::Hook { user, fork_join, .. } = self {
-            // A reference to a trait object is two pointers, and a task is one.
-            let task = (&raw const job).cast_mut().cast::<c_void>();
-            // SAFETY: the callback is called as its contract says, and by that contract every call of `run` has
-            // returned when it returns, while `job` is still there.
-            unsafe { fork_join(*user, Some(run), task, width, c"trisap step".as_ptr()) };
-        }
-    }
-}
-
-unsafe extern "C" fn run(task: *mut c_void) {
-    if task.is_null() {
-        return;
-    }
-    // SAFETY: the callback hands on the task that `fork_join` gave it, which is a job that lives until it returns; jobs
-    // are made to be called by several threads at once.
-    let job = unsafe { *task.cast::<&(dyn Fn() + Sync)>() };
-    job();
 }

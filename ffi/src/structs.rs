@@ -1,5 +1,6 @@
 //! Plain data. Structs that may grow begin with their size; `trisap_default_...` functions fill it in.
 
+use crate::query::point;
 use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
 use trisap_core::{Aabb, Capacity, Config, Margin, Mode};
@@ -34,6 +35,25 @@ impl From<Aabb> for trisap_aabb {
     }
 }
 
+/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
+/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
+/// numbers; of null, a box that is refused.
+///
+/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
+/// the `f64` box, so that the rounding comes after it.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_aabb_from_f64(
+    min: *const f64,
+    max: *const f64,
+    origin: *const f64,
+) -> trisap_aabb {
+    // SAFETY: the caller's promise.
+    let corners = unsafe { [point(min, f64::NAN), point(max, f64::NAN), point(origin, f64::NAN)] };
+    let [min, max, origin] = corners;
+    Aabb::from_f64(min, max, origin).into()
+}
+
 /// Two overlapping objects by slot.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,6 +86,8 @@ pub struct trisap_config {
     pub mode: u32,
     /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
     pub events: u32,
+    /// 1 if objects have a `trisap_filter`, which says whom they meet; costs 12 bytes an object. By default 0.
+    pub filters: u32,
     /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
     /// By default 1.
     pub workers: u32,
@@ -101,6 +123,7 @@ impl trisap_config {
             mode,
             margin: flag(self.has_margin)?.then_some(margin),
             events: flag(self.events)?,
+            filters: flag(self.filters)?,
             lean: flag(self.lean)?,
             workers: self.workers,
             ..Config::new(Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs })
@@ -119,6 +142,7 @@ impl trisap_config {
                 Mode::Fat => TRISAP_MODE_FAT,
             },
             events: u32::from(config.events),
+            filters: u32::from(config.filters),
             workers: config.workers,
             lean: u32::from(config.lean),
             has_margin: u32::from(config.margin.is_some()),
@@ -129,8 +153,8 @@ impl trisap_config {
     }
 }
 
-/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no margin,
-/// one worker.
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
+/// no margin, one worker.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_default_config(objects: u32) -> trisap_config {
@@ -219,8 +243,8 @@ pub extern "C" fn trisap_default_jobs() -> trisap_jobs {
 
 /// What a step has found. Made by `trisap_default_result`, filled by the step.
 ///
-/// The arrays lie in the memory of the world and stay as they are until its next step: inserting, updating and removing
-/// does not touch them. Never null, also where they are empty.
+/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
+/// updating and removing does not touch them. Never null, also where they are empty.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_result {
@@ -343,7 +367,7 @@ const _: () = {
     const POINTER: usize = size_of::<*const c_void>();
     assert!(size_of::<trisap_aabb>() == 24);
     assert!(size_of::<trisap_pair>() == 8);
-    assert!(size_of::<trisap_config>() == 48);
+    assert!(size_of::<trisap_config>() == 52);
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);

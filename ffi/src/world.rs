@@ -113,7 +113,8 @@ pub unsafe extern "C" fn trisap_world_init(
 
 /// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For snapshots within a program, and between programs that run the same version on the same kind of machine.
+/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller, and
+/// checked when they come back, are the snapshots of `trisap_world_save`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_open(
@@ -157,7 +158,8 @@ pub unsafe extern "C" fn trisap_world_error_detail(world: *const trisap_world) -
     call.map_or(0, |call| unsafe { (*call.header).detail })
 }
 
-/// The bytes that the world takes of its memory: what a snapshot has to copy. 0 for misuse.
+/// The bytes that the world takes of its memory: what a copy for
+/// `trisap_world_open` has to copy. 0 for misuse.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {

@@ -63,6 +63,93 @@ template <class ForkJoin> static std::vector<unsigned char> play(std::uint32_t w
     return play(&c);
 }
 
+/// A rule and batches of queries, on many threads: the same as on one, and as brute force.
+static void rule_and_queries() {
+    const std::vector<trisap::Aabb> boxes = scene(7);
+    trisap::Config config = trisap::config(OBJECTS);
+    config.pairs = 40 * OBJECTS;
+    config.filters = 1;
+    config.workers = 4;
+    trisap::World world;
+    CHECK_OK(world.init(config));
+    std::vector<trisap::Id> ids(OBJECTS);
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    Pool pool(4);
+    int calls = 0;
+    auto jobs = trisap::jobs(pool.workers(), [&](std::uint32_t count, trisap::Task task) {
+        calls++;
+        pool.run(count, task);
+    });
+    // Pairs of slots that differ in no low bit do not meet.
+    std::atomic<std::size_t> asked = 0;
+    const auto rule = [&asked](std::uint32_t a, std::uint32_t b) {
+        CHECK(a < b);
+        asked++;
+        return ((a ^ b) & 3) != 0;
+    };
+    const trisap::Step step = world.step_with_rule(rule, jobs);
+    CHECK_OK(step.status);
+    std::vector<SlotPair> expected;
+    std::size_t overlapping = 0;
+    for (std::uint32_t a = 0; a < OBJECTS; a++) {
+        for (std::uint32_t b = a + 1; b < OBJECTS; b++) {
+            if (share_a_point(boxes[a].min, boxes[a].max, boxes[b].min, boxes[b].max)) {
+                overlapping++;
+                if (((a ^ b) & 3) != 0) {
+                    expected.emplace_back(a, b);
+                }
+            }
+        }
+    }
+    CHECK(sorted(step.pairs) == expected);
+    CHECK(calls > 0 && asked == overlapping);
+
+    std::mt19937 random(3);
+    const auto within = [&random](float end) { return static_cast<float>(random() % 10000) * end / 10000.0f; };
+    // More than are handed out at once; queries inside of larger items.
+    struct Question {
+        std::uint64_t name;
+        trisap::Cast cast;
+        trisap::Region region;
+    };
+    std::vector<Question> questions(1500);
+    for (Question &question : questions) {
+        const float at[3] = {within(40.0f), within(40.0f), within(40.0f)};
+        const float to[3] = {within(2.0f) - 1.0f, within(2.0f) - 1.0f, within(2.0f) - 1.0f};
+        question.cast = trisap::ray(at, to, within(30.0f));
+        question.region = trisap::sphere(at, within(2.0f));
+    }
+    constexpr std::size_t room = 30;
+    const auto ask = [&](const trisap_jobs *c, std::vector<trisap::Hit> &hits, std::vector<trisap::Id> &found,
+                         std::vector<std::uint32_t> &counts) {
+        hits.resize(questions.size());
+        found.resize(questions.size() * room);
+        counts.resize(questions.size());
+        CHECK_OK(trisap_world_first_hits(world.c(), &questions[0].cast, sizeof(Question), questions.size(), c, hits.data()));
+        CHECK_OK(trisap_world_overlaps_many(world.c(), &questions[0].region, sizeof(Question), questions.size(), c,
+                                            found.data(), room, counts.data()));
+    };
+    std::vector<trisap::Hit> hits, alone_hits;
+    std::vector<trisap::Id> found, alone_found;
+    std::vector<std::uint32_t> counts, alone_counts;
+    ask(nullptr, alone_hits, alone_found, alone_counts);
+    calls = 0;
+    const trisap_jobs c = jobs.c();
+    ask(&c, hits, found, counts);
+    CHECK(calls >= 2 && counts == alone_counts && found == alone_found);
+    std::size_t met = 0;
+    for (std::size_t i = 0; i < questions.size(); i++) {
+        const trisap::Hit first = world.first_hit(questions[i].cast);
+        CHECK(hits[i].id == first.id && hits[i].distance == first.distance && alone_hits[i].id == first.id);
+        std::vector<trisap::Id> around(OBJECTS);
+        const trisap::Answers<trisap::Id> answers = world.overlaps(questions[i].region, around);
+        CHECK(answers && counts[i] == answers.size());
+        CHECK(std::equal(answers.begin(), answers.end(), found.begin() + static_cast<std::ptrdiff_t>(i * room)));
+        met += first.id != trisap::null_id;
+    }
+    CHECK(met > 100);
+}
+
 int main() {
     const std::vector<unsigned char> expected = play(nullptr);
     CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
@@ -128,6 +215,7 @@ int main() {
     CHECK(sorted(step.pairs) == brute_force(padded));
     CHECK(world.size() == OBJECTS);
     CHECK_OK(world.validate());
+    rule_and_queries();
     std::printf("jobs: the same %zu bytes from every job system\n", expected.size());
     return 0;
 }

@@ -39,7 +39,9 @@ static void defaults(void) {
     const trisap_config config = trisap_default_config(100);
     CHECK(config.struct_size == sizeof config && config.objects == 100 && config.leaf_refs == 50);
     CHECK(config.pairs == 800 && config.mode == TRISAP_MODE_EXACT && config.workers == 1);
-    CHECK(config.events == 0 && config.has_margin == 0);
+    CHECK(config.events == 0 && config.filters == 0 && config.has_margin == 0);
+    const trisap_filter filter = trisap_default_filter();
+    CHECK(filter.group == UINT32_MAX && filter.mask == UINT32_MAX && filter.object_class == 0);
     const trisap_aabb aabb = cube(0.0f);
     const trisap_boxes boxes = trisap_default_boxes(&aabb, 1);
     CHECK(boxes.struct_size == sizeof boxes && boxes.first == &aabb && boxes.count == 1);
@@ -170,8 +172,239 @@ static void batches(void) {
     free(world);
 }
 
+// Who meets whom: by groups, by classes, by a rule of the caller's own.
+static uint32_t not_both_even(void *user, uint32_t a, uint32_t b) {
+    *(int *)user += 1;
+    return a % 2 != 0 || b % 2 != 0;
+}
+
+static void filters(void) {
+    trisap_config config = trisap_default_config(4);
+    config.filters = 1;
+    config.events = 1;
+    trisap_world *world = make(&config);
+    trisap_id ids[4];
+    trisap_aabb aabbs[4] = {cube(0.0f), cube(0.0f), cube(0.0f), cube(0.0f)};
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, 4);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == 6);
+
+    // The first meets nobody, the last two are of classes that do not meet.
+    trisap_filter filter = trisap_default_filter();
+    filter.mask = 0;
+    CHECK_OK(trisap_world_set_filter(world, ids[0], &filter));
+    struct {
+        double friction;
+        trisap_filter filter;
+    } materials[2] = {{1.0, trisap_default_filter()}, {2.0, trisap_default_filter()}};
+    materials[0].filter.object_class = 1;
+    materials[1].filter.object_class = 2;
+    CHECK_OK(trisap_world_set_filter_many(world, ids + 2, &materials[0].filter, sizeof materials[0], 2));
+    uint32_t meets[TRISAP_CLASSES];
+    memset(meets, 0xff, sizeof meets);
+    meets[1] &= ~(1u << 2);
+    CHECK_OK(trisap_world_set_classes(world, meets));
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == 2 && result.lost_count == 4 && result.found_count == 0);
+    CHECK_OK(trisap_world_filter(world, ids[3], &filter));
+    CHECK(filter.object_class == 2 && filter.group == UINT32_MAX);
+
+    // All the same again, but for the rule.
+    filter = trisap_default_filter();
+    CHECK_OK(trisap_world_set_filter_many(world, ids, &filter, 0, 4));
+    for (int i = 0; i < 4; i++) {
+        CHECK_OK(trisap_world_refilter(world, ids[i]));
+    }
+    int asked = 0;
+    CHECK_OK(trisap_world_step_with_rule(world, &boxes, not_both_even, &asked, NULL, &result));
+    CHECK(result.pair_count == 5 && result.found_count == 3 && result.lost_count == 0 && asked == 6);
+    // Nothing has changed: nobody is asked.
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, not_both_even, &asked, NULL, &result));
+    CHECK(result.pair_count == 5 && asked == 6);
+    free(world);
+}
+
+static uint32_t note(void *user, trisap_id id) {
+    *(uint32_t *)user |= 1u << trisap_id_slot(id);
+    return 1;
+}
+
+static double farthest(void *user, trisap_hit hit) {
+    double *far = user;
+    *far = hit.distance > *far ? hit.distance : *far;
+    return 100.0;
+}
+
+// Answers before the first step; the same after it.
+static void queries(void) {
+    const trisap_config config = trisap_default_config(8);
+    trisap_world *world = make(&config);
+    trisap_id ids[8];
+    trisap_aabb aabbs[8];
+    for (int i = 0; i < 8; i++) {
+        aabbs[i] = cube(2.0f * (float)i);
+    }
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, 8);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    for (int round = 0; round < 2; round++) {
+        trisap_id found[8];
+        size_t count = 0;
+        const trisap_aabb wide = {{3.0f, 0.0f, 0.0f}, {6.0f, 1.0f, 1.0f}};
+        const trisap_region region = trisap_region_aabb(&wide);
+        CHECK_OK(trisap_world_overlaps(world, &region, found, 8, &count));
+        CHECK(count == 3 && found[0] == ids[1] && found[1] == ids[2] && found[2] == ids[3]);
+        uint32_t slots = 0;
+        CHECK_OK(trisap_world_visit_overlaps(world, &region, note, &slots));
+        CHECK(slots == 0xe);
+        const float corner[3] = {4.0f, 1.0f, 1.0f};
+        const trisap_region point = trisap_region_point(corner);
+        CHECK_OK(trisap_world_overlaps(world, &point, found, 8, &count));
+        CHECK(count == 1 && found[0] == ids[2]);
+        const trisap_region both[2] = {point, trisap_region_sphere(corner, 1.0f)};
+        uint32_t counts[2] = {0};
+        CHECK_OK(trisap_world_overlaps_many(world, both, sizeof both[0], 2, NULL, found, 4, counts));
+        CHECK(counts[0] == 1 && counts[1] == 2 && found[0] == ids[2] && found[4] == ids[1] && found[5] == ids[2]);
+
+        const float left[3] = {-1.0f, 0.5f, 0.5f}, right[3] = {0.5f, 0.0f, 0.0f};
+        const trisap_cast ray = trisap_cast_ray(left, right, 8.0f);
+        trisap_hit hits[8];
+        CHECK_OK(trisap_world_first_hit(world, &ray, hits));
+        CHECK(hits[0].id == ids[0] && hits[0].distance == 2.0);
+        CHECK_OK(trisap_world_hits(world, &ray, hits, 8, &count));
+        CHECK(count == 2 && hits[1].id == ids[1] && hits[1].distance == 6.0);
+        double far = 0.0;
+        CHECK_OK(trisap_world_visit_hits(world, &ray, farthest, &far));
+        CHECK(far == 6.0);
+        const trisap_aabb start = {{-1.0f, 3.0f, 0.0f}, {-0.5f, 4.0f, 1.0f}};
+        const float down[3] = {2.0f, -4.0f, 0.0f};
+        const trisap_cast casts[2] = {ray, trisap_cast_swept(&start, down)};
+        CHECK_OK(trisap_world_first_hits(world, casts, sizeof casts[0], 2, NULL, hits));
+        CHECK(hits[0].id == ids[0] && hits[1].id == ids[0] && hits[1].distance == 0.5);
+        CHECK_OK(trisap_world_nearest(world, left, hits, 3, &count));
+        CHECK(count == 3 && hits[0].id == ids[0] && hits[2].id == ids[2] && hits[2].distance == 5.0);
+        trisap_result result = trisap_default_result();
+        CHECK_OK(trisap_world_step(world, NULL, &result));
+    }
+    free(world);
+}
+
+// What rests does not look at the caller's array; another box wakes it.
+static void resting(void) {
+    const trisap_config config = trisap_default_config(2);
+    trisap_world *world = make(&config);
+    trisap_id ids[2];
+    trisap_aabb aabbs[2] = {cube(0.0f), cube(0.5f)};
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, 2);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    CHECK_OK(trisap_world_set_resting(world, ids, 2));
+    CHECK(trisap_world_is_resting(world, ids[0]) == 1 && trisap_world_is_resting(world, ids[1]) == 1);
+    aabbs[0] = aabbs[1] = cube(9.0f);
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step_over(world, &boxes, NULL, &result));
+    trisap_aabb known = cube(9.0f);
+    CHECK_OK(trisap_world_aabb(world, ids[0], &known));
+    CHECK(result.pair_count == 1 && known.min[0] == 0.0f);
+    CHECK_OK(trisap_world_wake(world, ids, 1));
+    CHECK_OK(trisap_world_step_over(world, &boxes, NULL, &result));
+    CHECK(result.pair_count == 0 && trisap_world_is_resting(world, ids[0]) == 0);
+    CHECK_OK(trisap_world_update(world, ids[1], &aabbs[1]));
+    CHECK(trisap_world_is_resting(world, ids[1]) == 0);
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == 1);
+    free(world);
+}
+
+// The tree, leaf by leaf, of a world that is large enough to have one.
+static void tree(void) {
+    enum { COUNT = 4000 };
+    const trisap_config config = trisap_default_config(COUNT);
+    trisap_world *world = make(&config);
+    trisap_aabb aabb = {{0}, {0}};
+    trisap_id id = TRISAP_NULL_ID;
+    for (int i = 0; i < COUNT; i++) {
+        for (int k = 0; k < 3; k++) {
+            aabb.min[k] = 1.5f * (float)(k == 0 ? i % 20 : k == 1 ? i / 20 % 20 : i / 400);
+            aabb.max[k] = aabb.min[k] + (i == 0 ? 1000.0f : 1.0f);
+        }
+        CHECK_OK(trisap_world_insert(world, &aabb, &id));
+    }
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    size_t count = 0, planes = 0, large = 0;
+    CHECK_STATUS(trisap_world_leaves(world, NULL, 0, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(count > 4 && count < COUNT);
+    trisap_leaf *leaves = malloc(count * sizeof *leaves);
+    trisap_plane *all = malloc(count * sizeof *all);
+    CHECK(leaves != NULL && all != NULL);
+    CHECK_OK(trisap_world_leaves(world, leaves, count, &count));
+    CHECK_OK(trisap_world_planes(world, all, count, &planes));
+    CHECK_OK(trisap_world_large(world, &id, 1, &large));
+    CHECK(large == 1 && trisap_id_slot(id) == 0);
+    size_t objects = large;
+    for (size_t i = 0; i < count; i++) {
+        objects += leaves[i].objects;
+        for (int k = 0; k < 3; k++) {
+            CHECK(leaves[i].cell.min[k] <= leaves[i].cell.max[k]);
+        }
+    }
+    CHECK(objects == COUNT);
+    CHECK(planes > 0 && planes < count && all[0].depth == 0);
+    for (size_t i = 0; i < planes; i++) {
+        const uint32_t axis = all[i].axis;
+        CHECK(axis < 3 && all[i].cell.min[axis] <= all[i].position && all[i].position <= all[i].cell.max[axis]);
+    }
+    free(leaves);
+    free(all);
+    free(world);
+}
+
+// Far from the origin, nearest rounding would lose the pair.
+static void doubles(void) {
+    const double min[3] = {1e8, 0.0, -1.0}, max[3] = {1e8 + 1.0, 0.1, 1.0}, none[3] = {0.0, 0.0, 0.0};
+    trisap_aabb aabb = trisap_aabb_from_f64(min, max, none);
+    CHECK(aabb.min[0] <= min[0] && aabb.max[0] >= max[0] && aabb.max[1] >= max[1] && aabb.max[2] == 1.0f);
+    CHECK((double)aabb.max[0] > max[0]);
+    aabb = trisap_aabb_from_f64(min, max, min);
+    CHECK(aabb.min[0] == 0.0f && aabb.max[0] == 1.0f && aabb.max[2] == 2.0f);
+    aabb = trisap_aabb_from_f64(NULL, max, none);
+    CHECK(aabb.min[0] != aabb.min[0]);
+}
+
+// A world comes back as it was, and goes on as it would have.
+static void saved(void) {
+    trisap_config config = trisap_default_config(16);
+    config.events = 1;
+    trisap_world *world = make(&config), *other = make(&config);
+    trisap_aabb aabb = cube(0.0f);
+    trisap_id first = TRISAP_NULL_ID, second = TRISAP_NULL_ID;
+    CHECK_OK(trisap_world_insert(world, &aabb, &first));
+    CHECK_OK(trisap_world_insert(world, &aabb, &second));
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    const size_t room = trisap_world_snapshot_size(world);
+    CHECK(room > 0 && room < trisap_world_bytes(world));
+    void *snapshot = malloc(room);
+    size_t size = 0;
+    CHECK_OK(trisap_world_save(world, snapshot, room, &size));
+    CHECK(size == room);
+    CHECK_OK(trisap_world_remove(world, first));
+    CHECK_OK(trisap_world_load(other, snapshot, size));
+    CHECK_OK(trisap_world_load(world, snapshot, size));
+    CHECK_OK(trisap_world_contains(world, first));
+    CHECK_OK(trisap_world_result(other, &result));
+    CHECK(result.pair_count == 1 && result.found_count == 1);
+    CHECK_OK(trisap_world_remove(other, second));
+    CHECK_OK(trisap_world_step(other, NULL, &result));
+    CHECK(result.pair_count == 0 && result.lost_count == 1);
+    free(snapshot);
+    free(other);
+    free(world);
+}
+
 // A copy of the memory goes on as the world does.
-static void snapshots(void) {
+static void copies(void) {
     const trisap_config config = trisap_default_config(16);
     trisap_world *world = make(&config);
     trisap_id ids[8];
@@ -219,7 +452,13 @@ int main(void) {
     defaults();
     singles();
     batches();
-    snapshots();
+    filters();
+    queries();
+    resting();
+    tree();
+    doubles();
+    saved();
+    copies();
     statics();
     puts("life: all checks passed");
     return 0;

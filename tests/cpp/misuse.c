@@ -90,6 +90,7 @@ static void configurations(void) {
     CONFIGURED(struct_size++, TRISAP_STATUS_STRUCT_SIZE);
     CONFIGURED(mode = 2, TRISAP_STATUS_INVALID_ARGUMENT);
     CONFIGURED(events = 2, TRISAP_STATUS_INVALID_ARGUMENT);
+    CONFIGURED(filters = 2, TRISAP_STATUS_INVALID_ARGUMENT);
     CONFIGURED(has_margin = 2, TRISAP_STATUS_INVALID_ARGUMENT);
     CONFIGURED(workers = 0, TRISAP_STATUS_CAPACITY_TOO_LARGE);
     CONFIGURED(workers = 33, TRISAP_STATUS_CAPACITY_TOO_LARGE);
@@ -271,6 +272,328 @@ static void steps(void) {
     CHECK(result.pairs == NULL);
 }
 
+static uint32_t meet_all(void *user, uint32_t a, uint32_t b) {
+    (void)user, (void)a, (void)b;
+    return 1;
+}
+
+// In a world without filters.
+static void no_filters(void) {
+    const trisap_filter all = trisap_default_filter();
+    trisap_filter out = {1, 2, 3};
+    const uint32_t meets[TRISAP_CLASSES] = {0};
+    trisap_result result = trisap_default_result();
+    REFUSED(trisap_world_set_filter(world, ids[0], &all), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_set_filter_many(world, ids, &all, 0, 3), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_filter(world, ids[0], &out), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_set_classes(world, meets), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_refilter(world, ids[0]), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_step_with_rule(world, NULL, meet_all, NULL, NULL, &result), TRISAP_STATUS_NO_FILTERS);
+    CHECK(out.group == 1 && result.pairs == NULL);
+}
+
+// In one with filters, which takes the place of `world` here.
+static void filters(void) {
+    trisap_world *const other = world;
+    unsigned char *const other_before = before;
+    const size_t other_bytes = bytes;
+    trisap_config config = trisap_default_config(CAPACITY);
+    config.filters = 1;
+    bytes = trisap_world_size(&config);
+    void *memory = aligned_alloc(trisap_world_align(), bytes);
+    before = malloc(bytes);
+    CHECK(memory != NULL && before != NULL);
+    CHECK_OK(trisap_world_init(memory, bytes, &config, &world));
+    trisap_id three[3];
+    for (int i = 0; i < 3; i++) {
+        const trisap_aabb aabb = cube(0.0f);
+        CHECK_OK(trisap_world_insert(world, &aabb, &three[i]));
+    }
+
+    trisap_filter good[3] = {trisap_default_filter(), trisap_default_filter(), trisap_default_filter()};
+    trisap_filter bad = trisap_default_filter(), out = {1, 2, 3};
+    bad.object_class = TRISAP_CLASSES;
+    const size_t stride = sizeof good[0];
+    REFUSED(trisap_world_set_filter(NULL, three[0], good), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_filter(world, three[0], NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_filter(world, 5, good), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_set_filter(world, three[0], &bad), TRISAP_STATUS_BAD_CLASS);
+    CHECK(trisap_world_error_detail(world) == TRISAP_CLASSES);
+    const trisap_filter *askew = (const trisap_filter *)(const void *)((const char *)good + 2);
+    REFUSED(trisap_world_set_filter(world, three[0], askew), TRISAP_STATUS_MISALIGNED);
+
+    // All or none: what is wrong stands at the end.
+    good[0].mask = 0;
+    good[2].object_class = UINT32_MAX;
+    REFUSED(trisap_world_set_filter_many(world, three, good, stride, 3), TRISAP_STATUS_BAD_CLASS);
+    CHECK(trisap_world_error_detail(world) == UINT32_MAX);
+    good[2].object_class = 31;
+    const trisap_id stale[3] = {three[0], three[1], three[2] + (1ull << 32)};
+    REFUSED(trisap_world_set_filter_many(world, stale, good, stride, 3), TRISAP_STATUS_STALE_ID);
+    CHECK(trisap_world_error_detail(world) == stale[2]);
+    REFUSED(trisap_world_set_filter_many(world, three, NULL, stride, 3), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_filter_many(world, NULL, good, stride, 3), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_filter_many(world, three, good, 8, 3), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_set_filter_many(world, three, good, 14, 3), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_set_filter_many(world, three, askew, stride, 3), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_set_filter_many(world, three, good, SIZE_MAX - 3, 3), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_set_filter_many(world, three, (const trisap_filter *)(const void *)world, stride, 3),
+            TRISAP_STATUS_OVERLAP);
+    CHECK_OK(trisap_world_set_filter_many(world, three, good, stride, 3));
+    CHECK_OK(trisap_world_set_filter_many(world, NULL, NULL, stride, 0));
+
+    REFUSED(trisap_world_filter(world, three[2], NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_filter(world, 5, &out), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_filter(world, three[2], (trisap_filter *)(void *)world), TRISAP_STATUS_OVERLAP);
+    CHECK(out.group == 1);
+    CHECK_OK(trisap_world_filter(world, three[2], &out));
+    CHECK(out.object_class == 31);
+    REFUSED(trisap_world_set_classes(world, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_classes(world, (const uint32_t *)(const void *)((const char *)good + 1)),
+            TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_set_classes(world, (const uint32_t *)(const void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_refilter(world, stale[2]), TRISAP_STATUS_STALE_ID);
+
+    trisap_result result = trisap_default_result();
+    REFUSED(trisap_world_step_with_rule(world, NULL, NULL, NULL, NULL, &result), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_step_with_rule(world, NULL, meet_all, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    trisap_boxes view = trisap_default_boxes(NULL, 0);
+    view.struct_size = 0;
+    REFUSED(trisap_world_step_with_rule(world, &view, meet_all, NULL, NULL, &result), TRISAP_STATUS_STRUCT_SIZE);
+    trisap_jobs jobs = trisap_default_jobs();
+    jobs.worker_count = 0;
+    REFUSED(trisap_world_step_with_rule(world, NULL, meet_all, NULL, &jobs, &result), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(result.pairs == NULL);
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, meet_all, NULL, NULL, &result));
+    CHECK(result.pair_count == 1);
+    free(memory);
+    free(before);
+    world = other;
+    before = other_before;
+    bytes = other_bytes;
+}
+
+static uint32_t visit_none(void *user, trisap_id id) {
+    (void)id;
+    *(int *)user += 1;
+    return 0;
+}
+
+static double visit_no_hit(void *user, trisap_hit hit) {
+    (void)hit;
+    *(int *)user += 1;
+    return -1.0;
+}
+
+// A visitor that calls into its world is refused, and the visit goes on.
+static uint32_t meddle(void *user, trisap_id id) {
+    const trisap_aabb aabb = cube(0.0f);
+    trisap_result result = trisap_default_result();
+    trisap_id out = 0;
+    size_t count = 77;
+    CHECK_STATUS(trisap_world_update(world, id, &aabb), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_remove(world, id), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_set_resting(world, &id, 1), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_load(world, &id, 8), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_large(world, &out, 1, &count), TRISAP_STATUS_BUSY);
+    CHECK(trisap_world_len(world) == 0 && trisap_world_snapshot_size(world) == 0 && count == 77);
+    *(int *)user += 1;
+    return 1;
+}
+
+static void regions(void) {
+    const trisap_aabb aabb = cube(0.0f);
+    const trisap_region good = trisap_region_aabb(&aabb);
+    trisap_id out[CAPACITY] = {77};
+    size_t count = 77;
+    int visits = 0;
+    const float center[3] = {0.0f, 0.0f, 0.0f};
+    trisap_region bad[7] = {trisap_region_aabb(NULL), trisap_region_point(NULL), trisap_region_sphere(NULL, 1.0f),
+                            trisap_region_sphere(center, -1.0f), trisap_region_sphere(center, NAN), good, good};
+    bad[5].kind = 7;
+    bad[6].min[1] = 2.0f;
+    for (int i = 0; i < 7; i++) {
+        REFUSED(trisap_world_overlaps(world, &bad[i], out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_visit_overlaps(world, &bad[i], visit_none, &visits), TRISAP_STATUS_BAD_QUERY);
+    }
+    REFUSED(trisap_world_overlaps(NULL, &good, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, (trisap_id *)(void *)world, 1, &count), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_overlaps(world, &good, out, 1, (size_t *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_overlaps(world, &good, out, SIZE_MAX / 4, &count), TRISAP_STATUS_INVALID_ARGUMENT);
+    trisap_id *askew = (trisap_id *)(void *)((char *)out + 4);
+    REFUSED(trisap_world_overlaps(world, &good, askew, 1, &count), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_visit_overlaps(world, &good, NULL, &visits), TRISAP_STATUS_NULL_POINTER);
+    CHECK(out[0] == 77 && count == 77 && visits == 0);
+    // Nothing but the number.
+    REFUSED(trisap_world_overlaps(world, &good, NULL, 0, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(count == 2 && trisap_world_error_detail(world) == 2);
+    REFUSED(trisap_world_visit_overlaps(world, &good, visit_none, &visits), TRISAP_STATUS_OK);
+    CHECK(visits == 1);
+    REFUSED(trisap_world_visit_overlaps(world, &good, meddle, &visits), TRISAP_STATUS_OK);
+    CHECK(visits == 3);
+
+    // In a batch the position is told, and what there was to be written is null.
+    trisap_region batch[3] = {good, good, good};
+    uint32_t counts[3] = {77, 77, 77};
+    const size_t stride = sizeof good;
+#define BATCH(...) trisap_world_overlaps_many(world, __VA_ARGS__)
+    REFUSED(BATCH(NULL, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, 4, counts), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, 31, 3, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, 33, 3, NULL, out, 4, counts), TRISAP_STATUS_MISALIGNED);
+    REFUSED(BATCH(batch, stride, SIZE_MAX / 8, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, stride, 3, NULL, out, SIZE_MAX / 2, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH((const trisap_region *)(const void *)world, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_OVERLAP);
+    trisap_jobs jobs = trisap_default_jobs();
+    jobs.worker_count = 0;
+    REFUSED(BATCH(batch, stride, 3, &jobs, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(counts[0] == 77);
+    batch[2] = bad[5];
+    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
+    CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 0 && out[0] == TRISAP_NULL_ID);
+    batch[2] = bad[4];
+    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
+    CHECK(trisap_world_error_detail(world) == 2);
+    REFUSED(BATCH(batch, stride, 2, NULL, out, 1, counts), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 2 && counts[1] == 2);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, 0, counts), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(BATCH(batch, stride, 2, NULL, out, 2, counts), TRISAP_STATUS_OK);
+    CHECK(out[0] == ids[0] && out[1] == ids[1] && out[2] == ids[0] && out[3] == ids[1]);
+    REFUSED(BATCH(NULL, stride, 0, NULL, NULL, 9, NULL), TRISAP_STATUS_OK);
+#undef BATCH
+}
+
+static void casts(void) {
+    const float origin[3] = {-1.0f, 0.5f, 0.5f}, direction[3] = {1.0f, 0.0f, 0.0f};
+    const trisap_cast good = trisap_cast_ray(origin, direction, INFINITY);
+    const trisap_aabb aabb = cube(0.0f);
+    trisap_hit out[CAPACITY] = {{77, 7.0}};
+    size_t count = 77;
+    int visits = 0;
+    trisap_cast bad[7] = {trisap_cast_ray(NULL, direction, 1.0f), trisap_cast_ray(origin, NULL, 1.0f),
+                          trisap_cast_ray(origin, direction, -1.0f), trisap_cast_ray(origin, direction, NAN),
+                          trisap_cast_swept(NULL, direction), trisap_cast_swept(&aabb, NULL), good};
+    bad[6].start.min[2] = -INFINITY;
+    for (int i = 0; i < 7; i++) {
+        REFUSED(trisap_world_first_hit(world, &bad[i], out), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_hits(world, &bad[i], out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_visit_hits(world, &bad[i], visit_no_hit, &visits), TRISAP_STATUS_BAD_QUERY);
+    }
+    REFUSED(trisap_world_first_hit(world, NULL, out), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit(world, &good, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit(world, &good, (trisap_hit *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_hits(world, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_hits(world, &good, NULL, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_hits(world, &good, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_visit_hits(world, &good, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(out[0].id == 77 && count == 77 && visits == 0);
+    REFUSED(trisap_world_hits(world, &good, out, 3, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(count == OBJECTS);
+    REFUSED(trisap_world_visit_hits(world, &good, visit_no_hit, &visits), TRISAP_STATUS_OK);
+    CHECK(visits == 1);
+
+    const float nowhere[3] = {NAN, 0.0f, 0.0f}, far_away[3] = {0.0f, INFINITY, 0.0f};
+    REFUSED(trisap_world_nearest(world, nowhere, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_nearest(world, far_away, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_nearest(world, NULL, out, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, out, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, (trisap_hit *)(void *)world, 1, &count), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_nearest(world, origin, NULL, 0, &count), TRISAP_STATUS_OK);
+    CHECK(count == 0);
+
+    trisap_cast batch[3] = {good, good, bad[0]};
+    const size_t stride = sizeof good;
+    out[0].id = 77;
+    REFUSED(trisap_world_first_hits(world, NULL, stride, 3, NULL, out), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hits(world, batch, 36, 3, NULL, out), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_first_hits(world, batch, 42, 3, NULL, out), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, (trisap_hit *)(void *)world), TRISAP_STATUS_OVERLAP);
+    CHECK(out[0].id == 77);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, out), TRISAP_STATUS_BAD_QUERY);
+    CHECK(trisap_world_error_detail(world) == 2 && out[0].id == TRISAP_NULL_ID && out[1].id == TRISAP_NULL_ID);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 2, NULL, out), TRISAP_STATUS_OK);
+    CHECK(out[1].id == ids[0] && out[1].distance == 1.0);
+}
+
+static void resting(void) {
+    const trisap_id stale[2] = {ids[0], 5};
+    REFUSED(trisap_world_set_resting(world, stale, 2), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_wake(world, stale, 2), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_set_resting(world, NULL, 2), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_wake(world, (const trisap_id *)(const void *)world, 2), TRISAP_STATUS_OVERLAP);
+    CHECK(trisap_world_is_resting(world, ids[0]) == 0 && trisap_world_is_resting(world, 5) == 0);
+    CHECK(trisap_world_is_resting(NULL, ids[0]) == 0);
+}
+
+static void views(void) {
+    size_t count = 77;
+    trisap_leaf leaf;
+    REFUSED(trisap_world_leaves(world, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_leaves(world, &leaf, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_planes(world, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_large(world, (trisap_id *)(void *)world, 1, &count), TRISAP_STATUS_OVERLAP);
+    CHECK(count == 77);
+    // There is no tree.
+    REFUSED(trisap_world_leaves(world, NULL, 0, &count), TRISAP_STATUS_OK);
+    CHECK(count == 0);
+}
+
+// Bytes that are no snapshot of this world, each by itself.
+static void snapshots(void) {
+    const size_t size = trisap_world_snapshot_size(world);
+    unsigned char *snapshot = malloc(size + 1), *broken = malloc(size + 1);
+    CHECK(snapshot != NULL && broken != NULL && size > 0);
+    size_t count = 77;
+    REFUSED(trisap_world_save(world, NULL, size, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_save(world, snapshot, size, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_save(world, world, size, &count), TRISAP_STATUS_OVERLAP);
+    CHECK(count == 77);
+    REFUSED(trisap_world_save(world, NULL, 0, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(count == size && trisap_world_error_detail(world) == size);
+    REFUSED(trisap_world_save(world, snapshot, size - 1, &count), TRISAP_STATUS_OUTPUT_FULL);
+    // No alignment is asked for.
+    REFUSED(trisap_world_save(world, snapshot + 1, size, &count), TRISAP_STATUS_OK);
+    memmove(snapshot, snapshot + 1, size);
+
+    REFUSED(trisap_world_load(world, NULL, size), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_load(world, world, size), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_load(world, snapshot, 0), TRISAP_STATUS_BAD_SNAPSHOT);
+    for (size_t i = 0; i < size; i++) {
+        REFUSED(trisap_world_load(world, snapshot, i), TRISAP_STATUS_BAD_SNAPSHOT);
+        memcpy(broken, snapshot, size);
+        broken[i] = (unsigned char)(broken[i] ^ 1u << i % 8);
+        REFUSED(trisap_world_load(world, broken, size), TRISAP_STATUS_BAD_SNAPSHOT);
+    }
+    memset(broken, 0, size);
+    REFUSED(trisap_world_load(world, broken, size), TRISAP_STATUS_BAD_SNAPSHOT);
+
+    // Of another capacity.
+    trisap_config config;
+    memset(&config, 0, sizeof config);
+    config.struct_size = sizeof config;
+    CHECK_OK(trisap_world_config(world, &config));
+    config.pairs++;
+    void *memory = aligned_alloc(trisap_world_align(), trisap_world_size(&config));
+    trisap_world *foreign = NULL;
+    CHECK_OK(trisap_world_init(memory, trisap_world_size(&config), &config, &foreign));
+    CHECK_STATUS(trisap_world_load(foreign, snapshot, size), TRISAP_STATUS_BAD_SNAPSHOT);
+    CHECK(trisap_world_len(foreign) == 0);
+    free(memory);
+
+    CHECK_OK(trisap_world_load(world, snapshot, size));
+    CHECK_OK(trisap_world_validate(world));
+    CHECK(trisap_world_len(world) == OBJECTS);
+    free(snapshot);
+    free(broken);
+}
+
 // More pairs than fit: the prefix is there, the world goes on, and the events come when all pairs fit again.
 static void full_pairs(void) {
     trisap_result result = trisap_default_result();
@@ -307,6 +630,13 @@ int main(void) {
     boxes();
     stale_ids();
     steps();
+    no_filters();
+    filters();
+    regions();
+    casts();
+    resting();
+    views();
+    snapshots();
     full_pairs();
     free(world);
     free(before);

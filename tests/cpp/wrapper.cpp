@@ -29,6 +29,8 @@ static_assert(std::is_nothrow_move_assignable_v<trisap::World>);
 static_assert(std::is_nothrow_default_constructible_v<trisap::World>);
 static_assert(noexcept(std::declval<trisap::World &>().step()));
 static_assert(noexcept(trisap_world_len(nullptr)));
+static_assert(noexcept(std::declval<trisap::World &>().step_with_rule(std::declval<bool (&)(unsigned, unsigned)>())));
+static_assert(noexcept(std::declval<const trisap::World &>().overlaps({}, {})));
 
 // The allocation that the wrapper makes, so that it can fail.
 static int allocations_left = 1000;
@@ -152,11 +154,97 @@ static void views() {
     CHECK_OK(world.validate());
 }
 
+static bool odd_sum(std::uint32_t a, std::uint32_t b) { return (a + b) % 2 == 1; }
+
+/// Callables of every kind, and nothing of theirs is allocated.
+static void callables() {
+    trisap::World world;
+    trisap::Config config = trisap::config(8);
+    config.filters = 1;
+    allocations_left = 1;
+    CHECK_OK(world.init(config));
+    trisap::Id ids[8] = {};
+    const std::array<trisap::Aabb, 8> boxes = {cube(0), cube(0), cube(0), cube(0), cube(9), cube(9), cube(9), cube(9)};
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    CHECK(world.step_with_rule(odd_sum).pairs.size() == 8);
+    struct Counting {
+        int asked = 0;
+        bool operator()(std::uint32_t, std::uint32_t) { return ++asked > 0; }
+    } counting;
+    CHECK_OK(world.set_filter(ids, trisap::filter()));
+    for (const trisap::Id id : ids) {
+        CHECK_OK(world.refilter(id));
+    }
+    CHECK(world.step_over_with_rule(trisap::boxes(boxes), counting).pairs.size() == 12 && counting.asked == 12);
+    auto jobs = trisap::jobs(2, [](std::uint32_t, trisap::Task) {});
+    CHECK(world.step_over_with_rule(trisap::boxes(boxes), counting, jobs).pairs.size() == 12);
+    CHECK(world.step_with_rule(counting, jobs).pairs.size() == 12);
+
+    const auto ignore = [](trisap::Id) {};
+    CHECK_OK(world.visit_overlaps(trisap::region(cube(0)), ignore));
+    int visits = 0;
+    CHECK_OK(world.visit_overlaps(trisap::region(cube(0)), [&](trisap::Id) { return ++visits < 2; }));
+    CHECK(visits == 2);
+    const float left[3] = {-1.0f, 0.5f, 0.5f}, right[3] = {1.0f, 0.0f, 0.0f};
+    const trisap::Cast ray = trisap::ray(left, right);
+    visits = 0;
+    CHECK_OK(world.visit_hits(ray, [&](const trisap::Hit &) { visits++; }));
+    CHECK(visits == 8);
+    CHECK(world.first_hit(trisap::ray(left, right, 0.5f)).id == trisap::null_id);
+    CHECK(world.first_hit(ray).id == ids[0] && world.first_hit(trisap::swept(cube(-3), right)).id == trisap::null_id);
+
+    trisap::Status why = TRISAP_STATUS_OK;
+    CHECK(world.first_hit(trisap::ray(nullptr, right), &why).id == trisap::null_id && why == TRISAP_STATUS_BAD_QUERY);
+    std::array<trisap::Hit, 1> one = {};
+    const std::array<trisap::Cast, 2> two = {ray, ray};
+    CHECK_STATUS(world.first_hits(two, one), TRISAP_STATUS_INVALID_ARGUMENT);
+    const std::array<trisap::Region, 1> regions = {trisap::point(left)};
+    CHECK_STATUS(world.overlaps_many(regions, {}, {}), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(world.hits(ray, one).status == TRISAP_STATUS_OUTPUT_FULL && world.hits(ray, one).needed == 8);
+    CHECK(world.nearest(left, one).size() == 1);
+    CHECK_STATUS(world.set_filter(ids, trisap::View<const trisap::Filter>()), TRISAP_STATUS_INVALID_ARGUMENT);
+
+    // Groups and classes.
+    CHECK_OK(world.set_filter(ids[0], trisap::groups(1, 2)));
+    CHECK_OK(world.set_filter(ids[1], trisap::object_class(3)));
+    trisap::Filter filter = {};
+    CHECK_OK(world.filter(ids[1], filter));
+    CHECK(filter.object_class == 3 && filter.mask == 0xffffffff);
+    std::uint32_t meets[TRISAP_CLASSES] = {1};
+    CHECK_OK(world.set_classes(meets));
+    CHECK(world.step_with_rule(counting).pairs.size() == 9);
+    CHECK_OK(world.set_filter(ids[2], trisap::groups(4, 1)));
+    CHECK(world.step_with_rule(counting).pairs.size() == 8);
+
+    // Resting, snapshots.
+    CHECK_OK(world.set_resting(ids));
+    CHECK(world.is_resting(ids[7]));
+    CHECK_OK(world.wake({ids + 7, 1}));
+    CHECK(!world.is_resting(ids[7]));
+    std::vector<std::byte> room(world.snapshot_size() + 10);
+    const trisap::Answers<std::byte> saved = world.save(room);
+    CHECK(saved && saved.size() + 10 == room.size() && saved.needed == saved.size());
+    CHECK_OK(world.remove(ids));
+    CHECK_STATUS(world.load(room), TRISAP_STATUS_OK);
+    CHECK(world.size() == 8 && world.result().pairs.size() == 8);
+    room[30] ^= std::byte(1);
+    CHECK_STATUS(world.load(saved.items), TRISAP_STATUS_BAD_SNAPSHOT);
+    CHECK(world.leaves({}) && world.planes({}) && world.large({}));
+    const double low[3] = {0.1, 0.1, 0.1}, high[3] = {0.2, 0.2, 0.2}, origin[3] = {};
+    CHECK(trisap::aabb_from_f64(low, high, origin).min[0] <= 0.1);
+
+    trisap::World none;
+    CHECK_STATUS(none.step_with_rule(odd_sum).status, TRISAP_STATUS_NULL_POINTER);
+    CHECK(none.overlaps(regions[0], ids).status == TRISAP_STATUS_NULL_POINTER && none.snapshot_size() == 0);
+    allocations_left = 1000;
+}
+
 int main() {
     CHECK(trisap::abi_matches());
     moves();
     refusals();
     views();
+    callables();
     std::puts("wrapper: all checks passed");
     return 0;
 }

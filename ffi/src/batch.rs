@@ -1,0 +1,137 @@
+//! Many queries in one call, shared by the caller's workers.
+
+use crate::border::{self, Items};
+use crate::jobs::executor;
+use crate::query::{trisap_cast, trisap_hit, trisap_region};
+use crate::status::{Refusal, trisap_status};
+use crate::structs::{trisap_id, trisap_jobs};
+use crate::world::{Call, trisap_world, with};
+use core::ffi::CStr;
+use trisap_core::{Cast, Error, Kernels, Region};
+
+const NAME: &CStr = c"trisap queries";
+
+/// Queries that are handed out at once. They are copied to the stack in the core's form.
+const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 512 };
+
+/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
+/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_first_hits(
+    world: *const trisap_world,
+    casts: *const trisap_cast,
+    stride: usize,
+    count: usize,
+    jobs: *const trisap_jobs,
+    hits: *mut trisap_hit,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let casts = unsafe { Items::new(casts, stride, count, &range)? };
+        // SAFETY: the caller's promise.
+        let executor = unsafe { executor(jobs, NAME)? };
+        // SAFETY: the caller's promise.
+        let mut hits = unsafe { border::Hits::new(hits, count, &range)? };
+        let world = call.world()?;
+        let mut block = [Cast::ray([0.0; 3], [0.0; 3], 0.0); BLOCK];
+        let out = hits.as_options();
+        let outcome = in_blocks(
+            &casts,
+            &mut block,
+            |cast| Some(cast.into()),
+            |start, casts| {
+                let out = out.get_mut(start..).unwrap_or_default();
+                world.first_hits(casts, Kernels::detect(), &executor, out)
+            },
+        );
+        if outcome.is_err() {
+            out.fill(None);
+        }
+        hits.settle();
+        outcome
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
+/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
+/// null.
+///
+/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
+/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
+/// written to them.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_overlaps_many(
+    world: *const trisap_world,
+    regions: *const trisap_region,
+    stride: usize,
+    count: usize,
+    jobs: *const trisap_jobs,
+    ids: *mut trisap_id,
+    room: usize,
+    counts: *mut u32,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let regions = unsafe { Items::new(regions, stride, count, &range)? };
+        // SAFETY: the caller's promise.
+        let executor = unsafe { executor(jobs, NAME)? };
+        let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
+        if count > 0 {
+            border::span(counts, count, &range)?;
+        }
+        // SAFETY: the caller's promise.
+        let (ids, counts) =
+            unsafe { (border::new_ids(ids, all, &range)?, border::zeros(counts, count, &range)?) };
+        let world = call.world()?;
+        let mut block = [Region::Point([0.0; 3]); BLOCK];
+        let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
+            let ids = ids.get_mut(start * room..(start + regions.len()) * room).unwrap_or_default();
+            let counts = counts.get_mut(start..).unwrap_or_default();
+            match world.overlaps_many(regions, Kernels::detect(), &executor, ids, counts) {
+                // The others may have room enough.
+                Err(Error::OutputFull { .. }) => Ok(()),
+                outcome => outcome,
+            }
+        });
+        if outcome.is_err() {
+            ids.fill(None);
+            counts.fill(0);
+        }
+        outcome?;
+        match counts.iter().copied().max() {
+            Some(most) if most as usize > room => Err(Error::OutputFull { needed: u64::from(most) }.into()),
+            _ => Ok(()),
+        }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Hands queries on, block by block, with the position of the first one of each block.
+fn in_blocks<C: Copy, Q>(
+    queries: &Items<C>,
+    block: &mut [Q; BLOCK],
+    convert: impl Fn(C) -> Option<Q>,
+    mut answer: impl FnMut(usize, &[Q]) -> Result<(), Error>,
+) -> Result<(), Refusal> {
+    let position = |start: usize, index: usize| Error::BadQuery { index: (start + index) as u32 };
+    for start in (0..queries.len()).step_by(BLOCK) {
+        let mut filled = 0;
+        for (index, query) in block.iter_mut().enumerate() {
+            let Some(given) = queries.get(start + index) else { break };
+            *query = convert(given).ok_or(position(start, index))?;
+            filled += 1;
+        }
+        answer(start, block.get(..filled).unwrap_or_default()).map_err(|error| match error {
+            Error::BadQuery { index } => position(start, index as usize),
+            error => error,
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,152 @@
+//! Whom an object meets.
+
+use crate::border;
+use crate::objects::living;
+use crate::status::{Refusal, trisap_status};
+use crate::structs::trisap_id;
+use crate::world::{Call, trisap_world, with};
+use trisap_core::{Error, Filter};
+
+/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
+/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct trisap_filter {
+    /// The groups that the object is in, one bit each. By default all.
+    pub group: u32,
+    /// The groups that it meets. By default all.
+    pub mask: u32,
+    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    pub object_class: u32,
+}
+
+impl From<trisap_filter> for Filter {
+    fn from(filter: trisap_filter) -> Self {
+        Self { group: filter.group, mask: filter.mask, class: filter.object_class }
+    }
+}
+
+impl From<Filter> for trisap_filter {
+    fn from(filter: Filter) -> Self {
+        Self { group: filter.group, mask: filter.mask, object_class: filter.class }
+    }
+}
+
+/// What a new object has: in all groups, meets all groups, class 0.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_filter() -> trisap_filter {
+    Filter::ALL.into()
+}
+
+/// Sets whom an object meets. Its pairs follow at the next step. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_filter(
+    world: *mut trisap_world,
+    id: trisap_id,
+    filter: *const trisap_filter,
+) -> trisap_status {
+    let set = |call: &mut Call| {
+        border::check(filter)?;
+        // SAFETY: aligned, not null, and initialised by the caller's promise.
+        let filter = unsafe { filter.read() };
+        Ok(call.world()?.set_filter(living(id)?, filter.into())?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, set) }
+}
+
+/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
+/// stride of 0 all get the same one. O(n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_filter_many(
+    world: *mut trisap_world,
+    ids: *const trisap_id,
+    filters: *const trisap_filter,
+    stride: usize,
+    count: usize,
+) -> trisap_status {
+    let set = |call: &mut Call| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let (ids, filters) = unsafe {
+            (border::ids(ids, count, &range)?, border::Items::new(filters, stride, count, &range)?)
+        };
+        let mut world = call.world()?;
+        let filters = || ids.iter().enumerate().filter_map(|(at, id)| Some((*id, filters.get(at)?)));
+        // What the core would refuse shows before anything is done.
+        for (id, filter) in filters() {
+            if !world.contains(id) {
+                return Err(Error::StaleId { id }.into());
+            }
+            if filter.object_class >= CLASSES {
+                return Err(Error::BadClass { class: filter.object_class }.into());
+            }
+        }
+        for (id, filter) in filters() {
+            world.set_filter(id, filter.into())?;
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, set) }
+}
+
+/// Writes whom an object meets to `filter`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_filter(
+    world: *const trisap_world,
+    id: trisap_id,
+    filter: *mut trisap_filter,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        border::span(filter, 1, &call.range())?;
+        let id = living(id)?;
+        let world = call.world()?;
+        let refusal = if world.contains(id) { Error::NoFilters } else { Error::StaleId { id } };
+        let known = world.filter(id).ok_or(refusal)?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { filter.write(known.into()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// The classes that there can be.
+pub const TRISAP_CLASSES: u32 = 32;
+const CLASSES: u32 = TRISAP_CLASSES;
+
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
+/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
+/// O(n).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_classes(
+    world: *mut trisap_world,
+    meets: *const u32,
+) -> trisap_status {
+    let set = |call: &mut Call| {
+        let meets = meets.cast::<[u32; CLASSES as usize]>();
+        border::span(meets, 1, &call.range())?;
+        // SAFETY: aligned, not null, and by the caller's promise as many as there are classes.
+        let meets = unsafe { meets.read() };
+        Ok(call.world()?.set_classes(&meets)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, set) }
+}
+
+/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_refilter(world: *mut trisap_world, id: trisap_id) -> trisap_status {
+    // SAFETY: the caller's promise.
+    unsafe { with(world, |call| Ok::<(), Refusal>(call.world()?.refilter(living(id)?)?)) }
+}
+
+// The header asserts the same on the other side of the border.
+const _: () = assert!(size_of::<trisap_filter>() == 12);

@@ -1,0 +1,336 @@
+//! What is in a region, what a moving box meets, what is nearest: questions between two steps.
+//!
+//! Answers are those of the boxes as they are now. Each needs no step before it.
+
+use crate::border::{self, Answers};
+use crate::status::{Refusal, trisap_status};
+use crate::structs::{TRISAP_NULL_ID, trisap_aabb, trisap_id};
+use crate::world::{Call, trisap_world, with};
+use core::ffi::c_void;
+use core::ops::ControlFlow;
+use trisap_core::{Cast, Error, Hit, Id, Kernels, Region};
+
+/// A box: for `trisap_region::kind`.
+pub const TRISAP_REGION_AABB: u32 = 0;
+/// A ball: for `trisap_region::kind`.
+pub const TRISAP_REGION_SPHERE: u32 = 1;
+
+/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
+/// `trisap_region_point` or `trisap_region_sphere`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_region {
+    /// One of `TRISAP_REGION_...`.
+    pub kind: u32,
+    /// The radius of a ball, zero or more; infinite holds everything.
+    pub radius: f32,
+    /// The lowest corner of a box; the centre of a ball.
+    pub min: [f32; 3],
+    /// The highest corner of a box.
+    pub max: [f32; 3],
+}
+
+impl trisap_region {
+    /// The region, if it is of a known kind.
+    pub(crate) fn to_core(self) -> Option<Region> {
+        match self.kind {
+            TRISAP_REGION_AABB => Some(Region::Aabb(trisap_core::Aabb::new(self.min, self.max))),
+            TRISAP_REGION_SPHERE => Some(Region::Sphere { center: self.min, radius: self.radius }),
+            _ => None,
+        }
+    }
+}
+
+/// A box, or a point, that moves along a line. Made by `trisap_cast_ray` or `trisap_cast_swept`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_cast {
+    /// Where it starts; a ray starts as a box of one point. Finite.
+    pub start: trisap_aabb,
+    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    pub direction: [f32; 3],
+    /// How far it moves, in units of `direction`. Zero or more; may be infinite.
+    pub distance: f32,
+}
+
+impl From<trisap_cast> for Cast {
+    fn from(cast: trisap_cast) -> Self {
+        Self { start: cast.start.into(), direction: cast.direction, distance: cast.distance }
+    }
+}
+
+/// An object that a cast meets, or that is near a point.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct trisap_hit {
+    /// The object.
+    pub id: trisap_id,
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
+    /// the nearest objects: the distance.
+    pub distance: f64,
+}
+
+impl From<Hit> for trisap_hit {
+    fn from(hit: Hit) -> Self {
+        Self { id: hit.id.to_bits(), distance: hit.distance }
+    }
+}
+
+impl trisap_hit {
+    /// No object.
+    pub(crate) const NONE: Self = Self { id: TRISAP_NULL_ID, distance: 0.0 };
+}
+
+/// The caller's point. From null one of NaN, which every use refuses.
+///
+/// # Safety
+/// A pointer that is not null points to three numbers.
+pub(crate) unsafe fn point<T: Copy>(first: *const T, nan: T) -> [T; 3] {
+    if first.is_null() {
+        return [nan; 3];
+    }
+    // SAFETY: not null, and by the caller's promise three numbers; no alignment is asked for.
+    unsafe { first.cast::<[T; 3]>().read_unaligned() }
+}
+
+/// A box to look in. Of null, a region that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_region_aabb(aabb: *const trisap_aabb) -> trisap_region {
+    // SAFETY: the caller's promise.
+    let min = unsafe { point(aabb.cast::<f32>(), f32::NAN) };
+    let max = if aabb.is_null() { aabb.cast::<f32>() } else { aabb.cast::<f32>().wrapping_add(3) };
+    // SAFETY: the caller's promise.
+    let max = unsafe { point(max, f32::NAN) };
+    trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max }
+}
+
+/// A point to look at, of three numbers. Of null, a region that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_region_point(position: *const f32) -> trisap_region {
+    // SAFETY: the caller's promise.
+    let min = unsafe { point(position, f32::NAN) };
+    trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max: min }
+}
+
+/// A ball to look in; its centre is three numbers. Of null, a region that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_region_sphere(center: *const f32, radius: f32) -> trisap_region {
+    // SAFETY: the caller's promise.
+    let min = unsafe { point(center, f32::NAN) };
+    trisap_region { kind: TRISAP_REGION_SPHERE, radius, min, max: min }
+}
+
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_cast_ray(
+    origin: *const f32,
+    direction: *const f32,
+    distance: f32,
+) -> trisap_cast {
+    // SAFETY: the caller's promise.
+    let (origin, direction) = unsafe { (point(origin, f32::NAN), point(direction, f32::NAN)) };
+    trisap_cast { start: trisap_aabb { min: origin, max: origin }, direction, distance }
+}
+
+/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_cast_swept(start: *const trisap_aabb, direction: *const f32) -> trisap_cast {
+    // SAFETY: the caller's promise.
+    let (start, direction) = unsafe { (trisap_region_aabb(start), point(direction, f32::NAN)) };
+    trisap_cast { start: trisap_aabb { min: start.min, max: start.max }, direction, distance: 1.0 }
+}
+
+/// # Safety
+/// A pointer that is not null points to a region.
+unsafe fn region(region: *const trisap_region) -> Result<Region, Refusal> {
+    border::check(region)?;
+    // SAFETY: aligned, not null, and initialised by the caller's promise.
+    let region = unsafe { region.read() };
+    Ok(region.to_core().ok_or(Error::BadQuery { index: 0 })?)
+}
+
+/// # Safety
+/// A pointer that is not null points to a cast.
+unsafe fn cast(cast: *const trisap_cast) -> Result<Cast, trisap_status> {
+    border::check(cast)?;
+    // SAFETY: aligned, not null, and initialised by the caller's promise.
+    Ok(unsafe { cast.read() }.into())
+}
+
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and their
+/// number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `ids` holds some of them.
+/// O(log n + answers + movers since the last step).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_overlaps(
+    world: *const trisap_world,
+    region: *const trisap_region,
+    ids: *mut trisap_id,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let (region, mut answers) =
+            unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
+        call.world()?.visit_overlaps(&region, Kernels::detect(), &mut |id| {
+            answers.push(id.to_bits());
+            ControlFlow::Continue(())
+        })?;
+        answers.written().sort_unstable_by_key(|id| *id as u32);
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
+pub type trisap_visit_id = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
+
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for the
+/// same calls. `user` is handed to the visitor.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_visit_overlaps(
+    world: *const trisap_world,
+    region: *const trisap_region,
+    visit: trisap_visit_id,
+    user: *mut c_void,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let visit = visit.ok_or(trisap_status::NullPointer)?;
+        // SAFETY: the caller's promise.
+        let region = unsafe { self::region(region)? };
+        let mut visit = |id: Id| {
+            // SAFETY: called as its contract says.
+            match unsafe { visit(user, id.to_bits()) } {
+                0 => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            }
+        };
+        Ok(call.world()?.visit_overlaps(&region, Kernels::detect(), &mut visit)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where it meets
+/// none, `TRISAP_NULL_ID`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_first_hit(
+    world: *const trisap_world,
+    cast: *const trisap_cast,
+    hit: *mut trisap_hit,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        border::span(hit, 1, &call.range())?;
+        // SAFETY: the caller's promise.
+        let cast = unsafe { self::cast(cast)? };
+        let first = call.world()?.first_hit(&cast, Kernels::detect())?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near ones by
+/// ascending slot, and their number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `hits` holds some
+/// of them.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_hits(
+    world: *const trisap_world,
+    cast: *const trisap_cast,
+    hits: *mut trisap_hit,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let (cast, mut answers) =
+            unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
+        call.world()?.visit_hits(&cast, Kernels::detect(), &mut |hit| {
+            answers.push(trisap_hit::from(hit));
+            f64::INFINITY
+        })?;
+        let by_slot = |hit: &trisap_hit| hit.id as u32;
+        answers
+            .written()
+            .sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(by_slot(a).cmp(&by_slot(b))));
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
+/// less than zero to stop. Every call into the same world is refused as busy.
+pub type trisap_visit_hit = Option<unsafe extern "C" fn(user: *mut c_void, hit: trisap_hit) -> f64>;
+
+/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to the
+/// visitor.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_visit_hits(
+    world: *const trisap_world,
+    cast: *const trisap_cast,
+    visit: trisap_visit_hit,
+    user: *mut c_void,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let visit = visit.ok_or(trisap_status::NullPointer)?;
+        // SAFETY: the caller's promise.
+        let cast = unsafe { self::cast(cast)? };
+        // SAFETY: called as its contract says.
+        let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
+        Ok(call.world()?.visit_hits(&cast, Kernels::detect(), &mut visit)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the nearest
+/// first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are no more
+/// objects.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_nearest(
+    world: *const trisap_world,
+    position: *const f32,
+    hits: *mut trisap_hit,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        let range = call.range();
+        border::check(position)?;
+        border::span(count, 1, &range)?;
+        // SAFETY: the caller's promise.
+        let position = unsafe { point(position, f32::NAN) };
+        let world = call.world()?;
+        // SAFETY: the caller's promise.
+        let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
+        let found = world.nearest(position, Kernels::detect(), hits.as_options());
+        hits.settle();
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { count.write(found?) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+// The header asserts the same on the other side of the border.
+const _: () = {
+    assert!(size_of::<trisap_region>() == 32);
+    assert!(size_of::<trisap_cast>() == 40);
+    assert!(size_of::<trisap_hit>() == 16);
+};

@@ -1,0 +1,82 @@
+//! Snapshots: a world as plain bytes, for rollback and for files.
+
+use crate::border;
+use crate::status::trisap_status;
+use crate::world::{Call, trisap_world, with};
+use core::ffi::c_void;
+use trisap_core::Error;
+
+/// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) -> usize {
+    let mut size = 0;
+    let ask = |call: &mut Call| {
+        size = call.world()?.snapshot_size();
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) };
+    size
+}
+
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. After
+/// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
+///
+/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
+/// world of the same configuration, in any program of the same version, on any machine of the same byte order.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_save(
+    world: *const trisap_world,
+    snapshot: *mut c_void,
+    room: usize,
+    bytes: *mut usize,
+) -> trisap_status {
+    let save = |call: &mut Call| {
+        let range = call.range();
+        border::span(bytes, 1, &range)?;
+        if room > 0 {
+            border::span(snapshot.cast::<u8>(), room, &range)?;
+        }
+        let world = call.world()?;
+        let needed = world.snapshot_size();
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { bytes.write(needed) };
+        if needed > room {
+            return Err(Error::OutputFull { needed: needed as u64 }.into());
+        }
+        // SAFETY: not null, outside of the world, and no more than the caller's room. A slice needs initialised memory.
+        unsafe { snapshot.cast::<u8>().write_bytes(0, needed) };
+        // SAFETY: as above, and initialised just now.
+        let out = unsafe { core::slice::from_raw_parts_mut(snapshot.cast::<u8>(), needed) };
+        world.save(out)?;
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, save) }
+}
+
+/// Replaces the world by the one that a snapshot was taken of. The configuration must be the same, but for the number of
+/// workers. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
+/// any more. O(n log n + pairs): all invariants are checked.
+///
+/// After `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before; but bytes that were forged so well that the checksum is
+/// right may leave an empty world. No bytes do harm.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_load(
+    world: *mut trisap_world,
+    snapshot: *const c_void,
+    bytes: usize,
+) -> trisap_status {
+    let load = |call: &mut Call| {
+        let first = snapshot.cast::<u8>();
+        border::span(first, bytes, &call.range())?;
+        // SAFETY: not null, no longer than a slice may be, outside of the world, and by the caller's promise initialised.
+        let snapshot = unsafe { core::slice::from_raw_parts(first, bytes) };
+        Ok(call.world()?.load(snapshot)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, load) }
+}

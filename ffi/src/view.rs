@@ -1,0 +1,111 @@
+//! The tree to look at: what a debug view draws. Nothing where the last step had no tree.
+
+use crate::border::Answers;
+use crate::status::trisap_status;
+use crate::structs::{trisap_aabb, trisap_id};
+use crate::world::{Call, trisap_world, with};
+use trisap_core::{LeafView, PlaneView};
+
+/// A leaf of the tree.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_leaf {
+    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    pub cell: trisap_aabb,
+    /// The objects that were in it at the last step.
+    pub objects: u32,
+}
+
+impl From<LeafView> for trisap_leaf {
+    fn from(leaf: LeafView) -> Self {
+        Self { cell: leaf.cell.into(), objects: leaf.objects }
+    }
+}
+
+/// A plane of the tree.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct trisap_plane {
+    /// The part of space that it divides; infinite at the rim.
+    pub cell: trisap_aabb,
+    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    pub axis: u32,
+    /// Where it stands on that axis.
+    pub position: f32,
+    /// How many planes are above it.
+    pub depth: u32,
+}
+
+impl From<PlaneView> for trisap_plane {
+    fn from(plane: PlaneView) -> Self {
+        Self {
+            cell: plane.cell.into(),
+            axis: plane.axis as u32,
+            position: plane.position,
+            depth: plane.depth,
+        }
+    }
+}
+
+/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
+/// O(leaves).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_leaves(
+    world: *const trisap_world,
+    leaves: *mut trisap_leaf,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let mut answers = unsafe { Answers::new(leaves, room, count, &call.range())? };
+        call.world()?.leaves().for_each(|leaf| answers.push(leaf.into()));
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
+/// O(leaves log leaves).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_planes(
+    world: *const trisap_world,
+    planes: *mut trisap_plane,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let mut answers = unsafe { Answers::new(planes, room, count, &call.range())? };
+        call.world()?.planes().for_each(|plane| answers.push(plane.into()));
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
+/// and their number to `count`. O(large objects).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_large(
+    world: *const trisap_world,
+    ids: *mut trisap_id,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let mut answers = unsafe { Answers::new(ids, room, count, &call.range())? };
+        call.world()?.large().for_each(|id| answers.push(id.to_bits()));
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, ask) }
+}
+
+// The header asserts the same on the other side of the border.
+const _: () = assert!(size_of::<trisap_leaf>() == 28 && size_of::<trisap_plane>() == 36);
