@@ -1,7 +1,7 @@
 //! What a ray or a moving box meets, near things first.
 
+use super::MembersNear;
 use super::line::Line;
-use super::{MembersNear, reach_of};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -131,15 +131,18 @@ struct Waiting {
     node: u32,
     low: [i32; 3],
     from: f64,
+    to: f64,
 }
 
 /// Nodes that can wait at once: one a level.
 const STACK: usize = 32;
 
 /// Members of a leaf for each part that a cast's way through it is cut into: the shorter the part, the fewer boxes are near it.
-const MEMBERS_PER_PART: u32 = 32;
+const MEMBERS_PER_PART: u32 = 64;
 /// Parts at most.
 const PARTS: u32 = 8;
+/// Boxes that are asked for before the first of them is looked at: they are anywhere in memory.
+const TOGETHER: usize = 16;
 
 struct Hits<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
@@ -158,9 +161,9 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         // The large ones first: they are often hit, and what is behind them need not be looked at.
         for slot in world.large_in_tree().chain(world.apart_from_tree()) {
             let now = KeyBox::of(parts.boxes.now, slot);
-            if let (Some((from, _)), Some(id)) = (line.span(simd, &now.min, &now.max, far), world.id_of(slot))
-            {
-                far = far.min(visit(Hit { id, distance: from }));
+            let (distance, to) = line.span(simd, &now.min, &now.max, far);
+            if let (true, Some(id)) = (distance <= to, world.id_of(slot)) {
+                far = far.min(visit(Hit { id, distance }));
             }
         }
         if !world.has_tree() {
@@ -168,42 +171,43 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         }
         let first = 1u32 << parts.state.depth;
         let mut stack = [Waiting::default(); STACK];
-        stack[0] = Waiting { node: 1, low: [NEGATIVE_INFINITY; 3], from: 0.0 };
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let Waiting { node, low, from } = stack.at(waiting);
-            if from > far {
-                continue;
-            }
-            if node >= first {
-                let leaf = (node - first) as usize;
-                let span = reach_of(parts, node).and_then(|reach| line.span(simd, &low, &reach, far));
-                if let Some((from, to)) = span {
-                    far = members(simd, world, leaf, &line, [from, to], far, visit);
+        let mut waiting = 0;
+        let mut here = enter(simd, parts, &line, far, 1, &[NEGATIVE_INFINITY; 3]);
+        loop {
+            if here.from > here.to.min(far) {
+                // Nothing here, or nothing any more.
+                if waiting == 0 {
+                    return;
                 }
-                continue;
-            }
-            let plane = parts.tree.planes.at(node as usize);
-            let mut right = low;
-            right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
-            let mut children = [
-                enter(simd, parts, &line, far, 2 * node, low),
-                enter(simd, parts, &line, far, 2 * node + 1, right),
-            ];
-            let from = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.from);
-            if from(&children[0]) <= from(&children[1]) {
-                children.swap(0, 1);
-            }
-            for child in children.into_iter().flatten() {
-                stack.put(waiting, child);
-                waiting += 1;
+                waiting -= 1;
+                here = stack.at(waiting);
+            } else if here.node >= first {
+                let leaf = (here.node - first) as usize;
+                far = members(simd, world, leaf, &line, [here.from, here.to.min(far)], far, visit);
+                here.from = f64::INFINITY;
+                here.to = f64::NEG_INFINITY;
+            } else {
+                let Waiting { node, low, .. } = here;
+                let plane = parts.tree.planes.at(node as usize);
+                let axis = axis_of(plane);
+                let above = |k: usize| if k == axis { low[k].max(key_of(plane)) } else { low[k] };
+                let right = [above(0), above(1), above(2)];
+                let mut near = enter(simd, parts, &line, far, 2 * node, &low);
+                let mut later = enter(simd, parts, &line, far, 2 * node + 1, &right);
+                if later.from < near.from {
+                    core::mem::swap(&mut near, &mut later);
+                }
+                if later.from <= later.to {
+                    stack.put(waiting, later);
+                    waiting += 1;
+                }
+                here = near;
             }
         }
     }
 }
 
-/// A node that the cast meets.
+/// A node, and between which distances the cast meets it.
 #[inline(always)]
 fn enter<S: Simd, I: Index>(
     simd: S,
@@ -211,10 +215,16 @@ fn enter<S: Simd, I: Index>(
     line: &Line,
     far: f64,
     node: u32,
-    low: [i32; 3],
-) -> Option<Waiting> {
-    let (from, _) = line.span(simd, &low, &reach_of(parts, node)?, far)?;
-    Some(Waiting { node, low, from })
+    low: &[i32; 3],
+) -> Waiting {
+    let reach = parts.tree.reach.at(node as usize);
+    let (from, to) = line.span(simd, low, &reach, far);
+    // A node without members reaches nowhere.
+    if reach[0] == i32::MIN {
+        Waiting { from: f64::INFINITY, to: f64::NEG_INFINITY, ..Waiting::default() }
+    } else {
+        Waiting { node, low: *low, from, to }
+    }
 }
 
 /// Visits the members of a leaf that the cast meets between two distances, in parts of that way, and returns how far to look on.
@@ -240,13 +250,26 @@ fn members<S: Simd, I: Index>(
             break;
         }
         let mut near = MembersNear::new(simd, parts, leaf, &line.hull(start, end));
-        while let Some(slot) = near.next() {
-            let now = KeyBox::of(parts.boxes.now, slot);
-            let Some((distance, _)) = line.span(simd, &now.min, &now.max, far) else { continue };
-            // In the part where the cast touches it first; nothing starts before the first part or behind the last.
-            let here = (part == 0 || distance >= start) && (last || distance < end);
-            if let (true, Some(id)) = (here, world.id_of(slot)) {
-                far = far.min(visit(Hit { id, distance }));
+        let mut slots = [0; TOGETHER];
+        loop {
+            let mut count = 0;
+            while let Some(place) = slots.get_mut(count) {
+                let Some(slot) = near.next() else { break };
+                simd.prefetch(KeyBox::of(parts.boxes.now, slot));
+                *place = slot;
+                count += 1;
+            }
+            for &slot in slots.span(0, count) {
+                let now = KeyBox::of(parts.boxes.now, slot);
+                let (distance, to) = line.span(simd, &now.min, &now.max, far);
+                // In the part where the cast touches it first; nothing starts before the first part or behind the last.
+                let here = distance <= to && (part == 0 || distance >= start) && (last || distance < end);
+                if let (true, Some(id)) = (here, world.id_of(slot)) {
+                    far = far.min(visit(Hit { id, distance }));
+                }
+            }
+            if count < TOGETHER {
+                break;
             }
         }
     }

@@ -59,19 +59,12 @@ impl Line {
         Self { low, high, direction, distance: f64::from(cast.distance), slabs }
     }
 
-    /// Between which distances the cast touches a box, if it does up to `far`. Each number rises with the box's sides, so a
-    /// larger box is met no later and left no earlier.
+    /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each
+    /// number rises with the box's sides, so a larger box is met no later and left no earlier.
     #[inline(always)]
-    pub(super) fn span<S: Simd>(
-        &self,
-        simd: S,
-        min: &[i32; 3],
-        max: &[i32; 3],
-        far: f64,
-    ) -> Option<(f64, f64)> {
+    pub(super) fn span<S: Simd>(&self, simd: S, min: &[i32; 3], max: &[i32; 3], far: f64) -> (f64, f64) {
         let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
-        let (from, to) = simd.span(&self.slabs, four(*min), four(*max), far);
-        (from <= to).then_some((from, to))
+        simd.span(&self.slabs, four(*min), four(*max), far)
     }
 
     /// A box around everything that the cast passes between two distances.

@@ -16,7 +16,7 @@ pub use region::Region;
 use crate::access::{Access, bits};
 use crate::arch::{Simd, limit};
 use crate::id::{Id, Index};
-use crate::key::{KeyBox, POSITIVE_INFINITY, key};
+use crate::key::{KeyBox, key};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
 use crate::world::World;
@@ -47,14 +47,6 @@ impl<I: Index> World<'_, I> {
     pub(crate) fn id_of(&self, slot: usize) -> Option<Id> {
         Id::new(slot as u32, self.parts.generations.at(slot))
     }
-}
-
-/// How far the members of a node reach at most, or `None` where there are none.
-#[inline(always)]
-fn reach_of<I: Index>(parts: &Parts<'_, I>, node: u32) -> Option<[i32; 3]> {
-    let reach = parts.tree.reach.at(node as usize);
-    // Cells at the rim end beyond all floats.
-    (reach[0] != i32::MIN).then_some(reach.map(|key| key.min(POSITIVE_INFINITY)))
 }
 
 /// Whether the tree's record of an object is that of its box.

@@ -2,7 +2,7 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{MembersNear, key_above, key_below, reach_of};
+use super::{MembersNear, key_above, key_below};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
@@ -122,9 +122,10 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             let mut right = low;
             right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
             let enter = |node: u32, low: [i32; 3]| {
-                let max = reach_of(parts, node)?;
+                let max = parts.tree.reach.at(node as usize);
                 let squared = squared_distance(&point, &KeyBox { min: low, max });
-                (squared <= limit).then_some(Waiting { node, low, squared })
+                // A node without members reaches nowhere.
+                (max[0] != i32::MIN && squared <= limit).then_some(Waiting { node, low, squared })
             };
             let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
             let squared = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.squared);
