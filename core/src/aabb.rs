@@ -31,7 +31,7 @@ impl Aabb {
     #[must_use]
     pub fn from_f64(min: [f64; 3], max: [f64; 3], origin: [f64; 3]) -> Self {
         let low = |k: usize| round_down(min[k], origin[k]);
-        let high = |k: usize| -round_down(-max[k], -origin[k]);
+        let high = |k: usize| round_up(max[k], origin[k]);
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
@@ -52,8 +52,13 @@ impl Aabb {
     }
 }
 
+/// The least `f32` that is not below `x - origin`, or NaN.
+pub(crate) fn round_up(x: f64, origin: f64) -> f32 {
+    -round_down(-x, -origin)
+}
+
 /// The greatest `f32` that is not above `x - origin`, or NaN.
-fn round_down(x: f64, origin: f64) -> f32 {
+pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
     let difference = x - origin;
     // What the subtraction has rounded away, exactly; nothing where a number is infinite.
     let back = difference - x;

@@ -58,6 +58,7 @@ mod links;
 mod objects;
 mod paths;
 mod results;
+mod shift;
 mod state;
 mod storage;
 mod sweep;
