@@ -80,7 +80,7 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
     means.executor.enter(Stage::Sweep);
     let found = small::sweep(order, boxes, axis, output.sorted, output.pairs);
-    let work = Work { copies: 0, candidates: found.candidates as u64 };
+    let work = Work { candidates: found.candidates as u64, ..Work::default() };
     Progress {
         pairs: found.pairs as u64,
         work,

@@ -78,9 +78,7 @@ impl<'o, I: Index> Collector<'o, I> {
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.bag);
-        for area in self.scratch.chunks_exact_mut(area.max(1)) {
-            area.put(0, Record::default());
-        }
+        scratch::reset(self.scratch, area);
         let shared = executor.workers() > 1 && blocks > 1 && !self.staged.is_empty();
         let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
@@ -120,9 +118,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let used = chunks.claimed();
         if full.load(Relaxed) {
             // The blocks are swept once more, so what was counted must not count twice.
-            for area in self.scratch.chunks_exact_mut(area.max(1)) {
-                area.put(0, Record::default());
-            }
+            scratch::reset(self.scratch, area);
             return None;
         }
         Some(self.merge(from, used))
