@@ -45,7 +45,8 @@ fn lines<'a>(
 ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>> {
     let mut chart = ChartBuilder::on(&area)
         .margin(8)
-        .margin_right(16)
+        .margin_top(14)
+        .margin_right(20)
         .x_label_area_size(46)
         .y_label_area_size(66)
         .build_cartesian_2d(x, y)?;

@@ -14,7 +14,7 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
         text: vec![
             "Fat mode returns a superset of the overlaps, in which the boxes are grown by a margin, and a box counts as moved \
              only when it leaves its margin. Each dot is a margin, from 0.01 to 0.5 edges; at 0 stands the exact mode. The \
-             surplus are the pairs whose boxes do not overlap, as a share of all pairs returned. Misses there are none."
+             surplus are the pairs whose boxes do not overlap, as a share of all pairs returned."
                 .into(),
             lab.origin().into(),
         ],

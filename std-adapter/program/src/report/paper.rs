@@ -10,9 +10,9 @@ pub(super) fn paper(sizes: &[Size]) -> Section {
         id: "paper",
         title: "The paper's Table 1, Table 2 and Fig. 6 beside ours",
         text: vec![
-            "The printed times are those of ANOTHER MACHINE: a Core i7-8700 with 12 threads, and of the authors' own runs of \
-             the scenes. Ours are of this machine, with one thread and the best kernels. So the quotient of the two tells \
-             nothing about the methods alone; the shapes of the curves can be compared."
+            "The printed times are those of ANOTHER MACHINE, an Intel i7-8700 under Windows 10 that sweeps leaves in parallel, \
+             and of the authors' own runs of the scenes. Ours are of this machine, with one thread and the best kernels. So \
+             the quotient of the two says nothing about the methods alone; the shapes of the curves can be compared."
                 .into(),
             "The collision ratio (Fig. 6) is the number of pairs divided by the number of objects. All methods that are exact \
              have the same. The paper shows it as a picture, without numbers that could stand here."

@@ -88,7 +88,7 @@ pub(super) fn precision(lab: &Lab) -> Result<Section> {
                  compared with those that a world finds after rounding to f32. Surplus pairs do not overlap in f64; misses \
                  overlap there and were not found. Nearest rounding keeps the order of the corners, but not what is inside: \
                  boxes that do not hold their own f64 box any more are counted, and where corners are computed in f32 after \
-                 rounding, pairs are missed. Outward rounding has neither; trisap answers for its two rows.",
+                 rounding, pairs are missed. Outward rounding must have neither: a miss in its two rows is an error of trisap.",
                 lab.plan.distant_boxes
             ),
             "The resolution statistic (Stats::coarse_resolution) warns where boxes are too small for f32 at their place.".into(),
@@ -152,7 +152,7 @@ pub(super) fn precision(lab: &Lab) -> Result<Section> {
     section.figures.push(Figure {
         title: "Surplus by rounding".into(),
         x: Axis::logarithmic("distance from the origin (edges)"),
-        y: Axis::linear("surplus: pairs that do not overlap (%)"),
+        y: Axis::linear("surplus pairs (%)"),
         series,
     });
     section.tables.push(table);
