@@ -24,7 +24,7 @@ impl Aabb {
     }
 
     /// The least box that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin.
+    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would leave parts of objects outside their boxes.
     ///
     /// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds
     /// belongs into the `f64` box, so that the rounding comes after it.

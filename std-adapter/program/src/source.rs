@@ -11,7 +11,7 @@ use trisap::{Aabb, Boxes};
 
 /// The recording that is built in, so that the program shows something wherever it is started.
 const SHIPPED_NAME: &str = "freefall_cubes_1000.aabbs";
-static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
+pub(crate) static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
 
 /// The boxes of one frame after another.
 pub(crate) struct Source {

@@ -2,8 +2,9 @@
 
 use crate::check;
 use std::cell::OnceCell;
+use trisap::recording::Recording;
 use trisap::scene::{Setup, Synthetic};
-use trisap::{Aabb, Pair};
+use trisap::{Aabb, Boxes, Pair};
 
 /// Boxes that move. Played to its end and back again, it has no jump however often that is done.
 pub(super) struct Clip {
@@ -33,6 +34,15 @@ impl Clip {
             boxes
         };
         Self::new((0..frames).map(|_| next()).collect())
+    }
+
+    /// A recording.
+    pub(super) fn recorded(recording: &Recording) -> Self {
+        let boxes = |frame| {
+            let boxes = Boxes::padded(frame);
+            (0..boxes.len()).filter_map(|at| boxes.get(at)).collect()
+        };
+        Self::new(recording.frames().map(boxes).collect())
     }
 
     pub(super) fn objects(&self) -> u32 {

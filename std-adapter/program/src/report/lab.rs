@@ -38,9 +38,13 @@ impl Lab {
         self.bar.inc(1);
     }
 
+    pub(super) fn setup(&self, kind: Kind, objects: Objects, count: u32) -> Setup {
+        Setup { kind, objects, count, seed: SEED }
+    }
+
     /// A scene in motion.
     pub(super) fn scene(&self, kind: Kind, objects: Objects, count: u32) -> Result<Clip> {
-        let setup = Setup { kind, objects, count, seed: SEED };
+        let setup = self.setup(kind, objects, count);
         #[cfg(feature = "record")]
         if self.plan.recorded {
             return self.recorded(setup);

@@ -1,9 +1,12 @@
 //! Speed against error: what a margin buys in time and costs in pairs that do not overlap.
 
+use super::clip::Clip;
 use super::lab::{Lab, exact};
 use super::measure::{Contender, Measured};
 use super::result::{Axis, Figure, Section, Series, Table, Value, milliseconds, percent};
+use crate::source::SHIPPED;
 use anyhow::Result;
+use trisap::recording::Recording;
 use trisap::scene::{Kind, Objects};
 use trisap::{Margin, Mode};
 
@@ -17,14 +20,16 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
              surplus are the pairs whose boxes do not overlap, as a share of all pairs returned."
                 .into(),
             lab.origin().into(),
+            "The last scene is the recording that is built into the program: boxes that have fallen and nearly rest.".into(),
         ],
         ..Section::default()
     };
     let mut table = Table {
         id: "margins",
-        title: format!("Cubes, {} objects", lab.plan.objects),
+        title: "Cubes".into(),
         columns: vec![
             "scene",
+            "objects",
             "margin (edges)",
             "median (ms)",
             "moved (%)",
@@ -34,10 +39,16 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
         ],
         rows: Vec::new(),
     };
-    lab.expect(Kind::ALL.len());
-    for (colour, kind) in Kind::ALL.into_iter().enumerate() {
-        lab.next(format!("margins, {}", kind.name()));
-        let clip = lab.scene(kind, Objects::Cubes, lab.plan.objects)?;
+    lab.expect(Kind::ALL.len() + 1);
+    let scenes = Kind::ALL.into_iter().map(Some).chain([None]).enumerate();
+    for (colour, kind) in scenes {
+        let name = kind.map_or("recorded FreeFall", Kind::name);
+        lab.next(format!("margins, {name}"));
+        let clip = match kind {
+            Some(kind) => lab.scene(kind, Objects::Cubes, lab.plan.objects)?,
+            // In which hardly anything moves any more: where margins pay.
+            None => Clip::recorded(&Recording::parse(SHIPPED)?),
+        };
         let contender = |margin: &f32| {
             let mut config = exact(&clip);
             if *margin > 0.0 {
@@ -50,7 +61,8 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
             section.verdict.add(of.verdict);
             let pairs = of.sum(|stats| stats.pairs);
             table.rows.push(vec![
-                kind.name().into(),
+                name.into(),
+                clip.objects().into(),
                 Value::Number(f64::from(*margin), 2),
                 milliseconds(of.median),
                 percent(of.sum(|stats| stats.moved.into()), of.sum(|stats| stats.objects.into())),
@@ -64,7 +76,7 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
         let furthest = points.iter().map(|(surplus, _)| *surplus).fold(0.0, f64::max);
         let reference = vec![(0.0, points[0].1), (furthest, points[0].1)];
         section.figures.push(Figure {
-            title: format!("{}, {} cubes", kind.name(), lab.plan.objects),
+            title: format!("{name}, {} cubes", clip.objects()),
             x: Axis::linear("surplus: pairs that do not overlap (%)"),
             y: Axis::linear("time per step (ms)"),
             series: vec![

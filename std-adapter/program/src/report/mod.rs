@@ -43,6 +43,10 @@ pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
         (false, false) => Plan::full(),
     };
     let lab = Lab::new(plan, args.out.join("recordings"));
+    #[cfg(feature = "record")]
+    if lab.plan.recorded {
+        lab.record_all()?;
+    }
     let sections = sections(&lab)?;
     lab.bar.finish_and_clear();
 

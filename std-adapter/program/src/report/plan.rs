@@ -41,7 +41,8 @@ impl Plan {
             ],
             distances: DISTANCES.to_vec(),
             distant_boxes: 2000,
-            skip: 100,
+            // Nearly two seconds: the boxes have met the walls and each other.
+            skip: 40,
             frames: 12,
             recorded: cfg!(feature = "record"),
             budget: Duration::from_millis(400),

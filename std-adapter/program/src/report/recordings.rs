@@ -1,32 +1,82 @@
-//! Recorded simulations for the report: made when they are asked for first, and kept.
+//! Recorded simulations for the report: made before anything is measured, and kept.
 
 use super::clip::Clip;
 use super::lab::Lab;
 use crate::record::simulated::{Output, write};
 use crate::split;
 use anyhow::{Context, Result};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
-use trisap::Boxes;
+use std::path::{Path, PathBuf};
 use trisap::recording::Recording;
-use trisap::scene::{Objects, Setup};
+use trisap::scene::{Kind, Objects, Setup};
 
 /// With more boxes than this half of the frames are recorded, which saves a gigabyte.
 const ALL_FRAMES: u32 = 256_000;
 
+/// A simulation and what is to be recorded of it.
+struct Job {
+    /// Of the bodies, before they are split.
+    setup: Setup,
+    outputs: Vec<Output>,
+}
+
 impl Lab {
-    /// The recording of a scene.
+    /// The recording of a scene, once it has been made.
     pub(super) fn recorded(&self, setup: Setup) -> Result<Clip> {
         let path = self.file(&setup);
-        if !path.exists() {
-            self.record(&setup)?;
-        }
         let recording = Recording::open(&path).with_context(|| path.display().to_string())?;
-        let boxes = |frame| {
-            let boxes = Boxes::padded(frame);
-            (0..boxes.len()).filter_map(|at| boxes.get(at)).collect()
-        };
-        Ok(Clip::new(recording.frames().map(boxes).collect()))
+        Ok(Clip::recorded(&recording))
+    }
+
+    /// Makes the recordings that are not there yet, on all threads.
+    pub(super) fn record_all(&self) -> Result<()> {
+        fs::create_dir_all(&self.recordings).with_context(|| self.recordings.display().to_string())?;
+        let jobs = self.jobs()?;
+        self.expect(jobs.len());
+        jobs.into_par_iter().with_max_len(1).try_for_each(|job| self.record(&job))
+    }
+
+    /// One simulation for all sizes that its bodies can be split into, the longest first.
+    fn jobs(&self) -> Result<Vec<Job>> {
+        let mut jobs: BTreeMap<u32, Vec<Job>> = BTreeMap::new();
+        for objects in Objects::ALL {
+            let sizes = match objects {
+                Objects::Cubes => &self.plan.sizes,
+                Objects::Assorted => &self.plan.assorted_sizes,
+            };
+            for kind in Kind::ALL {
+                let mut families: BTreeMap<u32, Vec<Output>> = BTreeMap::new();
+                for &count in sizes.iter().chain([&self.plan.objects]) {
+                    let (bodies, splits) = split::bodies(count)?;
+                    let path = self.file(&self.setup(kind, objects, count));
+                    let family = families.entry(bodies).or_default();
+                    if !path.exists() && family.iter().all(|output| output.path != path) {
+                        family.push(Output { path, splits, frames: self.frames(count) });
+                    }
+                }
+                for (bodies, outputs) in families.into_iter().filter(|(_, outputs)| !outputs.is_empty()) {
+                    let job = Job { setup: self.setup(kind, objects, bodies), outputs };
+                    jobs.entry(bodies).or_default().push(job);
+                }
+            }
+        }
+        Ok(jobs.into_values().rev().flatten().collect())
+    }
+
+    fn record(&self, job: &Job) -> Result<()> {
+        // Under another name until they are whole.
+        let unfinished = |path: &Path| path.with_extension("unfinished");
+        let outputs: Vec<_> =
+            job.outputs.iter().map(|output| Output { path: unfinished(&output.path), ..*output }).collect();
+        write(&job.setup, self.plan.skip, &outputs, &|| {})?;
+        for Output { path, .. } in &job.outputs {
+            fs::rename(unfinished(path), path).with_context(|| path.display().to_string())?;
+        }
+        let Setup { kind, objects, count, .. } = job.setup;
+        self.next(format!("simulating ({count} {} of {} are done)", objects.name(), kind.name()));
+        Ok(())
     }
 
     fn file(&self, setup: &Setup) -> PathBuf {
@@ -37,43 +87,5 @@ impl Lab {
 
     fn frames(&self, count: u32) -> u32 {
         if count > ALL_FRAMES { self.plan.frames.div_ceil(2).max(2) } else { self.plan.frames }
-    }
-
-    /// Simulates the bodies of a scene and records all sizes that they can be split into and that will be asked for.
-    fn record(&self, setup: &Setup) -> Result<()> {
-        fs::create_dir_all(&self.recordings).with_context(|| self.recordings.display().to_string())?;
-        let (bodies, _) = split::bodies(setup.count)?;
-        let sizes = match setup.objects {
-            Objects::Cubes => &self.plan.sizes,
-            Objects::Assorted => &self.plan.assorted_sizes,
-        };
-        let mut sizes: Vec<u32> = sizes.iter().copied().chain([self.plan.objects]).collect();
-        sizes.sort_unstable();
-        sizes.dedup();
-        let mut outputs = Vec::new();
-        let mut finished = Vec::new();
-        for count in sizes {
-            let (same, splits) = split::bodies(count)?;
-            let path = self.file(&Setup { count, ..*setup });
-            if same == bodies && !path.exists() {
-                // Under another name until it is whole.
-                let unfinished = path.with_extension("unfinished");
-                outputs.push(Output { path: unfinished.clone(), splits, frames: self.frames(count) });
-                finished.push((unfinished, path));
-            }
-        }
-        let message = self.bar.message();
-        let total = self.plan.skip + self.plan.frames;
-        let frame = std::cell::Cell::new(0);
-        write(&Setup { count: bodies, ..*setup }, self.plan.skip, &outputs, &|| {
-            frame.set(frame.get() + 1);
-            self.bar
-                .set_message(format!("{message}: simulating {bodies} bodies, {} of {total}", frame.get()));
-        })?;
-        for (unfinished, path) in finished {
-            fs::rename(&unfinished, &path).with_context(|| path.display().to_string())?;
-        }
-        self.bar.set_message(message);
-        Ok(())
     }
 }

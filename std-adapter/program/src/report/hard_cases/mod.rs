@@ -110,7 +110,7 @@ fn play(case: Case) -> Result<Played> {
     }
     let refused = match watch.refused {
         0 => String::new(),
-        refused => format!("; {} refused", counted(refused, "box").replace("boxs", "boxes")),
+        refused => format!("; refused {}", counted(refused, "time")),
     };
     let result = match watch.wrong {
         Some(wrong) => format!("WRONG: {wrong}"),
