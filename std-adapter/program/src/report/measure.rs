@@ -255,7 +255,7 @@ mod tests {
         };
         assert_eq!(verdict(&[[0, 1], [0, 2]], Mode::Exact, 0), (0, 0));
         assert_eq!(verdict(&[[0, 2]], Mode::Exact, 0), (1, 0));
-        assert_eq!(verdict(&[[0, 1], [0, 1], [0, 2]], Mode::Exact, 0), (0, 2));
+        assert_eq!(verdict(&[[0, 1], [0, 1], [0, 2]], Mode::Exact, 0), (0, 1));
         assert_eq!(verdict(&[[0, 1], [0, 2], [1, 2]], Mode::Exact, 1), (0, 1));
         assert_eq!(verdict(&[[0, 1], [0, 2], [1, 2]], Mode::Fat, 1), (0, 0));
         assert_eq!(verdict(&[[0, 1], [0, 2], [1, 2]], Mode::Fat, 0), (0, 1));

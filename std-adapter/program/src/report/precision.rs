@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn what_is_known_of_rounding_shows() -> Result<()> {
         let mut missed = 0;
-        for distance in [0.0, 1e5, 1e6, 1e7, 1e9] {
+        for distance in [0.0, 1e5, 1e6, 1e7, 1e8, 1e9] {
             let boxes = boxes(300, distance);
             let expected = brute_force(&boxes);
             let [centre, corners, outward, shifted] = Way::ALL.map(|way| find(&boxes, distance, way));
