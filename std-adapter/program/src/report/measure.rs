@@ -10,9 +10,9 @@ use crate::check::differences;
 use crate::drive::Pairs;
 use crate::figures::{median, quantile};
 use crate::setup::fits_u16;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use std::time::{Duration, Instant};
-use trisap::{Boxes, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Serial, Stats};
+use trisap::{Boxes, Capacity, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Serial, Stats};
 
 /// What is measured: a world, what it is stepped with, and what it is stepped through.
 pub(super) struct Contender<'c> {
@@ -56,19 +56,16 @@ const MOST_PASSES: u32 = 200;
 pub(super) fn in_turns(contenders: &[Contender<'_>], budget: Duration) -> Result<Vec<Measured>> {
     let mut runners = Vec::new();
     for contender in contenders {
-        let made = if fits_u16(contender.clip.objects()) {
-            runner::<u16>(contender)
-        } else {
-            runner::<u32>(contender)
-        };
-        runners.push(made.with_context(|| contender.name.clone())?);
+        runners.push(runner(contender, contender.config)?);
     }
     let start = Instant::now();
     for pass in 0..MOST_PASSES {
         // Nobody comes first always.
         for turn in 0..runners.len() {
             let at = (turn + pass as usize) % runners.len();
-            runners[at].0.pass()?;
+            if let Some(roomier) = runners[at].0.pass()? {
+                runners[at] = runner(&contenders[at], roomier)?;
+            }
         }
         if start.elapsed() > budget * runners.len() as u32 {
             break;
@@ -86,13 +83,15 @@ pub(super) fn in_turns(contenders: &[Contender<'_>], budget: Duration) -> Result
 
 /// Plays a clip forwards and backwards.
 trait Runner {
-    /// Plays it to its other end.
-    fn pass(&mut self) -> Result<()>;
+    /// Plays it to its other end. Where there was no room for all pairs, tells the configuration that has more: fat boxes
+    /// on the way back are not those of the way there.
+    fn pass(&mut self) -> Result<Option<Config>>;
     fn milliseconds(&self) -> &[f64];
 }
 
 struct Played<'c, I: Index> {
     clip: &'c Clip,
+    config: Config,
     kernels: Kernels,
     owned: OwnedWorld<I>,
     at_end: bool,
@@ -100,24 +99,32 @@ struct Played<'c, I: Index> {
 }
 
 /// A world with room for all pairs that has been played through once and compared.
-fn runner<'c, I: Index>(contender: &Contender<'c>) -> Result<(Box<dyn Runner + 'c>, Measured)> {
-    let mut config = contender.config;
+fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<(Box<dyn Runner + 'c>, Measured)> {
+    let narrow = fits_u16(contender.clip.objects());
     loop {
-        match checked::<I>(contender, &config) {
-            Ok((played, measured)) => return Ok((Box::new(played), measured)),
-            Err(error) => match error.downcast_ref::<Error>() {
-                Some(&Error::PairsFull { needed }) => {
-                    config.capacity.pairs = u32::try_from(needed + needed / 4)
-                        .map_err(|_| anyhow!("{needed} pairs are too many"))?;
-                }
-                _ => return Err(error),
-            },
+        let made =
+            if narrow { checked::<u16>(contender, &config) } else { checked::<u32>(contender, &config) };
+        match made {
+            Err(error) => {
+                config = roomier(&config, &error).ok_or(error).with_context(|| contender.name.clone())?;
+            }
+            made => return made,
         }
     }
 }
 
+/// The same world with room for as many pairs as there were, and some more.
+fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
+    let Some(Error::PairsFull { needed }) = error.downcast_ref() else { return None };
+    let pairs = u32::try_from(needed + needed / 4).ok()?;
+    Some(Config { capacity: Capacity { pairs, ..config.capacity }, ..*config })
+}
+
 /// Plays the clip once and compares what can be compared.
-fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<(Played<'c, I>, Measured)> {
+fn checked<'c, I: Index>(
+    contender: &Contender<'c>,
+    config: &Config,
+) -> Result<(Box<dyn Runner + 'c>, Measured)> {
     let Contender { clip, kernels, .. } = *contender;
     let mut owned = OwnedWorld::<I>::new(config)?;
     let mut world = owned.world();
@@ -152,7 +159,8 @@ fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<(
         }
     }
     measured.world_bytes = owned.bytes();
-    Ok((Played { clip, kernels, owned, at_end: true, milliseconds: Vec::new() }, measured))
+    let played = Played { clip, config: *config, kernels, owned, at_end: true, milliseconds: Vec::new() };
+    Ok((Box::new(played), measured))
 }
 
 /// Compares the pairs of one step.
@@ -169,18 +177,21 @@ pub(super) fn compare(expected: &[Pair], reported: &[Pair], mode: Mode, told_sur
 }
 
 impl<I: Index> Runner for Played<'_, I> {
-    fn pass(&mut self) -> Result<()> {
+    fn pass(&mut self) -> Result<Option<Config>> {
         let mut world = self.owned.world();
         let count = self.clip.frames.len();
         for k in 1..count {
             let frame = if self.at_end { count - 1 - k } else { k };
             let boxes = Boxes::new(&self.clip.frames[frame]);
             let start = Instant::now();
-            world.step_over(boxes, self.kernels, &Serial)?;
+            if let Err(error) = world.step_over(boxes, self.kernels, &Serial) {
+                let error = error.into();
+                return roomier(&self.config, &error).ok_or(error).map(Some);
+            }
             self.milliseconds.push(start.elapsed().as_secs_f64() * 1e3);
         }
         self.at_end = !self.at_end;
-        Ok(())
+        Ok(None)
     }
 
     fn milliseconds(&self) -> &[f64] {
@@ -218,7 +229,7 @@ pub(super) fn slope(points: &[(f64, f64)]) -> f64 {
 mod tests {
     use super::*;
     use trisap::scene::{Kind, Objects, Setup};
-    use trisap::{Aabb, Capacity, Margin};
+    use trisap::{Aabb, Margin};
 
     fn clip() -> Clip {
         let setup = Setup { kind: Kind::Gravity, objects: Objects::Cubes, count: 400, seed: 3 };
@@ -243,6 +254,22 @@ mod tests {
         }
         assert_eq!(measured[0].surplus, 0);
         assert!(measured[1].surplus > 0);
+        Ok(())
+    }
+
+    #[test]
+    fn fat_boxes_of_the_way_back_get_room() -> Result<()> {
+        // On the way there the second box stays inside the fat box of its start; on the way back it leaves another one, and
+        // its new fat box meets the first.
+        let place = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+        let clip = Clip::new([1.5, 1.35, 1.6, 3.0].map(|x| vec![place(0.0), place(x)]).into());
+        let config = Config::new(Capacity { pairs: 0, ..Capacity::for_objects(2) });
+        let fat = config.with_mode(Mode::Fat).with_margin(Margin::length(0.2));
+        let contender = contender(&clip, fat);
+        let (mut runner, measured) = runner(&contender, fat)?;
+        assert_eq!(measured.sum(|stats| stats.pairs), 0.0);
+        assert_eq!(runner.pass()?.map(|config| config.capacity.pairs), Some(1));
+        assert!(in_turns(&[contender], Duration::from_millis(1))?[0].median > 0.0);
         Ok(())
     }
 
