@@ -24,14 +24,14 @@ impl Aabb {
     }
 
     /// The least box that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin.
+    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would leave parts of objects outside their boxes.
     ///
     /// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds
     /// belongs into the `f64` box, so that the rounding comes after it.
     #[must_use]
     pub fn from_f64(min: [f64; 3], max: [f64; 3], origin: [f64; 3]) -> Self {
         let low = |k: usize| round_down(min[k], origin[k]);
-        let high = |k: usize| -round_down(-max[k], -origin[k]);
+        let high = |k: usize| round_up(max[k], origin[k]);
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
@@ -52,8 +52,13 @@ impl Aabb {
     }
 }
 
+/// The least `f32` that is not below `x - origin`, or NaN.
+pub(crate) fn round_up(x: f64, origin: f64) -> f32 {
+    -round_down(-x, -origin)
+}
+
 /// The greatest `f32` that is not above `x - origin`, or NaN.
-fn round_down(x: f64, origin: f64) -> f32 {
+pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
     let difference = x - origin;
     // What the subtraction has rounded away, exactly; nothing where a number is infinite.
     let back = difference - x;

@@ -24,6 +24,8 @@ pub enum Error {
     CapacityTooLarge,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin,
+    /// A part of a shift of the origin is not finite.
+    BadShift,
     /// All slots are taken. A batch inserts nothing then.
     ObjectsFull {
         /// Objects that would have to fit.
@@ -79,6 +81,7 @@ impl fmt::Display for Error {
             Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
             Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width allows"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
+            Self::BadShift => f.write_str("a shift of the origin must be finite"),
             Self::ObjectsFull { needed } => write!(f, "no free slot: {needed} objects would have to fit"),
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),

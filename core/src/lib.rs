@@ -63,6 +63,7 @@ mod paths;
 mod query;
 mod resting;
 mod results;
+mod shift;
 mod snapshot;
 mod sort;
 mod state;

@@ -101,7 +101,7 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     means.executor.enter(Stage::Sweep);
     let gate = Gate::new(&parts.filters, means.rule);
     let found = small::sweep(order, boxes, axis, gate, output.sorted, output.pairs);
-    let work = Work { copies: 0, candidates: found.candidates as u64 };
+    let work = Work { candidates: found.candidates as u64, ..Work::default() };
     Progress {
         pairs: found.pairs as u64,
         work,

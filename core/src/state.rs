@@ -41,6 +41,9 @@ pub struct Stats {
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
     pub candidates: u64,
+    /// Candidates that share a step of their leaf's 16-bit grid, so that the `f32` boxes had to decide. Zero in small
+    /// worlds, which compare nothing else.
+    pub tied: u64,
     /// Overlapping pairs.
     pub pairs: u64,
     /// Pairs that the last step did not have.
@@ -140,6 +143,7 @@ pub(crate) struct State {
     coarse: u32,
     copies: u64,
     candidates: u64,
+    tied: u64,
 }
 
 const MAGIC: u32 = 0x7452_0001;
@@ -232,6 +236,7 @@ impl State {
             leaves: self.leaves,
             copies: self.copies,
             candidates: self.candidates,
+            tied: self.tied,
             pairs: self.result_pairs,
             found: self.found,
             lost: self.lost,
@@ -252,6 +257,7 @@ impl State {
         }
         self.copies = progress.work.copies;
         self.candidates = progress.work.candidates;
+        self.tied = progress.work.tied;
     }
 }
 

@@ -68,6 +68,10 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
         let stats = step.stats();
         pairs.sort_unstable();
         let expected = brute_force(&boxes);
+        if matches!(stats.path, Path::Lists | Path::Full | Path::Rebuilt) {
+            assert!(stats.candidates >= stats.pairs, "{stats:?}");
+        }
+        assert!(stats.tied <= stats.candidates, "{stats:?}");
         if config.mode == Mode::Exact {
             assert_eq!(pairs, expected, "{count} boxes, frame {frame}, {stats:?}");
             assert_eq!(step.surplus(), 0);
@@ -133,6 +137,28 @@ fn margins_change_speed_alone() {
         run(config, count as usize, Kernels::detect(), &Serial);
         run(config.with_mode(Mode::Fat), count as usize, Kernels::detect(), &Serial);
     }
+}
+
+/// Of boxes that touch no grid can tell, wherever its steps lie.
+#[test]
+fn ties_are_counted() {
+    let boxes: Vec<_> = (0..1000)
+        .map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| x as f32))
+        .map(|low| Aabb::new(low, low.map(|x| x + 1.0)))
+        .collect();
+    let config = Config::new(Capacity { pairs: 20_000, ..Capacity::for_objects(1000) });
+    let mut slab = vec![Line([0; 64]); layout::<u32>(&config).unwrap().bytes / 64];
+    let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
+    world.insert_many(Boxes::new(&boxes), &mut vec![None; 1000]).unwrap();
+    for kernels in Kernels::all() {
+        let stats = world.step_over(Boxes::new(&boxes), kernels, &Serial).unwrap().stats();
+        assert!(stats.path == Path::Unchanged || stats.tied > 1000, "{stats:?}");
+    }
+    // Few of ordinary boxes.
+    let mut random = Random(3);
+    let boxes: Vec<_> = (0..1000).map(|_| random.boxed(18.0)).collect();
+    let stats = world.step_over(Boxes::new(&boxes), Kernels::detect(), &Serial).unwrap().stats();
+    assert!(stats.candidates > 1000 && stats.tied < stats.candidates / 20, "{stats:?}");
 }
 
 #[test]

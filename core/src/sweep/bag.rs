@@ -147,6 +147,7 @@ struct Scan<'s, S, I> {
     collected: usize,
     pairs: &'s mut [Pair<I>],
     tested: &'s mut u64,
+    tied: &'s mut u64,
     boxes: &'s [KeyBox],
     sink: &'s mut dyn Sink<I>,
 }
@@ -161,9 +162,9 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
         boxes: &'s [KeyBox],
         sink: &'s mut dyn Sink<I>,
     ) -> Self {
-        let Bench { sorted, rows, candidates, pairs, tested } = bench;
+        let Bench { sorted, rows, candidates, pairs, tested, tied } = bench;
         let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
-        Self { simd, axis, sorted, rows, candidates, collected: 0, pairs, tested, boxes, sink }
+        Self { simd, axis, sorted, rows, candidates, collected: 0, pairs, tested, tied, boxes, sink }
     }
 
     /// The sort byte of a record.
@@ -201,7 +202,9 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
     fn test(&mut self) {
         *self.tested += self.collected as u64;
         let candidates = self.candidates.span_mut(0, self.collected);
-        test(self.simd, self.sorted, candidates, self.pairs, self.boxes, self.sink);
+        let Tested { found, tied } = test(self.simd, self.sorted, candidates, self.pairs, self.boxes);
+        *self.tied += tied as u64;
+        self.sink.take(self.pairs.span_mut(0, found));
         self.collected = 0;
     }
 }
@@ -228,6 +231,14 @@ fn unpack(mask: u64, base: u32, candidates: &mut [u32], from: usize) -> usize {
     }
 }
 
+/// What has become of candidates.
+struct Tested {
+    /// Pairs.
+    found: usize,
+    /// Candidates that only the keys could tell apart.
+    tied: usize,
+}
+
 #[inline(always)]
 fn test<S: Simd, I: Index>(
     simd: S,
@@ -235,8 +246,7 @@ fn test<S: Simd, I: Index>(
     candidates: &mut [u32],
     pairs: &mut [Pair<I>],
     boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
-) {
+) -> Tested {
     let pairs = pairs.span_mut(0, candidates.len());
     let (mut found, mut tied) = (0, 0);
     for index in 0..candidates.len() {
@@ -259,5 +269,5 @@ fn test<S: Simd, I: Index>(
         pairs.put(found, pair::<I>(a, b));
         found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
     }
-    sink.take(pairs.span_mut(0, found));
+    Tested { found, tied }
 }

@@ -80,9 +80,7 @@ impl<'o, I: Index> Collector<'o, I> {
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.bag);
-        for area in self.scratch.chunks_exact_mut(area.max(1)) {
-            area.put(0, Record::default());
-        }
+        scratch::reset(self.scratch, area);
         let gate = self.gate;
         let work = &|block: usize, scratch: &mut Scratch<'_, I>, sink: &mut dyn Sink<I>| match &gate {
             Some(gate) => work(block, scratch, &mut Gated { gate, sink }),
@@ -128,9 +126,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let used = chunks.claimed();
         if full.load(Relaxed) {
             // The blocks are swept once more, so what was counted must not count twice.
-            for area in self.scratch.chunks_exact_mut(area.max(1)) {
-                area.put(0, Record::default());
-            }
+            scratch::reset(self.scratch, area);
             return None;
         }
         Some(self.merge(executor, from, used))

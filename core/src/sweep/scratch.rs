@@ -3,7 +3,7 @@
 use crate::arch::{Row, WINDOW};
 use crate::id::{Index, Pair};
 use crate::tree::Record;
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 
 /// The most records that are swept at once; larger leaves are swept tile by tile.
 const BAG: usize = 2048;
@@ -26,7 +26,7 @@ pub(crate) const fn records<I>(bag: usize) -> usize {
         return 0;
     }
     let candidates = batch(bag) + WINDOW;
-    1 + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates)
+    of::<Work>(1) + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates)
 }
 
 const fn of<T>(count: usize) -> usize {
@@ -34,16 +34,20 @@ const fn of<T>(count: usize) -> usize {
 }
 
 /// Sums over the leaves that a worker has swept.
-#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Work {
     pub(crate) copies: u64,
     pub(crate) candidates: u64,
+    pub(crate) tied: u64,
+    /// Makes it as long as two records, between which it stands.
+    pub(crate) unused: u64,
 }
 
 /// See the module.
 pub(crate) struct Scratch<'s, I> {
-    /// Copies and candidates of earlier jobs in this area.
-    work: &'s mut [u64],
+    /// The sums of earlier jobs in this area.
+    work: &'s mut [Work],
     /// Copies so far.
     pub(crate) copies: u64,
     /// Records that come from other leaves, or the tiles of a leaf.
@@ -63,6 +67,8 @@ pub(crate) struct Bench<'s, I> {
     pub(crate) pairs: &'s mut [Pair<I>],
     /// Candidates so far.
     pub(crate) tested: u64,
+    /// Candidates so far whose records could not tell.
+    pub(crate) tied: u64,
 }
 
 impl<'s, I: Index> Scratch<'s, I> {
@@ -71,7 +77,7 @@ impl<'s, I: Index> Scratch<'s, I> {
         let mut rest = area;
         let candidates = batch(bag) + WINDOW;
         Self {
-            work: cut(&mut rest, 2),
+            work: cut(&mut rest, 1),
             copies: 0,
             visitors: cut(&mut rest, bag),
             bench: Bench {
@@ -80,6 +86,7 @@ impl<'s, I: Index> Scratch<'s, I> {
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
                 tested: 0,
+                tied: 0,
             },
         }
     }
@@ -88,9 +95,10 @@ impl<'s, I: Index> Scratch<'s, I> {
 impl<I> Scratch<'_, I> {
     /// Leaves the sums of this job in its area.
     pub(crate) fn finish(self) {
-        if let [copies, candidates] = self.work {
-            *copies += self.copies;
-            *candidates += self.bench.tested;
+        if let [work] = self.work {
+            work.copies += self.copies;
+            work.candidates += self.bench.tested;
+            work.tied += self.bench.tied;
         }
     }
 }
@@ -103,15 +111,22 @@ fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
     bytemuck::try_cast_slice_mut(section).ok().and_then(|items| items.get_mut(..count)).unwrap_or_default()
 }
 
+/// What stands in the areas of all workers.
+fn sums(scratch: &mut [Record], area: usize) -> impl Iterator<Item = &mut Work> {
+    scratch.chunks_exact_mut(area.max(1)).flat_map(|mut area| cut(&mut area, 1))
+}
+
+/// Sets the sums of all workers to zero.
+pub(crate) fn reset(scratch: &mut [Record], area: usize) {
+    sums(scratch, area).for_each(|work| *work = Work::default());
+}
+
 /// The sums that the workers left in their areas.
-pub(crate) fn work(scratch: &[Record], area: usize) -> Work {
-    let mut sum = Work::default();
-    for area in scratch.chunks_exact(area.max(1)) {
-        if let Some(first) = area.first() {
-            let [copies, candidates]: [u64; 2] = bytemuck::cast(*first);
-            sum.copies += copies;
-            sum.candidates += candidates;
-        }
-    }
-    sum
+pub(crate) fn work(scratch: &mut [Record], area: usize) -> Work {
+    sums(scratch, area).fold(Work::default(), |sum, work| Work {
+        copies: sum.copies + work.copies,
+        candidates: sum.candidates + work.candidates,
+        tied: sum.tied + work.tied,
+        unused: 0,
+    })
 }

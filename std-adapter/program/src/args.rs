@@ -29,6 +29,10 @@ pub(crate) enum Command {
     Record(RecordArgs),
     /// Print the bytes that a world needs.
     Layout(LayoutArgs),
+    /// Measure speed against error, and write a page with figures and the data beside it.
+    ///
+    /// Exit code 1 where a single pair is missed anywhere. The times are worth something where nothing else runs.
+    Report(ReportArgs),
 }
 
 impl Command {
@@ -136,6 +140,19 @@ pub(crate) struct LayoutArgs {
     /// Numbers of objects; four pairs an object.
     #[arg(required = true, value_name = "N")]
     pub(crate) objects: Vec<u32>,
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct ReportArgs {
+    /// Fewer and smaller scenes, all of them synthetic: less than a minute.
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// The folder for report.html, report.json, the tables as CSV, and the recordings that were made.
+    #[arg(long, value_name = "DIR", default_value = "trisap-report")]
+    pub(crate) out: PathBuf,
+    /// As little as possible, to see whether all experiments work.
+    #[arg(long, hide = true)]
+    pub(crate) least: bool,
 }
 
 /// The most objects that a world can hold.

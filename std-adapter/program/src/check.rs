@@ -95,7 +95,7 @@ fn take_in(boxes: &mut Vec<Aabb>, next: Boxes<'_>) -> u32 {
 }
 
 /// What is in `a` alone and what is in `b` alone, both being sorted.
-fn differences(a: &[Pair], b: &[Pair]) -> (Vec<Pair>, Vec<Pair>) {
+pub(crate) fn differences(a: &[Pair], b: &[Pair]) -> (Vec<Pair>, Vec<Pair>) {
     let only = |a: &[Pair], b: &[Pair]| {
         let mut rest = b.iter().peekable();
         let mut only = a.to_vec();
@@ -109,7 +109,7 @@ fn differences(a: &[Pair], b: &[Pair]) -> (Vec<Pair>, Vec<Pair>) {
 }
 
 /// All overlapping pairs, ascending.
-fn pairs(boxes: &[Aabb]) -> Vec<Pair> {
+pub(crate) fn pairs(boxes: &[Aabb]) -> Vec<Pair> {
     if boxes.len() <= BRUTE_FORCE { brute_force(boxes) } else { sweep(boxes) }
 }
 

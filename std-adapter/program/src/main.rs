@@ -17,6 +17,7 @@ mod source;
 #[cfg(feature = "record")]
 mod split;
 mod stopwatch;
+mod summary;
 mod tally;
 
 use clap::Parser;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         args::Command::Pairs(args) => pairs::pairs(&args),
         args::Command::Record(args) => record::record(&args),
         args::Command::Layout(args) => layout::layout(&args),
+        args::Command::Report(args) => report::report(&args),
     };
     match result {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

@@ -5,9 +5,9 @@ use crate::args::{ModeName, RunArgs};
 use crate::check::Checker;
 use crate::drive::drive;
 use crate::figures::median;
-use crate::report::{Bytes, Check, Counts, Report, Settings, Times, after_first};
 use crate::setup::{Engine, fits_u16};
 use crate::source::Source;
+use crate::summary::{Bytes, Check, Counts, Settings, Summary, Times, after_first};
 use crate::tally::Tally;
 use anyhow::{Context, Result};
 use std::io::stdout;
@@ -25,11 +25,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
         if args.check { Some(Box::new(move || Checker::new(mode, events))) } else { None };
     let mut tally = Tally::new(source.frames(), new_checker);
     let config = drive(&mut source, config, &engine, &mut tally)?;
-    let report = report(&source, &config, &engine, &tally)?;
+    let summary = summary(&source, &config, &engine, &tally)?;
     drop(tally);
 
-    if args.json { report.write_json(stdout().lock()) } else { report.write_text(stdout().lock()) }?;
-    let failed = report.check.is_some_and(|check| !check.passed);
+    if args.json { summary.write_json(stdout().lock()) } else { summary.write_text(stdout().lock()) }?;
+    let failed = summary.check.is_some_and(|check| !check.passed);
     Ok(if failed { Outcome::CheckFailed } else { Outcome::Good })
 }
 
@@ -49,14 +49,14 @@ fn config(args: &RunArgs, objects: u32) -> Config {
     config
 }
 
-fn report(source: &Source, config: &Config, engine: &Engine, tally: &Tally) -> Result<Report> {
+fn summary(source: &Source, config: &Config, engine: &Engine, tally: &Tally) -> Result<Summary> {
     let objects = source.objects();
     let later = after_first(&tally.stats);
     let medians = |of: fn(&Stats) -> u64| median(&later.iter().map(of).collect::<Vec<_>>());
     let step_ms = Times::of(&tally.milliseconds);
     // In the first frame all objects are new and all pairs are found.
     let counts = |of: fn(&Stats) -> u64| config.events.then(|| Counts::of(later.iter().map(of)));
-    Ok(Report {
+    Ok(Summary {
         scene: source.name().to_owned(),
         objects,
         frames: tally.stats.len(),

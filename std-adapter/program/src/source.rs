@@ -5,13 +5,13 @@ use anyhow::{Context, Result};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
-use trisap::Boxes;
 use trisap::recording::Reader;
 use trisap::scene::{Objects, Setup, Synthetic};
+use trisap::{Aabb, Boxes};
 
 /// The recording that is built in, so that the program shows something wherever it is started.
 const SHIPPED_NAME: &str = "freefall_cubes_1000.aabbs";
-static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
+pub(crate) static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
 
 /// The boxes of one frame after another.
 pub(crate) struct Source {
@@ -25,6 +25,7 @@ pub(crate) struct Source {
 enum Content {
     Recording(Reader<Box<dyn ReadSeek>>),
     Synthetic(Box<Synthetic>),
+    Frames(Vec<Vec<Aabb>>),
 }
 
 trait ReadSeek: Read + Seek {}
@@ -47,7 +48,7 @@ impl Source {
         };
         match (args.frames, &source.content) {
             (Some(frames), Content::Synthetic(_)) => source.frames = frames,
-            (Some(frames), Content::Recording(_)) => source.frames = source.frames.min(frames),
+            (Some(frames), _) => source.frames = source.frames.min(frames),
             (None, _) => {}
         }
         Ok(source)
@@ -87,6 +88,17 @@ impl Source {
         }
     }
 
+    /// Boxes in memory: of at least one frame, and of the same number in each.
+    pub(crate) fn of_frames(name: &str, frames: Vec<Vec<Aabb>>) -> Self {
+        Self {
+            name: name.to_owned(),
+            objects: frames.first().map_or(0, Vec::len) as u32,
+            frames: frames.len() as u32,
+            next: 0,
+            content: Content::Frames(frames),
+        }
+    }
+
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
@@ -115,6 +127,7 @@ impl Source {
                 }
                 Ok(Some(Boxes::new(scene.boxes())))
             }
+            Content::Frames(frames) => Ok(frames.get(self.next as usize - 1).map(|boxes| Boxes::new(boxes))),
         }
     }
 
@@ -127,6 +140,7 @@ impl Source {
                 **scene = Synthetic::new(*scene.setup());
                 Ok(())
             }
+            Content::Frames(_) => Ok(()),
         }
     }
 }

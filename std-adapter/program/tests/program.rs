@@ -195,6 +195,41 @@ fn layouts_are_printed() -> Result {
     Ok(())
 }
 
+#[test]
+fn a_report_is_a_page_and_its_data() -> Result {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("report");
+    let text = stdout(&["report", "--least", "--out", path(&out)?])?;
+    assert!(text.contains("report.html") && text.contains("0 misses, 0 other faults"), "{text}");
+    let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(out.join("report.json"))?)?;
+    let sections = report["sections"].as_array().ok_or("no sections")?;
+    let page = fs::read_to_string(out.join("report.html"))?;
+    let mut ids = Vec::new();
+    for section in sections {
+        let id = section["id"].as_str().ok_or("no id")?;
+        assert!(page.contains(&format!("<section id=\"{id}\">")), "{id}");
+        for table in section["tables"].as_array().ok_or("no tables")? {
+            let id = table["id"].as_str().ok_or("no id")?;
+            let rows = table["rows"].as_array().ok_or("no rows")?;
+            let csv = fs::read_to_string(out.join(format!("{id}.csv")))?;
+            assert!(!rows.is_empty() && csv.lines().count() == rows.len() + 1, "{id}");
+        }
+        ids.push(id);
+    }
+    let all = ["margins", "scaling", "paper", "movers", "parts", "precision", "ties", "hard_cases"];
+    assert_eq!(ids, all);
+    // Something was compared in every section that measures on its own, and nothing was wrong.
+    let frames = |id: &str| {
+        let section = sections.iter().find(|section| section["id"] == id);
+        section.and_then(|section| section["verdict"]["frames"].as_u64())
+    };
+    for id in ["margins", "scaling", "movers", "parts", "precision", "hard_cases"] {
+        assert!(frames(id) > Some(10), "{id}: {:?}", frames(id));
+    }
+    assert!(page.contains("ANOTHER MACHINE"), "printed figures are not marked");
+    Ok(())
+}
+
 #[cfg(not(feature = "record"))]
 #[test]
 fn recording_without_an_engine_says_how_to_get_one() -> Result {

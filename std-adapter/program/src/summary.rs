@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 #[derive(Serialize)]
-pub(crate) struct Report {
+pub(crate) struct Summary {
     pub(crate) scene: String,
     pub(crate) objects: u32,
     pub(crate) frames: usize,
@@ -114,7 +114,7 @@ pub(crate) struct Check {
     pub(crate) wrong: Option<String>,
 }
 
-impl Report {
+impl Summary {
     pub(crate) fn write_json(&self, mut out: impl Write) -> io::Result<()> {
         serde_json::to_writer_pretty(&mut out, self)?;
         writeln!(out)

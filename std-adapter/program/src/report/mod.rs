@@ -1,0 +1,80 @@
+//! `trisap report`: measures speed against error and writes it down as a page and as data.
+//!
+//! Each experiment is a file that turns the [`Lab`] into a [`Section`]; nothing but [`measure`] takes the time of a step.
+
+mod chart;
+mod clip;
+mod files;
+mod hard_cases;
+mod lab;
+mod machine;
+mod margins;
+mod measure;
+mod movers;
+mod page;
+mod paper;
+mod parts;
+mod plan;
+mod precision;
+mod printed;
+#[cfg(feature = "record")]
+mod recordings;
+mod result;
+mod scaling;
+mod sizes;
+mod ties;
+
+use crate::Outcome;
+use crate::args::ReportArgs;
+use crate::figures::grouped;
+use anyhow::{Context, Result};
+use files::Data;
+use lab::Lab;
+use machine::Machine;
+use plan::Plan;
+use result::{Section, Verdict};
+use std::fs;
+
+pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
+    fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    let plan = match (args.least, args.quick) {
+        (true, _) => Plan::least(),
+        (false, true) => Plan::quick(),
+        (false, false) => Plan::full(),
+    };
+    let lab = Lab::new(plan, args.out.join("recordings"));
+    #[cfg(feature = "record")]
+    if lab.plan.recorded {
+        lab.record_all()?;
+    }
+    let sections = sections(&lab)?;
+    lab.bar.finish_and_clear();
+
+    let mut sum = Verdict::default();
+    sections.iter().for_each(|section| sum.add(section.verdict));
+    let (machine, plan) = (Machine::this(), lab.plan.name);
+    files::write(&args.out, "report.html", &page::page(&machine, plan, &sections, &sum)?)?;
+    files::write_data(&args.out, &Data { machine: &machine, plan, verdict: sum, sections: &sections })?;
+    println!(
+        "wrote {}; {} steps compared, {} misses, {} other faults",
+        args.out.join("report.html").display(),
+        grouped(sum.frames),
+        grouped(sum.misses),
+        grouped(sum.faults)
+    );
+    Ok(if sum.is_good() { Outcome::Good } else { Outcome::CheckFailed })
+}
+
+fn sections(lab: &Lab) -> Result<Vec<Section>> {
+    let sizes = sizes::sizes(lab)?;
+    Ok(vec![
+        margins::margins(lab)?,
+        scaling::scaling(lab, &sizes),
+        paper::paper(&sizes),
+        movers::movers(lab)?,
+        parts::parts(lab)?,
+        precision::precision(lab)?,
+        ties::ties(&sizes),
+        hard_cases::hard_cases(lab)?,
+    ])
+}

@@ -1,0 +1,87 @@
+//! The paper's Fig. 6, Table 1 and Table 2, with our figures beside the printed ones.
+
+use super::printed;
+use super::result::{Axis, Figure, Section, Series, Table, Value, milliseconds};
+use super::sizes::Size;
+use trisap::scene::{Kind, Objects};
+
+pub(super) fn paper(sizes: &[Size]) -> Section {
+    let mut section = Section {
+        id: "paper",
+        title: "The paper's Table 1, Table 2 and Fig. 6 beside ours",
+        text: vec![
+            "The printed times are those of ANOTHER MACHINE, an Intel i7-8700 under Windows 10 that sweeps leaves in parallel, \
+             and of the authors' own runs of the scenes. Ours are of this machine, with one thread and the best kernels. So \
+             the quotient of the two says nothing about the methods alone; the shapes of the curves can be compared."
+                .into(),
+            "The collision ratio (Fig. 6) is the number of pairs divided by the number of objects. All methods that are exact \
+             have the same. The paper shows it as a picture, without numbers that could stand here."
+                .into(),
+        ],
+        ..Section::default()
+    };
+    for (objects, id, name) in
+        [(Objects::Cubes, "table_1", "Table 1: cubes"), (Objects::Assorted, "table_2", "Table 2: assorted")]
+    {
+        let mut table = Table {
+            id,
+            title: format!("{name}; printed figures: another machine"),
+            columns: vec![
+                "scene",
+                "objects",
+                "ours, this machine (ms)",
+                "printed, another machine (ms)",
+                "printed / ours",
+                "our collision ratio (pairs an object)",
+            ],
+            rows: Vec::new(),
+        };
+        let mut series = Vec::new();
+        for (colour, kind) in Kind::ALL.into_iter().enumerate() {
+            let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+            for size in sizes.iter().filter(|size| size.kind == kind && size.objects == objects) {
+                let time = size.best().median;
+                let printed = printed::time(kind, objects, size.count);
+                ours.push((f64::from(size.count), time));
+                theirs.extend(printed.map(|printed| (f64::from(size.count), printed)));
+                table.rows.push(vec![
+                    kind.name().into(),
+                    size.count.into(),
+                    milliseconds(time),
+                    printed.map_or(Value::Missing, |time| Value::Number(time, 2)),
+                    printed.map_or(Value::Missing, |printed| Value::Number(printed / time, 2)),
+                    Value::Number(size.best().pairs_per_object(), 3),
+                ]);
+            }
+            let name = kind.name();
+            series.push(Series { name: name.into(), points: ours, reference: false, colour });
+            let name = format!("{name}, printed (another machine)");
+            series.push(Series { name, points: theirs, reference: true, colour });
+        }
+        section.figures.push(Figure {
+            title: name.into(),
+            x: Axis::logarithmic("objects (number)"),
+            y: Axis::logarithmic("time per step (ms)"),
+            series,
+        });
+        section.tables.push(table);
+    }
+    for objects in Objects::ALL {
+        section.figures.push(ratios(sizes, objects));
+    }
+    section
+}
+
+fn ratios(sizes: &[Size], objects: Objects) -> Figure {
+    let series = Kind::ALL.into_iter().enumerate().map(|(colour, kind)| {
+        let of = sizes.iter().filter(|size| size.kind == kind && size.objects == objects);
+        let points = of.map(|size| (f64::from(size.count), size.best().pairs_per_object())).collect();
+        Series { name: kind.name().into(), points, reference: false, colour }
+    });
+    Figure {
+        title: format!("Fig. 6: collision ratio, {}", objects.name().to_lowercase()),
+        x: Axis::logarithmic("objects (number)"),
+        y: Axis::linear("collision ratio (pairs an object)"),
+        series: series.collect(),
+    }
+}
