@@ -8,6 +8,7 @@ use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::sweep::scratch;
+use crate::sweep::small::Member;
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// The memory that a world needs.
@@ -75,8 +76,8 @@ pub(crate) struct Sizes {
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects of a small world whose boxes are sorted before they are swept.
-    pub(crate) sorted: usize,
+    /// Objects of a small world whose boxes are copied in their order before they are swept.
+    pub(crate) members: usize,
     /// Records in one worker's scratch.
     pub(crate) bag: usize,
 }
@@ -118,7 +119,7 @@ impl Sizes {
                 0
             },
             workers: config.workers as usize,
-            sorted: if small && objects > TINY { objects } else { 0 },
+            members: if small && objects > TINY { objects } else { 0 },
             bag: if small { 0 } else { scratch::bag(objects) },
         })
     }
@@ -158,7 +159,7 @@ impl Sizes {
         plan.add::<Pair<I>>(self.previous);
         plan.add::<Pair<I>>(self.staged * CHUNK);
         plan.add::<[u32; 3]>(self.staged);
-        plan.add::<KeyBox>(self.sorted);
+        plan.add::<Member>(self.members);
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }

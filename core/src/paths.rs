@@ -6,7 +6,7 @@ use crate::access::Access;
 use crate::exec::{Executor, Stage};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::KeyBox;
+use crate::key::{KeyBox, length};
 use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
 use crate::results::carry_resting;
@@ -19,7 +19,7 @@ use crate::sweep::movers::{SweepLargeMovers, SweepMovers};
 use crate::sweep::scratch::Work;
 use crate::sweep::small;
 use crate::tree::assign::Census;
-use crate::tree::cells::longest_axis;
+use crate::tree::cells::{Extent, longest_axis};
 use crate::tree::relocate::Relocate;
 use crate::tree::{Frame, assign, balance};
 
@@ -79,7 +79,8 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let boxes = boxes.swept();
     let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
     means.executor.enter(Stage::Sweep);
-    let found = small::sweep(order, boxes, axis, output.sorted, output.pairs);
+    let axes = across(axis, &census.extent);
+    let found = small::sweep(order, boxes, axes, output.members, output.pairs);
     let work = Work { copies: 0, candidates: found.candidates as u64 };
     Progress {
         pairs: found.pairs as u64,
@@ -88,6 +89,13 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
         coarse: Some(census.coarse),
         ..Progress::default()
     }
+}
+
+/// The axes of a sweep along the first one: the longer of the two others is the second.
+fn across(axis: usize, extent: &Extent) -> [usize; 3] {
+    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+    let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
+    if side(b) > side(a) { [axis, b, a] } else { [axis, a, b] }
 }
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.

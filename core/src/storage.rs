@@ -9,6 +9,7 @@ use crate::layout::{ALIGN, CHUNK, SLOT_BLOCKS, Sizes, layout, section};
 use crate::objects::Objects;
 use crate::state::State;
 use crate::sweep::scratch;
+use crate::sweep::small::Member;
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
@@ -90,8 +91,8 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a small world: the boxes in the order of the swept list.
-    pub(crate) sorted: &'m mut [KeyBox],
+    /// In a small world: the boxes of a strip in the order of the swept list.
+    pub(crate) members: &'m mut [Member],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -149,7 +150,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 previous: slab.take(sizes.previous)?,
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
-                sorted: slab.take(sizes.sorted)?,
+                members: slab.take(sizes.members)?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
             },
             sizes,
