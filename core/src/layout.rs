@@ -8,7 +8,7 @@ use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::sweep::scratch;
-use crate::sweep::small::Member;
+use crate::sweep::small::{Member, strip_slots};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// The memory that a world needs.
@@ -160,6 +160,7 @@ impl Sizes {
         plan.add::<Pair<I>>(self.staged * CHUNK);
         plan.add::<[u32; 3]>(self.staged);
         plan.add::<Member>(self.members);
+        plan.add::<I>(strip_slots(self.members));
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }

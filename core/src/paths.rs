@@ -80,7 +80,8 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
     means.executor.enter(Stage::Sweep);
     let axes = across(axis, &census.extent);
-    let found = small::sweep(order, boxes, axes, output.members, output.pairs);
+    let room = small::Room { members: output.members, strips: output.strips };
+    let found = small::sweep(order, boxes, axes, room, output.pairs);
     let work = Work { copies: 0, candidates: found.candidates as u64 };
     Progress {
         pairs: found.pairs as u64,

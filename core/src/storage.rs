@@ -9,7 +9,7 @@ use crate::layout::{ALIGN, CHUNK, SLOT_BLOCKS, Sizes, layout, section};
 use crate::objects::Objects;
 use crate::state::State;
 use crate::sweep::scratch;
-use crate::sweep::small::Member;
+use crate::sweep::small::{Member, strip_slots};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
@@ -91,8 +91,9 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a small world: the boxes of a strip in the order of the swept list.
+    /// In a small world: what it is swept in.
     pub(crate) members: &'m mut [Member],
+    pub(crate) strips: &'m mut [I],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -151,6 +152,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
                 members: slab.take(sizes.members)?,
+                strips: slab.take(strip_slots(sizes.members))?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
             },
             sizes,

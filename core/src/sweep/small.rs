@@ -15,14 +15,17 @@ pub(crate) struct Found {
     pub(crate) candidates: usize,
 }
 
-/// A box that is swept, and whose it is. Its keys stand in the order of the axes: the swept one, the one across which
-/// the strips lie, the last one.
+/// A box that is swept, and whose it is.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Member {
-    min: [i32; 3],
-    max: [i32; 3],
-    slot: u32,
+    bounds: KeyBox,
+    /// The slot, and above it a mark: the minimum is below the strip. Two marked boxes are in a lower strip together.
+    tag: u32,
+}
+
+impl Member {
+    const BELOW: u32 = 1 << 31;
 }
 
 /// Strips that a world is cut into: along one axis alone, most of what overlaps is far apart.
@@ -32,50 +35,54 @@ const STRIPED_FROM: usize = 48;
 /// Minima that are looked at to place the strips.
 const SAMPLE: usize = 16;
 
-/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the first of `axes`;
-/// `members` has room for as many, or none.
+/// Room in which a world is swept in strips, or none.
+pub(crate) struct Room<'m, I> {
+    /// The boxes of one strip, or of all, in the order of the list.
+    pub(crate) members: &'m mut [Member],
+    /// The slots of each strip: room for 5/8 of all in each.
+    pub(crate) strips: &'m mut [I],
+}
+
+/// Slots that the strips have room for, in a world for so many objects.
+pub(crate) const fn strip_slots(objects: usize) -> usize {
+    STRIPS * (objects * 5 / 8)
+}
+
+/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the first of `axes`.
 ///
-/// O(n + candidates).
+/// O(n + candidates), and at most 0.8 n² tests: strips have at most 5/8 of the objects each, or there are none.
 pub(crate) fn sweep<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
     axes: [usize; 3],
-    members: &mut [Member],
+    room: Room<'_, I>,
     pairs: &mut [Pair<I>],
 ) -> Found {
+    let Room { members, strips } = room;
     if members.len() < order.len() {
         return sweep_in_place(order, boxes, axes[0], pairs);
     }
-    // A fuller strip takes in all that is left. So there are at most 1.75 times as many tests as without strips: three
-    // quarters for three strips of half the objects, and one for a strip of all.
-    let most = order.len() / 2;
+    let planes = planes(order, boxes, axes[1]);
+    let length = strips.len() / STRIPS;
     let mut found = Found::default();
+    let Some(counts) = divide(order, boxes, axes[1], planes, strips) else {
+        let members = gather(order, boxes, axes[1], i32::MIN, members);
+        return sweep_strip(members, axes[0], found, pairs);
+    };
     let mut from = i32::MIN;
-    for until in planes(order, boxes, axes[1]) {
-        if until <= from {
-            continue;
-        }
-        let mut strip = Strip { from, until };
-        let mut count = strip.gather(order, boxes, axes, members);
-        if count > most && until < i32::MAX {
-            strip.until = i32::MAX;
-            count = strip.gather(order, boxes, axes, members);
-        }
-        found = strip.sweep(members.span(0, count), found, pairs);
-        from = strip.until;
+    for (index, count) in counts.into_iter().enumerate() {
+        let members = gather(strips.span(index * length, count), boxes, axes[1], from, members);
+        found = sweep_strip(members, axes[0], found, pairs);
+        from = planes.get(index).copied().unwrap_or_default();
     }
     found
 }
 
-/// Where the strips end: at quartiles of some minima, and the last one nowhere.
-fn planes<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize) -> [i32; STRIPS] {
-    let mut planes = [i32::MAX; STRIPS];
-    if order.len() < STRIPED_FROM {
-        return planes;
-    }
+/// Where strips begin, but for the first: at quartiles of some minima.
+fn planes<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize) -> [i32; STRIPS - 1] {
     let mut sample = [i32::MAX; SAMPLE];
     let mut count = 0;
-    for slot in order.iter().step_by(order.len().div_ceil(SAMPLE)) {
+    for slot in order.iter().step_by(order.len().div_ceil(SAMPLE).max(1)) {
         let key = KeyBox::of(boxes, slot.at()).min[axis % 3];
         let mut to = count;
         while to > 0 {
@@ -89,73 +96,103 @@ fn planes<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize) -> [i32; STRIPS]
         sample.put(to, key);
         count += 1;
     }
-    for (index, plane) in planes.iter_mut().take(STRIPS - 1).enumerate() {
-        *plane = sample.at((index + 1) * count / STRIPS);
-    }
-    planes
+    [1, 2, 3].map(|quarter| sample.at(quarter * count / STRIPS))
 }
 
-/// The boxes that reach into the minima from one key on and below another. A pair of boxes is in the strip where the
-/// upper of their minima is, and reported there alone.
-struct Strip {
+/// Writes the slots of each strip, in their order, and returns how many there are. A box is in all strips that it
+/// reaches; a strip is where its minimum is, or an upper one. `None` where the strips are no gain: there are few
+/// objects, or one strip has more than 5/8 of them.
+#[inline(never)]
+fn divide<I: Index>(
+    order: &[I],
+    boxes: &[KeyBox],
+    axis: usize,
+    [p, q, r]: [i32; STRIPS - 1],
+    strips: &mut [I],
+) -> Option<[usize; STRIPS]> {
+    if order.len() < STRIPED_FROM {
+        return None;
+    }
+    let stride = strips.len() / STRIPS;
+    let most = (order.len() * 5 / 8).min(stride);
+    let mut counts = [0; STRIPS];
+    for &slot in order {
+        let KeyBox { min, max } = boxes.get(slot.at())?;
+        let (min, max) = (min[axis.min(2)], max[axis.min(2)]);
+        let home = usize::from(min >= p) + usize::from(min >= q) + usize::from(min >= r);
+        let last = usize::from(max >= p) + usize::from(max >= q) + usize::from(max >= r);
+        for strip in home..=last {
+            let count = counts.get_mut(strip)?;
+            if *count >= most {
+                return None;
+            }
+            *strips.get_mut(strip * stride + *count)? = slot;
+            *count += 1;
+        }
+    }
+    Some(counts)
+}
+
+/// Copies the boxes of a strip that begins at a key.
+#[inline(never)]
+fn gather<'m, I: Index>(
+    slots: &[I],
+    boxes: &[KeyBox],
+    axis: usize,
     from: i32,
-    until: i32,
+    members: &'m mut [Member],
+) -> &'m [Member] {
+    for (member, slot) in members.iter_mut().zip(slots) {
+        if let Some(bounds) = boxes.get(slot.at()) {
+            let below = bounds.min[axis.min(2)] < from;
+            *member = Member { bounds: *bounds, tag: slot.slot() | u32::from(below) << 31 };
+        }
+    }
+    members.span(0, slots.len())
 }
 
-impl Strip {
-    /// Copies the boxes of the strip, in their order, and returns how many there are.
-    #[inline(never)]
-    fn gather<I: Index>(
-        &self,
-        order: &[I],
-        boxes: &[KeyBox],
-        axes: [usize; 3],
-        members: &mut [Member],
-    ) -> usize {
-        // Never above 2, but for the compiler, which then checks no index.
-        let (u, v, w) = (axes[0].min(2), axes[1].min(2), axes[2].min(2));
-        let mut count = 0;
-        let mut places = members.iter_mut();
-        for slot in order {
-            let Some(KeyBox { min, max }) = boxes.get(slot.at()) else { continue };
-            if min[v] < self.until && max[v] >= self.from {
-                let Some(place) = places.next() else { break };
-                *place =
-                    Member { min: [min[u], min[v], min[w]], max: [max[u], max[v], max[w]], slot: slot.slot() };
-                count += 1;
-            }
-        }
-        count
+/// Adds the pairs of a strip, or of all.
+fn sweep_strip<I: Index>(members: &[Member], axis: usize, found: Found, pairs: &mut [Pair<I>]) -> Found {
+    match axis {
+        0 => sweep_members::<I, 0, 1, 2>(members, found, pairs),
+        1 => sweep_members::<I, 1, 2, 0>(members, found, pairs),
+        _ => sweep_members::<I, 2, 0, 1>(members, found, pairs),
     }
+}
 
-    /// Adds the strip's pairs. In a function of its own, so that the inner loop keeps to the registers.
-    #[inline(never)]
-    fn sweep<I: Index>(&self, members: &[Member], found: Found, pairs: &mut [Pair<I>]) -> Found {
-        let Found { pairs: mut total, mut candidates } = found;
-        let mut members = members;
-        while let Some((&a, others)) = members.split_first() {
-            let mut rest = others;
-            while let Some((b, others)) = rest.split_first() {
-                if b.min[0] > a.max[0] {
-                    break;
-                }
-                rest = others;
-                let overlap = b.min[2] <= a.max[2]
-                    && a.min[2] <= b.max[2]
-                    && b.min[1] <= a.max[1]
-                    && a.min[1] <= b.max[1];
-                if overlap && a.min[1].max(b.min[1]) >= self.from {
-                    if let Some(place) = pairs.get_mut(total) {
-                        *place = pair(a.slot, b.slot);
-                    }
-                    total += 1;
-                }
+/// With the axes known, and in a function of its own, so that the inner loop keeps to the registers.
+#[inline(never)]
+fn sweep_members<I: Index, const W: usize, const U: usize, const V: usize>(
+    members: &[Member],
+    found: Found,
+    pairs: &mut [Pair<I>],
+) -> Found {
+    let Found { pairs: mut total, mut candidates } = found;
+    let mut members = members;
+    while let Some((&a, others)) = members.split_first() {
+        let KeyBox { min, max } = a.bounds;
+        let mut rest = others;
+        while let Some((b, others)) = rest.split_first() {
+            let Member { bounds: other, tag } = b;
+            if other.min[W] > max[W] {
+                break;
             }
-            candidates += others.len() - rest.len();
-            members = others;
+            rest = others;
+            let apart = other.min[V] > max[V]
+                || min[V] > other.max[V]
+                || other.min[U] > max[U]
+                || min[U] > other.max[U];
+            if !apart && a.tag & tag & Member::BELOW == 0 {
+                if let Some(place) = pairs.get_mut(total) {
+                    *place = pair(a.tag & !Member::BELOW, tag & !Member::BELOW);
+                }
+                total += 1;
+            }
         }
-        Found { pairs: total, candidates }
+        candidates += others.len() - rest.len();
+        members = others;
     }
+    Found { pairs: total, candidates }
 }
 
 /// Without room for members.
