@@ -88,10 +88,11 @@ impl KeyBox {
         let [a, b, c] = aabb.min;
         let [d, e, f] = aabb.max;
         let keys = Self { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
-        let good = on_all_axes(|k| {
-            keys.min[k] <= keys.max[k] && keys.min[k] >= NEGATIVE_INFINITY && keys.max[k] <= POSITIVE_INFINITY
-        });
-        good.then_some(keys)
+        // One comparison with each infinity, as large constants cost a small processor as much as the comparison.
+        let least = keys.min[0].min(keys.min[1]).min(keys.min[2]);
+        let most = keys.max[0].max(keys.max[1]).max(keys.max[2]);
+        let bounded = least >= NEGATIVE_INFINITY && most <= POSITIVE_INFINITY;
+        (bounded && on_all_axes(|k| keys.min[k] <= keys.max[k])).then_some(keys)
     }
 
     pub(crate) fn to_aabb(self) -> Aabb {

@@ -68,10 +68,20 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
 /// Puts one list in order: by insertion as long as that is cheap, else by radix. `spare` holds 4 words an object.
 ///
 /// O(n + inversions) at best, O(n) with a larger factor beyond; never quadratic.
+#[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
+    let Some(&first) = order.first() else { return };
+    // The last one in order so far.
+    let mut last = (low(first), first);
     for index in 1..order.len() {
         let slot = order.at(index);
+        let this = (low(slot), slot);
+        if last < this {
+            last = this;
+            continue;
+        }
         let mut to = index;
         while to > 0 && precedes(boxes, axis, slot, order.at(to - 1)) {
             order.put(to, order.at(to - 1));
@@ -87,14 +97,19 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, s
 }
 
 /// Sorts slots where they are, whatever order they are in, for worlds without scratch memory. O(n log n).
+#[inline(never)]
 fn heapsort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     // The first half makes the heap, the second one takes the last slots off it.
     let count = order.len();
     for round in (0..count + count / 2).rev() {
-        let (mut at, end) = if round >= count { (round - count, count) } else { (0, round) };
+        let (root, end) = if round >= count { (round - count, count) } else { (0, round) };
         if round < count {
             order.swap_at(0, round);
         }
+        // Down to a leaf by the upper children, then up again: most slots belong near the leaves, and going down takes
+        // one comparison a level instead of two.
+        let slot = order.at(root);
+        let mut at = root;
         loop {
             let mut child = 2 * at + 1;
             if child >= end {
@@ -103,12 +118,14 @@ fn heapsort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
             if child + 1 < end && precedes(boxes, axis, order.at(child), order.at(child + 1)) {
                 child += 1;
             }
-            if !precedes(boxes, axis, order.at(at), order.at(child)) {
-                break;
-            }
-            order.swap_at(at, child);
+            order.put(at, order.at(child));
             at = child;
         }
+        while at > root && precedes(boxes, axis, order.at((at - 1) / 2), slot) {
+            order.put(at, order.at((at - 1) / 2));
+            at = (at - 1) / 2;
+        }
+        order.put(at, slot);
     }
 }
 

@@ -48,13 +48,14 @@ pub(crate) const fn strip_slots(objects: usize) -> usize {
     STRIPS * (objects * 5 / 8)
 }
 
-/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the first of `axes`.
+/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the first of `axes`; strips lie
+/// across the second one.
 ///
 /// O(n + candidates), and at most 0.8 n² tests: strips have at most 5/8 of the objects each, or there are none.
 pub(crate) fn sweep<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
-    axes: [usize; 3],
+    axes: [usize; 2],
     room: Room<'_, I>,
     pairs: &mut [Pair<I>],
 ) -> Found {
@@ -65,7 +66,7 @@ pub(crate) fn sweep<I: Index>(
     let planes = planes(order, boxes, axes[1]);
     let length = strips.len() / STRIPS;
     let mut found = Found::default();
-    let Some(counts) = divide(order, boxes, axes[1], planes, strips) else {
+    let Some(counts) = divide(order, boxes, axes[1], &planes, strips) else {
         let members = gather(order, boxes, axes[1], i32::MIN, members);
         return sweep_strip(members, axes[0], found, pairs);
     };
@@ -107,7 +108,7 @@ fn divide<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
     axis: usize,
-    [p, q, r]: [i32; STRIPS - 1],
+    planes: &[i32; STRIPS - 1],
     strips: &mut [I],
 ) -> Option<[usize; STRIPS]> {
     if order.len() < STRIPED_FROM {
@@ -119,15 +120,19 @@ fn divide<I: Index>(
     for &slot in order {
         let KeyBox { min, max } = boxes.get(slot.at())?;
         let (min, max) = (min[axis.min(2)], max[axis.min(2)]);
+        let [p, q, r] = *planes;
         let home = usize::from(min >= p) + usize::from(min >= q) + usize::from(min >= r);
-        let last = usize::from(max >= p) + usize::from(max >= q) + usize::from(max >= r);
-        for strip in home..=last {
-            let count = counts.get_mut(strip)?;
+        let mut strip = home;
+        while let Some(count) = counts.get_mut(strip) {
             if *count >= most {
                 return None;
             }
             *strips.get_mut(strip * stride + *count)? = slot;
             *count += 1;
+            if planes.get(strip).is_none_or(|plane| max < *plane) {
+                break;
+            }
+            strip += 1;
         }
     }
     Some(counts)
