@@ -239,3 +239,58 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::links::repair;
+    use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// Boxes of one size or of many, spread or on a heap, with equal sides among them.
+    fn boxes() -> impl Strategy<Value = Vec<KeyBox>> {
+        let low = prop_oneof![-40i32..40, -4000i32..4000];
+        let one = ([low.clone(), low.clone(), low], [0i32..60, 0i32..60, 0i32..60], 0i32..40);
+        (prop::collection::vec(one, 0..256), 0u32..8).prop_map(|(boxes, shift)| {
+            let bounds = |(min, size, large): ([i32; 3], [i32; 3], i32)| {
+                let stretch = if large == 0 { 100 } else { 1 };
+                let min = min.map(|low| low >> shift);
+                KeyBox { min, max: [0, 1, 2].map(|k| min[k] + size[k] * stretch) }
+            };
+            boxes.into_iter().map(bounds).collect()
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn strips_find_each_pair_once(boxes in boxes(), axis in 0usize..3, other in 1usize..3, full in any::<bool>()) {
+            let n = boxes.len();
+            let axes = [axis, (axis + other) % 3];
+            let mut order: Vec<u16> = (0..n as u16).collect();
+            repair(&mut order, &boxes, axis, &mut []);
+            let mut expected = Vec::new();
+            for a in 0..n {
+                expected.extend((a + 1..n).filter(|&b| boxes[a].overlaps(&boxes[b])).map(|b| [a as u16, b as u16]));
+            }
+            let fitting = if full { expected.len() / 2 } else { expected.len() };
+            let (mut members, mut strips) = (vec![Member::default(); 256], vec![0u16; strip_slots(256)]);
+            let in_strips = Room { members: &mut members, strips: &mut strips };
+            for room in [in_strips, Room { members: &mut [], strips: &mut [] }] {
+                let mut pairs = vec![[0; 2]; fitting];
+                let found = sweep(&order, &boxes, axes, room, &mut pairs);
+                prop_assert_eq!(found.pairs, expected.len());
+                prop_assert!(found.candidates >= found.pairs && 5 * found.candidates <= 4 * n * n);
+                pairs.sort_unstable();
+                if full {
+                    prop_assert!(pairs.windows(2).all(|two| two[0] < two[1]));
+                    prop_assert!(pairs.iter().all(|pair| expected.binary_search(pair).is_ok()));
+                } else {
+                    prop_assert_eq!(&pairs, &expected);
+                }
+            }
+        }
+    }
+}
