@@ -1,5 +1,6 @@
 //! Sweeps a small world straight from its sorted list over the boxes themselves: no records, no batches, and nothing
-//! between the compares. A small processor has no vectors that would make up for more.
+//! between the compares. A small processor has no vectors that would make up for more. Where there is room, the world is
+//! cut into strips across a second axis, and the boxes of a strip stand in the order of the list.
 
 use crate::access::Access;
 use crate::id::{Index, Pair, pair};
