@@ -35,6 +35,36 @@ impl Aabb {
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
+    /// The least box that holds a box in fixed point: a coordinate `x` means `x / 2^fraction_bits` of the caller's unit, so
+    /// that 16 fraction bits are the usual Q16.16, and 0 are whole numbers. Minima are rounded down and maxima up, so that
+    /// boxes that overlap in fixed point overlap in `f32` too. Coordinates of at most 24 significant bits, such
+    /// as all from -2^24 to 2^24, are not rounded, and their overlaps are exactly those in fixed point.
+    ///
+    /// Takes integer operations alone, as a step does to tell overlaps: a processor without FPU calls no soft-float.
+    /// With more than 126 fraction bits the box is not [valid](Self::is_valid), since `f32` does not go so low.
+    ///
+    /// ```
+    /// use trisap_core::Aabb;
+    ///
+    /// const HALF: i32 = 1 << 15;
+    /// assert_eq!(Aabb::from_fixed([-HALF; 3], [3 * HALF; 3], 16), Aabb::new([-0.5; 3], [1.5; 3]));
+    /// ```
+    #[must_use]
+    pub const fn from_fixed(min: [i32; 3], max: [i32; 3], fraction_bits: u32) -> Self {
+        Self {
+            min: [
+                fixed(min[0], fraction_bits, false),
+                fixed(min[1], fraction_bits, false),
+                fixed(min[2], fraction_bits, false),
+            ],
+            max: [
+                fixed(max[0], fraction_bits, true),
+                fixed(max[1], fraction_bits, true),
+                fixed(max[2], fraction_bits, true),
+            ],
+        }
+    }
+
     /// Whether the box can be accepted: no NaN, and `min <= max` on every axis.
     #[must_use]
     pub fn is_valid(&self) -> bool {
@@ -66,6 +96,28 @@ pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
     let difference = if error < 0.0 { difference.next_down() } else { difference };
     let nearest = difference as f32;
     if f64::from(nearest) > difference { nearest.next_down() } else { nearest }
+}
+
+/// The `f32` next to `x / 2^fraction_bits` from above or from below, or NaN where that may be denormal.
+const fn fixed(x: i32, fraction_bits: u32, up: bool) -> f32 {
+    const MANTISSA: u32 = 23;
+    const BIAS: u32 = 127;
+    if x == 0 {
+        return 0.0;
+    }
+    if fraction_bits >= BIAS {
+        return f32::NAN;
+    }
+    // The highest set bit goes to the top; what is below the mantissa would be lost.
+    let zeros = x.unsigned_abs().leading_zeros();
+    let amount = x.unsigned_abs() << zeros;
+    let lost = amount << (MANTISSA + 1) != 0;
+    let away_from_zero = up == (x > 0);
+    let sign = (x < 0) as u32;
+    let exponent = BIAS + 31 - zeros - fraction_bits;
+    // The mantissa's highest bit, which is not stored, adds one to the exponent, and so does a mantissa that overflows.
+    let bits = ((exponent - 1) << MANTISSA) + (amount >> (31 - MANTISSA)) + (lost && away_from_zero) as u32;
+    f32::from_bits(sign << 31 | bits)
 }
 
 #[cfg(feature = "glam")]
@@ -161,5 +213,71 @@ impl<'a> Boxes<'a> {
 impl<'a> From<&'a [Aabb]> for Boxes<'a> {
     fn from(boxes: &'a [Aabb]) -> Self {
         Self::new(boxes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Boxes whose corners are anywhere, near the ends of the range, or near powers of two.
+    fn corner() -> impl Strategy<Value = i32> {
+        let near = (0u32..32, -2i32..3, any::<bool>()).prop_map(|(bit, off, negative)| {
+            let x = (1u32 << bit).wrapping_add_signed(off) as i32;
+            if negative { x.wrapping_neg() } else { x }
+        });
+        prop_oneof![any::<i32>(), -99i32..99, near, Just(i32::MIN), Just(i32::MAX)]
+    }
+
+    fn fixed_box() -> impl Strategy<Value = [[i32; 3]; 2]> {
+        let corners = || [corner(), corner(), corner()];
+        (corners(), corners()).prop_map(|(a, b)| {
+            let each = |choose: fn(i32, i32) -> i32| [0, 1, 2].map(|k| choose(a[k], b[k]));
+            [each(i32::min), each(i32::max)]
+        })
+    }
+
+    fn in_f64(corner: [i32; 3], fraction_bits: u32) -> [f64; 3] {
+        corner.map(|x| f64::from(x) / 2f64.powi(fraction_bits as i32))
+    }
+
+    fn overlap([a, b]: [[i32; 3]; 2], [c, d]: [[i32; 3]; 2]) -> bool {
+        (0..3).all(|k| a[k] <= d[k] && c[k] <= b[k])
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn fixed_point_is_rounded_as_f64_is([min, max] in fixed_box(), fraction_bits in 0u32..=126) {
+            let aabb = Aabb::from_fixed(min, max, fraction_bits);
+            let [low, high] = [min, max].map(|corner| in_f64(corner, fraction_bits));
+            prop_assert_eq!(aabb, Aabb::from_f64(low, high, [0.0; 3]));
+            prop_assert!(aabb.is_valid());
+        }
+
+        #[test]
+        fn fixed_point_loses_no_overlap(a in fixed_box(), b in fixed_box(), fraction_bits in 0u32..=126) {
+            let [first, second] = [a, b].map(|[min, max]| Aabb::from_fixed(min, max, fraction_bits));
+            prop_assert!(first.overlaps(&second) || !overlap(a, b));
+        }
+
+        #[test]
+        fn fixed_point_of_24_bits_is_exact(a in fixed_box(), b in fixed_box(), fraction_bits in 0u32..=126) {
+            // 24 bits of amount, and the sign.
+            let [a, b] = [a, b].map(|corners| corners.map(|corner| corner.map(|x| x >> 7)));
+            let [first, second] = [a, b].map(|[min, max]| Aabb::from_fixed(min, max, fraction_bits));
+            prop_assert_eq!(first.overlaps(&second), overlap(a, b));
+            prop_assert_eq!(first.min.map(f64::from), in_f64(a[0], fraction_bits));
+            prop_assert_eq!(first.max.map(f64::from), in_f64(a[1], fraction_bits));
+        }
+    }
+
+    #[test]
+    fn too_many_fraction_bits_are_refused() {
+        assert!(Aabb::from_fixed([1; 3], [i32::MAX; 3], 126).is_valid());
+        assert!(!Aabb::from_fixed([1; 3], [i32::MAX; 3], 127).is_valid());
+        assert!(!Aabb::from_fixed([i32::MIN; 3], [0; 3], u32::MAX).is_valid());
     }
 }

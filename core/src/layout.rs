@@ -9,6 +9,7 @@ use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::sweep::scratch;
+use crate::sweep::small::{Member, strip_slots};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// The memory that a world needs.
@@ -82,8 +83,8 @@ pub(crate) struct Sizes {
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects of a small world whose boxes are sorted before they are swept.
-    pub(crate) sorted: usize,
+    /// Objects of a small world whose boxes are copied in their order before they are swept.
+    pub(crate) members: usize,
     /// Records in one worker's scratch.
     pub(crate) bag: usize,
 }
@@ -127,7 +128,7 @@ impl Sizes {
             // Every block may leave a chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
-            sorted: if small && objects > TINY { objects } else { 0 },
+            members: if small && objects > TINY { objects } else { 0 },
             bag: if small { 0 } else { scratch::bag(objects) },
         })
     }
@@ -171,7 +172,8 @@ impl Sizes {
         plan.add::<Pair<I>>(self.previous);
         plan.add::<Pair<I>>(self.staged * CHUNK);
         plan.add::<[u32; 3]>(self.staged);
-        plan.add::<KeyBox>(self.sorted);
+        plan.add::<Member>(self.members);
+        plan.add::<I>(strip_slots(self.members));
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }

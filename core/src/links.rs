@@ -69,10 +69,20 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
 /// Puts one list in order: by insertion as long as that is cheap, else by radix. `spare` holds 4 words an object.
 ///
 /// O(n + inversions) at best, O(n) with a larger factor beyond; never quadratic.
+#[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
+    let Some(&first) = order.first() else { return };
+    // The last one in order so far.
+    let mut last = (low(first), first);
     for index in 1..order.len() {
         let slot = order.at(index);
+        let this = (low(slot), slot);
+        if last < this {
+            last = this;
+            continue;
+        }
         let mut to = index;
         while to > 0 && precedes(boxes, axis, slot, order.at(to - 1)) {
             order.put(to, order.at(to - 1));

@@ -7,7 +7,7 @@ use crate::exec::{Executor, Stage};
 use crate::filter::{Gate, Rule};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::KeyBox;
+use crate::key::{KeyBox, length};
 use crate::layout::{FINER, LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
 use crate::resting;
@@ -29,6 +29,9 @@ const MOVERS_SHARE: u32 = 16;
 
 /// In this many calm steps in a row the leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
+
+/// Steps of a small world from one choice of its axes to the next.
+const SURVEY_EVERY: u32 = 8;
 
 /// What a path works with.
 #[derive(Clone, Copy)]
@@ -97,18 +100,30 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
     let boxes = boxes.swept();
-    let Sorted { order, axis, census } = sort_list(order, state, boxes, &mut []);
+    let coarse = choose_axes(order[0], state, boxes);
+    let (axis, across) = (state.list_axis as usize, state.strip_axis as usize);
+    let order = repair_list(order, axis, state, boxes, &mut []);
     means.executor.enter(Stage::Sweep);
+    let room = small::Room { members: output.members, strips: output.strips };
     let gate = Gate::new(&parts.filters, means.rule);
-    let found = small::sweep(order, boxes, axis, gate, output.sorted, output.pairs);
+    let found = small::sweep(order, boxes, [axis, across], room, gate, output.pairs);
     let work = Work { candidates: found.candidates as u64, ..Work::default() };
-    Progress {
-        pairs: found.pairs as u64,
-        work,
-        leaves: 1,
-        coarse: Some(census.coarse),
-        ..Progress::default()
+    Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
+}
+
+/// Chooses the axes of a small world and tells whether boxes are coarse: now and then, since a look at all boxes costs as
+/// much as a third of their sweep, and where objects are new.
+fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
+    if state.survey_in > 0 && state.entered == 0 {
+        state.survey_in -= 1;
+        return None;
     }
+    state.survey_in = SURVEY_EVERY - 1;
+    let census = survey(slots, state, boxes);
+    let side = |k: u32| length(census.extent.low[k as usize % 3], census.extent.high[k as usize % 3]);
+    let (a, b) = ((state.list_axis + 1) % 3, (state.list_axis + 2) % 3);
+    state.strip_axis = if side(b) > side(a) { b } else { a };
+    Some(census.coarse)
 }
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.
@@ -152,19 +167,36 @@ fn sort_list<'o, I: Index>(
     boxes: &[KeyBox],
     spare: &mut [u32],
 ) -> Sorted<'o, I> {
-    let live = state.live as usize;
-    let census = assign::survey(order[0].span(0, live).iter().filter_map(|slot| boxes.get(slot.at())));
-    let axis = longest_axis(&census.extent, state.list_axis as usize);
-    state.list_axis = axis as u32;
+    let census = survey(order[0], state, boxes);
+    let axis = state.list_axis as usize;
+    Sorted { order: repair_list(order, axis, state, boxes, spare), axis, census }
+}
+
+/// Looks at all boxes and chooses the axis of the list.
+fn survey<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Census {
+    let slots = slots.span(0, state.live as usize);
+    let census = assign::survey(slots.iter().filter_map(|slot| boxes.get(slot.at())));
+    state.list_axis = longest_axis(&census.extent, state.list_axis as usize) as u32;
+    census
+}
+
+/// Puts the list of an axis in order.
+fn repair_list<'o, I: Index>(
+    order: &'o mut [&mut [I]; 3],
+    axis: usize,
+    state: &State,
+    boxes: &[KeyBox],
+    spare: &mut [u32],
+) -> &'o [I] {
     let [x, y, z] = order;
     let order = match axis {
         0 => x,
         1 => y,
         _ => z,
     }
-    .span_mut(0, live);
+    .span_mut(0, state.live as usize);
     links::repair(order, boxes, axis, spare);
-    Sorted { order, axis, census }
+    order
 }
 
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.

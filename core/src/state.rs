@@ -58,7 +58,8 @@ pub struct Stats {
     pub rebalanced: u32,
     /// Whether `f32` is too coarse for some box where it stands: a side of it is below four steps of its
     /// coordinate. The pairs are those of the boxes as given, but the boxes may have lost their shape before; shift
-    /// the origin. Looked for in steps that fill all leaves.
+    /// the origin. Looked for in steps that fill all leaves;
+    /// in worlds swept box by box, in every eighth step and where objects are new.
     pub coarse_resolution: bool,
 }
 
@@ -92,6 +93,10 @@ pub(crate) struct State {
     pub(crate) stale_lists: u32,
     /// The axis that a small world is swept along.
     pub(crate) list_axis: u32,
+    /// The axis across which its strips lie.
+    pub(crate) strip_axis: u32,
+    /// Steps until the axes are chosen anew.
+    pub(crate) survey_in: u32,
 
     /// Living objects when the planes were made, or zero where there are none.
     pub(crate) planted: u32,

@@ -10,6 +10,7 @@ use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
 use crate::objects::Objects;
 use crate::state::State;
 use crate::sweep::scratch;
+use crate::sweep::small::{Member, strip_slots};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
@@ -106,8 +107,9 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a small world: the boxes in the order of the swept list.
-    pub(crate) sorted: &'m mut [KeyBox],
+    /// In a small world: what it is swept in.
+    pub(crate) members: &'m mut [Member],
+    pub(crate) strips: &'m mut [I],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -175,7 +177,8 @@ impl<'m, I: Index> Parts<'m, I> {
                 previous: slab.take(sizes.previous)?,
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
-                sorted: slab.take(sizes.sorted)?,
+                members: slab.take(sizes.members)?,
+                strips: slab.take(strip_slots(sizes.members))?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
             },
             sizes,

@@ -74,6 +74,13 @@ for target in thumbv7em-none-eabihf thumbv6m-none-eabi; do
     run "$boards/$target/release/calls" "" >"$CARGO_TARGET_DIR/stack.txt"
     "$tools/inspect" "$boards/$target/release/calls" --sizes sizes.txt --stack 1536 --measured "$CARGO_TARGET_DIR/stack.txt"
 done
+# Nor does the tree panic, which is in no program for so few objects but by this feature.
+build large thumbv7em-none-eabihf --bin calls --features large
+"$tools/inspect" "$CARGO_TARGET_DIR/large/thumbv7em-none-eabihf/release/calls"
+# Fixed point takes no soft-float; a margin does, which shows that the search finds it.
+calls=$boards/thumbv6m-none-eabi/release/calls
+"$tools/inspect" "$calls" --integers from_fixed
+[ "$(failure "$tools/inspect" "$calls" --integers insert)" = 1 ]
 # The search for panics finds one that is there.
 build panic thumbv7em-none-eabihf --bin replay --features panic
 [ "$(failure "$tools/inspect" "$CARGO_TARGET_DIR/panic/thumbv7em-none-eabihf/release/replay")" = 1 ]

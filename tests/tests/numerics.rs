@@ -467,6 +467,69 @@ fn world_coordinates_in_f64_lose_no_pair() {
 }
 
 #[test]
+fn fixed_point_finds_the_pairs_of_the_f32_path() {
+    const FRACTION_BITS: u32 = 12;
+    const UNIT: i32 = 1 << FRACTION_BITS;
+    // Boxes of one to two units, and the bits of the range of their corners.
+    for (count, bits) in [(40, 15), (200, 16), (900, 17), (200, 30)] {
+        let mut rng = Rng::new(83);
+        // Integers from the upper bits of floats: up to 24 of them, so that the lowest ones need numbers of their own.
+        let mut below = |limit: i32| rng.point(0.0, 1.0).map(|x| (f64::from(x) * f64::from(limit)) as i32);
+        // Beyond 24 bits the cubes grow too, or none would overlap.
+        let size = UNIT.max(1 << (bits - 3));
+        let mut boxes: Vec<[[i32; 3]; 2]> = (0..count)
+            .map(|_| {
+                let (min, lowest, extent) = (below(1 << bits), below(128), below(size));
+                [[0, 1, 2].map(|k| (min[k] ^ lowest[k]) - (1 << (bits - 1))), extent]
+            })
+            .map(|[min, extent]| [min, [0, 1, 2].map(|k| min[k] + size + (extent[k] | 1))])
+            .collect();
+        let mut frames: Vec<Vec<[[i32; 3]; 2]>> = Vec::new();
+        for _ in 0..6 {
+            frames.push(boxes.clone());
+            for corners in &mut boxes {
+                let by = below(size / 2).map(|x| x - size / 4);
+                *corners = corners.map(|corner| [0, 1, 2].map(|k| corner[k] + by[k]));
+            }
+        }
+        let in_f32 = |x: i32| x as f32 / UNIT as f32;
+        let in_f64 = |corner: [i32; 3]| corner.map(|x| f64::from(x) / f64::from(UNIT));
+        let through = |make: &dyn Fn(&[[i32; 3]; 2]) -> Aabb| -> Vec<Vec<Aabb>> {
+            frames.iter().map(|frame| frame.iter().map(make).collect()).collect()
+        };
+        let fixed = through(&|[min, max]| Aabb::from_fixed(*min, *max, FRACTION_BITS));
+        let floats = if bits < 24 {
+            through(&|[min, max]| Aabb::new(min.map(in_f32), max.map(in_f32)))
+        } else {
+            through(&|[min, max]| Aabb::from_f64(in_f64(*min), in_f64(*max), [0.0; 3]))
+        };
+        let outcomes = on_every_setup(EXACT, &fixed, &Jobs::USUAL);
+        let expected = on_every_setup(EXACT, &floats, &Jobs::USUAL);
+        let all = |of: &[Outcome]| -> Vec<[Vec<SlotPair>; 3]> {
+            of.iter().map(|step| [&step.pairs, &step.found, &step.lost].map(|pairs| sorted(pairs))).collect()
+        };
+        assert_eq!(all(&outcomes), all(&expected), "{count} objects, {bits} bits");
+        // And none of the integers' own overlaps is missing, nor, where nothing is rounded, is there another one.
+        for (frame, outcome) in frames.iter().zip(&outcomes) {
+            let mut overlaps = Vec::new();
+            for (a, [low, high]) in frame.iter().enumerate() {
+                for (b, [other_low, other_high]) in frame.iter().enumerate().skip(a + 1) {
+                    if (0..3).all(|k| low[k] <= other_high[k] && other_low[k] <= high[k]) {
+                        overlaps.push([a as u32, b as u32]);
+                    }
+                }
+            }
+            assert!(overlaps.len() > count / 4, "{} overlaps of {count}", overlaps.len());
+            let pairs = sorted(&outcome.pairs);
+            if bits < 24 {
+                assert_eq!(pairs, overlaps);
+            }
+            assert!(overlaps.iter().all(|pair| pairs.binary_search(pair).is_ok()));
+        }
+    }
+}
+
+#[test]
 fn slow_creep_inside_the_fat_box_is_filtered_tightly() {
     for (boxes, jobs) in
         [(scenes::uniform(400, 37), &Jobs::ALL[..]), (scenes::uniform(1500, 37), &Jobs::USUAL)]

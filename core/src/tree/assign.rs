@@ -382,6 +382,7 @@ pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
 }
 
 /// The bounds of the minima of some boxes, and whether one of them is coarse.
+#[inline(never)]
 pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
     let mut census = Census { extent: Extent::NONE, coarse: false };
     for bounds in boxes.filter(|bounds| !bounds.is_empty()) {

@@ -115,7 +115,9 @@ impl<I: Index> Build<'_, I> {
             bits::set(self.sides, slot.at());
         }
         for other in [(axis + 1) % 3, (axis + 2) % 3] {
-            let list = self.lists[other].span_mut(start, end - start);
+            // Not by index: the compiler loses sight of the axes that it loops over.
+            let Some(list) = self.lists.get_mut(other) else { continue };
+            let list = list.span_mut(start, end - start);
             let (mut left, mut right) = (0, 0);
             for index in 0..list.len() {
                 let slot = list.at(index);

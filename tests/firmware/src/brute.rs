@@ -1,7 +1,7 @@
 //! Brute force with the same care as the world: integer keys, computed once a step, and nothing else in the inner
 //! loop than the compares.
 
-use trisap_core::{Boxes, Pair};
+use trisap_core::{Aabb, Boxes, Pair};
 
 /// A box in keys.
 #[derive(Clone, Copy)]
@@ -35,23 +35,30 @@ impl Keys {
 /// boxes.
 pub fn force(boxes: Boxes<'_>, keys: &mut [Keys], pairs: &mut [Pair<u16>]) -> usize {
     for (index, keys) in keys.iter_mut().enumerate() {
-        let Some(aabb) = boxes.get(index) else { continue };
-        *keys = Keys { min: aabb.min.map(key), max: aabb.max.map(key) };
+        let Some(Aabb { min: [a, b, c], max: [d, e, f] }) = boxes.get(index) else { continue };
+        *keys = Keys { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
     }
+    test_all(&keys[..keys.len().min(boxes.len())], pairs)
+}
+
+/// In a function of its own, so that the inner loop keeps to the registers.
+#[inline(never)]
+fn test_all(keys: &[Keys], pairs: &mut [Pair<u16>]) -> usize {
+    let all = keys.len();
     let mut count = 0;
-    let mut rest = &keys[..keys.len().min(boxes.len())];
-    let mut a = 0;
-    while let Some((first, others)) = rest.split_first() {
-        for (b, other) in (a + 1..).zip(others) {
+    let mut keys = keys;
+    while let Some((&first, others)) = keys.split_first() {
+        let mut rest = others;
+        while let Some((other, others)) = rest.split_first() {
+            rest = others;
             if first.overlaps(other) {
                 if let Some(pair) = pairs.get_mut(count) {
-                    *pair = [a, b];
+                    *pair = [all - keys.len(), all - 1 - rest.len()].map(|slot| slot as u16);
                 }
                 count += 1;
             }
         }
-        rest = others;
-        a += 1;
+        keys = others;
     }
     count
 }

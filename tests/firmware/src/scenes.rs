@@ -34,7 +34,9 @@ fn recorded(index: usize, boxes: &mut [Aabb]) {
 fn teleporting(index: usize, boxes: &mut [Aabb]) {
     let side = match boxes.len() {
         0..=16 => 5.4,
-        17..=64 => 8.6,
+        17..=32 => 6.8,
+        33..=64 => 8.6,
+        65..=128 => 10.8,
         _ => 13.7,
     };
     let mut random = Random(index as u32 + 1);

@@ -34,6 +34,10 @@ mod api {
         world.config().capacity.objects
     }
     #[inline(never)]
+    pub(super) fn from_fixed(corners: &[[i32; 3]; 2], fraction_bits: u32) -> Aabb {
+        Aabb::from_fixed(corners[0], corners[1], fraction_bits)
+    }
+    #[inline(never)]
     pub(super) fn insert(world: &mut World<'_, u16>, aabb: &Aabb) -> Result<Id, Error> {
         world.insert(*aabb)
     }
@@ -125,7 +129,9 @@ fn calls(memory: &mut InlineWorld<BYTES>) -> Option<()> {
     print::text("step_over", 16);
     print::number(step as u32, 6);
     board::print("\n");
-    seen("set_aabb", || api::set_aabb(&mut world, id, &lone).ok())?;
+    // Uses less stack than it takes to see how much.
+    let fixed = api::from_fixed(&[[-1; 3], [1 << 16; 3]], 16);
+    seen("set_aabb", || api::set_aabb(&mut world, id, &fixed).ok())?;
     seen("set_margin", || api::set_margin(&mut world, id, 0.5).ok())?;
     seen("update_many", || api::update_many(&mut world, &known, &half).ok())?;
     seen("step", || api::step(&mut world).ok())?;
