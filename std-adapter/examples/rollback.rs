@@ -21,7 +21,7 @@ fn crowd() -> Vec<Aabb> {
     (0..PLAYERS).map(|i| Aabb::new(corner(i), corner(i).map(|low| low + 1.0))).collect()
 }
 
-/// Plays a frame; a player whose input is not known is guessed to stand still.
+/// Plays a frame; players whose inputs are not known are guessed to stand still.
 fn play(world: &mut World<'_>, bodies: &mut [Aabb], frame: usize, known: usize) -> Result<Seen, Error> {
     for (player, body) in bodies.iter_mut().enumerate().take(known) {
         let step = input(frame, player);
@@ -32,7 +32,7 @@ fn play(world: &mut World<'_>, bodies: &mut [Aabb], frame: usize, known: usize) 
     Ok([step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()])
 }
 
-/// Plays frames whose last inputs come late by up to `KEPT` frames. Returns what each frame found in the end, and how many
+/// Plays frames; the inputs of half of the players come late by up to `KEPT` frames. Returns what each frame found in the end, and how many
 /// guesses were wrong.
 fn play_with_rollback(frames: usize) -> Result<(Vec<Seen>, usize), Error> {
     let config = Config::new(Capacity::for_objects(PLAYERS as u32)).with_events();
@@ -48,7 +48,7 @@ fn play_with_rollback(frames: usize) -> Result<(Vec<Seen>, usize), Error> {
         snapshot.resize(world.snapshot_size(), 0);
         world.save(snapshot)?;
         saved.clone_from(&bodies);
-        seen[frame] = play(&mut world, &mut bodies, frame, PLAYERS - 1)?;
+        seen[frame] = play(&mut world, &mut bodies, frame, PLAYERS / 2)?;
         // The inputs of the last frames have come.
         if frame % KEPT == KEPT - 1 {
             let guess = seen[frame].clone();
@@ -87,6 +87,6 @@ fn main() -> Result<(), Error> {
 #[test]
 fn going_back_and_on_is_as_if_nothing_had_been() {
     let (seen, wrong) = play_with_rollback(40).unwrap();
-    assert!(wrong > 0 && seen.iter().skip(1).any(|[_, found, lost]| !found.is_empty() && !lost.is_empty()));
+    assert!(wrong > 0 && seen.iter().any(|[_, found, lost]| !found.is_empty() && !lost.is_empty()));
     assert_eq!(seen, play_in_time(40).unwrap());
 }

@@ -4,6 +4,7 @@ use crate::Outcome;
 use crate::args::{ModeName, RunArgs};
 use crate::check::Checker;
 use crate::drive::drive;
+use crate::dump::Dump;
 use crate::figures::median;
 use crate::report::{Bytes, Check, Counts, Report, Settings, Times, after_first};
 use crate::setup::{Engine, fits_u16};
@@ -19,6 +20,7 @@ const FAT_MARGIN: f32 = 0.1;
 pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let engine = Engine::new(&args.engine)?;
     let mut source = Source::of(args)?;
+    let dump = args.dump_svg.as_deref().map(|values| Dump::new(values, source.frames())).transpose()?;
     let config = config(args, source.objects());
     let (mode, events) = (config.mode, config.events);
     let new_checker: Option<Box<dyn Fn() -> Checker>> =
@@ -27,6 +29,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let config = drive(&mut source, config, &engine, &mut tally)?;
     let report = report(&source, &config, &engine, &tally)?;
     drop(tally);
+    if let Some(dump) = dump {
+        dump.draw(&mut source, &config, &engine)?;
+    }
 
     if args.json { report.write_json(stdout().lock()) } else { report.write_text(stdout().lock()) }?;
     let failed = report.check.is_some_and(|check| !check.passed);
