@@ -21,6 +21,7 @@ cargo test --workspace
 
 if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests
+    TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-ffi random_operations
     cargo run --release -p trisap-tests --example million
     cargo run --release -p trisap-tests --example overflow
     tests/instructions.sh

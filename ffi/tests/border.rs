@@ -2,10 +2,16 @@
 
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
+use trisap_ffi::batch::*;
+use trisap_ffi::filter::*;
 use trisap_ffi::objects::*;
+use trisap_ffi::query::*;
+use trisap_ffi::resting::*;
+use trisap_ffi::snapshot::*;
 use trisap_ffi::status::trisap_status;
 use trisap_ffi::step::*;
 use trisap_ffi::structs::*;
+use trisap_ffi::view::*;
 use trisap_ffi::world::*;
 
 const COUNT: usize = 40;
@@ -109,6 +115,117 @@ fn pointers_of_results_outlive_other_calls() {
         let mut again = trisap_default_result();
         assert_eq!(trisap_world_result(opened, &mut again), trisap_status::Ok);
         assert_eq!(seen(&again), seen(&result));
+    }
+}
+
+unsafe extern "C" fn odd_sums(user: *mut c_void, a: u32, b: u32) -> u32 {
+    // SAFETY: the user of the step below.
+    unsafe { *user.cast::<u32>() += 1 };
+    (a + b) % 2
+}
+
+unsafe extern "C" fn count_ids(user: *mut c_void, _: trisap_id) -> u32 {
+    // SAFETY: the user of the visit below.
+    unsafe { *user.cast::<u32>() += 1 };
+    1
+}
+
+unsafe extern "C" fn first_only(user: *mut c_void, hit: trisap_hit) -> f64 {
+    // SAFETY: the user of the visit below.
+    unsafe { *user.cast::<f64>() = hit.distance };
+    -1.0
+}
+
+/// Answers go to memory that was never initialised, as `malloc` gives it.
+#[test]
+fn answers_go_where_they_are_wanted() {
+    let config = trisap_config { events: 1, filters: 1, ..trisap_default_config(COUNT as u32) };
+    let mut world = null_mut();
+    let mut ids = Vec::<trisap_id>::with_capacity(COUNT);
+    let mut result = trisap_default_result();
+    let boxes = boxes(0.0);
+    let (left, right) = ([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0]);
+    // SAFETY: everything is as the functions say.
+    unsafe {
+        let bytes = trisap_world_size(&config);
+        let memory = Memory::new(bytes);
+        assert_eq!(trisap_world_init(memory.start.cast(), bytes, &config, &mut world), trisap_status::Ok);
+        let view = trisap_default_boxes(boxes.as_ptr(), COUNT);
+        assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
+        ids.set_len(COUNT);
+
+        let filter = trisap_filter { object_class: 2, ..trisap_default_filter() };
+        let set = trisap_world_set_filter_many(world, ids.as_ptr(), &filter, 0, COUNT);
+        assert_eq!(set, trisap_status::Ok);
+        assert_eq!(trisap_world_set_classes(world, [u32::MAX; 32].as_ptr()), trisap_status::Ok);
+        let mut known = trisap_default_filter();
+        assert_eq!(trisap_world_filter(world, ids[9], &mut known), trisap_status::Ok);
+        assert_eq!(known, filter);
+        let mut asked = 0u32;
+        let user: *mut u32 = &mut asked;
+        let stepped =
+            trisap_world_step_with_rule(world, null(), Some(odd_sums), user.cast(), null(), &mut result);
+        assert_eq!(stepped, trisap_status::Ok);
+        assert_eq!((result.pair_count, user.read()), (COUNT - 1, COUNT as u32 - 1));
+        assert_eq!(trisap_world_set_resting(world, ids.as_ptr(), COUNT), trisap_status::Ok);
+        assert_eq!(trisap_world_is_resting(world, ids[3]), 1);
+
+        let region = trisap_region_aabb(&trisap_aabb { min: [0.0; 3], max: [2.0; 3] });
+        let mut found = Vec::<trisap_id>::with_capacity(8);
+        let mut count = 0;
+        let told = trisap_world_overlaps(world, &region, found.as_mut_ptr(), 8, &mut count);
+        assert_eq!((told, count), (trisap_status::Ok, 3));
+        found.set_len(count);
+        assert_eq!(found, ids[..3]);
+        user.write(0);
+        let visited = trisap_world_visit_overlaps(world, &region, Some(count_ids), user.cast());
+        assert_eq!((visited, user.read()), (trisap_status::Ok, 3));
+        let regions = [region, trisap_region_point([0.0; 3].as_ptr())];
+        let mut shares = Vec::<trisap_id>::with_capacity(6);
+        let mut counts = Vec::<u32>::with_capacity(2);
+        let (ids_out, counts_out) = (shares.as_mut_ptr(), counts.as_mut_ptr());
+        let told = trisap_world_overlaps_many(world, regions.as_ptr(), 32, 2, null(), ids_out, 3, counts_out);
+        assert_eq!(told, trisap_status::Ok);
+        shares.set_len(6);
+        counts.set_len(2);
+        assert_eq!((&*shares, &*counts), (&[ids[0], ids[1], ids[2], ids[0], 0, 0][..], &[3, 1][..]));
+
+        let ray = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 3.0);
+        let miss = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 0.5);
+        let mut hits = Vec::<trisap_hit>::with_capacity(8);
+        let told = trisap_world_hits(world, &ray, hits.as_mut_ptr(), 8, &mut count);
+        assert_eq!((told, count), (trisap_status::Ok, 3));
+        hits.set_len(3);
+        assert_eq!(hits[2], trisap_hit { id: ids[2], distance: 2.5 });
+        let casts = [ray, miss];
+        let mut hits = Vec::<trisap_hit>::with_capacity(2);
+        let told = trisap_world_first_hits(world, casts.as_ptr(), 40, 2, null(), hits.as_mut_ptr());
+        assert_eq!(told, trisap_status::Ok);
+        hits.set_len(2);
+        assert_eq!(hits, [trisap_hit { id: ids[0], distance: 1.0 }, trisap_hit::default()]);
+        let mut distance = 0.0f64;
+        let user: *mut f64 = &mut distance;
+        let visited = trisap_world_visit_hits(world, &ray, Some(first_only), user.cast());
+        assert_eq!((visited, user.read() >= 1.0), (trisap_status::Ok, true));
+        let mut hits = Vec::<trisap_hit>::with_capacity(2);
+        let told = trisap_world_nearest(world, left.as_ptr(), hits.as_mut_ptr(), 2, &mut count);
+        assert_eq!((told, count), (trisap_status::Ok, 2));
+        hits.set_len(2);
+        assert_eq!(hits[1], trisap_hit { id: ids[1], distance: 1.75 });
+        assert_eq!(trisap_world_leaves(world, null_mut(), 0, &mut count), trisap_status::Ok);
+        assert_eq!(count, 0);
+
+        let room = trisap_world_snapshot_size(world);
+        let snapshot = Memory::new(room + 1);
+        let odd: *mut c_void = snapshot.start.add(1).cast();
+        assert_eq!(trisap_world_save(world, odd, room, &mut count), trisap_status::Ok);
+        assert_eq!(count, room);
+        assert_eq!(trisap_world_remove_many(world, ids.as_ptr(), COUNT), trisap_status::Ok);
+        assert_eq!(trisap_world_load(world, odd, room), trisap_status::Ok);
+        assert_eq!(trisap_world_result(world, &mut result), trisap_status::Ok);
+        assert_eq!((result.pair_count, trisap_world_len(world)), (COUNT - 1, COUNT as u32));
+        snapshot.start.add(room / 2).write(!snapshot.start.add(room / 2).read());
+        assert_eq!(trisap_world_load(world, odd, room), trisap_status::BadSnapshot);
     }
 }
 

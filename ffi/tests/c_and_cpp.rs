@@ -136,6 +136,28 @@ fn recorded_pairs_are_those_of_brute_force() {
     }
 }
 
+/// Brute force is slow: `TRISAP_EFFORT` multiplies the number of sequences; with 20 they are a thousand.
+#[test]
+fn random_operations_match_brute_force() {
+    let effort = std::env::var("TRISAP_EFFORT").map_or(1, |effort| effort.parse().expect("a number"));
+    let sequences = 50 * effort;
+    let source = "operations.cpp";
+    let program = Program::cpp("-std=c++20", source, "operations").with(["-O2"]).with(STATIC).build();
+    let watched = Program::cpp("-std=c++17", source, "operations_watched");
+    let watched = watched.with(SANITIZERS).with(["-O2"]).with(STATIC).build();
+    succeed(Command::new(program.get_program()).arg(sequences.to_string()));
+    // Others under the sanitizers.
+    succeed(Command::new(watched.get_program()).args(["12", "10001"]));
+}
+
+#[test]
+fn the_example_of_rollback_runs() {
+    let source = repository().join("ffi/examples/rollback.cpp");
+    let program = Program::new("g++", "-std=c++17", &source, "rollback").with(["-O1"]).with(SANITIZERS);
+    let printed = succeed(&mut program.with(STATIC).build());
+    assert!(printed.starts_with("120 frames, gone back by 8 every 8: the same pairs"), "{printed}");
+}
+
 #[test]
 fn the_example_engine_runs() {
     let source = repository().join("ffi/examples/engine.cpp");

@@ -371,7 +371,7 @@ private:
         tally_.rejected += rejected;
         last_ = {sorted(step.pairs), sorted(step.found), sorted(step.lost)};
         CHECK_OK(world_.validate());
-        look_at_the_tree(stats);
+        look_at_the_tree(stats, step.status == TRISAP_STATUS_OK);
     }
 
     void follow(const trisap::Boxes *boxes, const trisap::Step &step) {
@@ -415,7 +415,7 @@ private:
         tally_.lost += step.lost.size();
     }
 
-    void look_at_the_tree(const trisap::Stats &stats) {
+    void look_at_the_tree(const trisap::Stats &stats, bool complete) {
         std::vector<trisap::Leaf> leaf_room(8192);
         std::vector<trisap::Plane> plane_room(8192);
         std::vector<trisap::Id> large_room(config_.objects);
@@ -426,7 +426,8 @@ private:
         for (const trisap::Id id : large) {
             CHECK(world_.contains(id));
         }
-        if (leaves.size() > 0) {
+        // After a step with too many pairs, those that moved still count as moved, and are in no list.
+        if (leaves.size() > 0 && complete) {
             std::size_t members = large.size();
             for (const trisap::Leaf &leaf : leaves) {
                 members += leaf.objects;

@@ -43,6 +43,9 @@ pub fn slots<I: Index>(pairs: &[Pair<I>]) -> Vec<SlotPair> {
     pairs.iter().map(|pair| pair.map(Index::slot)).collect()
 }
 
+/// A snapshot of a world, and the model as it was then.
+pub type Saved = (Vec<u8>, Model);
+
 /// A world and its model.
 pub struct Checked<'m, I: Index = u32> {
     world: World<'m, I>,
@@ -192,7 +195,7 @@ impl<'m, I: Index> Checked<'m, I> {
     }
 
     /// A snapshot of the world, and the model as it is now.
-    pub fn save(&self) -> (Vec<u8>, Model) {
+    pub fn save(&self) -> Saved {
         let size = self.world.snapshot_size();
         let mut bytes = vec![0; size + 3];
         assert_eq!(self.world.save(&mut bytes), Ok(size));
@@ -202,7 +205,7 @@ impl<'m, I: Index> Checked<'m, I> {
     }
 
     /// Goes back to a snapshot.
-    pub fn load(&mut self, (bytes, model): &(Vec<u8>, Model)) {
+    pub fn load(&mut self, (bytes, model): &Saved) {
         self.world.load(bytes).expect("a good snapshot");
         self.model = model.clone();
         self.check();

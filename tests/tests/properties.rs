@@ -6,7 +6,7 @@
 
 use proptest::prelude::*;
 use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World};
-use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::checked::{Checked, Outcome, Saved};
 use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
@@ -204,7 +204,7 @@ struct Life {
     /// Ids of objects that are no more.
     gone: Vec<Id>,
     /// Snapshots, and who was gone then.
-    saves: Vec<((Vec<u8>, Model), Vec<Id>)>,
+    saves: Vec<(Saved, Vec<Id>)>,
     said: Vec<Result<Outcome, Error>>,
 }
 

@@ -80,6 +80,10 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Draw a frame, counted from 0, cut through its middle across the z axis: the leaves and planes of the tree, and the
+    /// boxes.
+    #[arg(long, num_args = 2, value_names = ["FRAME", "FILE.svg"])]
+    pub(crate) dump_svg: Option<Vec<String>>,
 }
 
 #[derive(Debug, Group)]

@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod drive;
+mod dump;
 mod figures;
 mod layout;
 mod pairs;

@@ -4,6 +4,7 @@ use crate::Outcome;
 use crate::args::{ModeName, RunArgs};
 use crate::check::Checker;
 use crate::drive::drive;
+use crate::dump::Dump;
 use crate::figures::median;
 use crate::setup::{Engine, fits_u16};
 use crate::source::Source;
@@ -19,6 +20,7 @@ const FAT_MARGIN: f32 = 0.1;
 pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let engine = Engine::new(&args.engine)?;
     let mut source = Source::of(args)?;
+    let dump = args.dump_svg.as_deref().map(|values| Dump::new(values, source.frames())).transpose()?;
     let config = config(args, source.objects());
     let (mode, events) = (config.mode, config.events);
     let new_checker: Option<Box<dyn Fn() -> Checker>> =
@@ -27,6 +29,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let config = drive(&mut source, config, &engine, &mut tally)?;
     let summary = summary(&source, &config, &engine, &tally)?;
     drop(tally);
+    if let Some(dump) = dump {
+        dump.draw(&mut source, &config, &engine)?;
+    }
 
     if args.json { summary.write_json(stdout().lock()) } else { summary.write_text(stdout().lock()) }?;
     let failed = summary.check.is_some_and(|check| !check.passed);

@@ -1,7 +1,7 @@
 // trisap as a broad phase of Bullet: a btBroadphaseInterface over trisap.hpp.
 //
 // Bullet keeps the pairs; trisap tells which are new and which are gone. Boxes are collected as Bullet sets them, and
-// seen by one step for all of them.
+// seen by one step for all of them. Rays and boxes ask trisap's tree.
 
 #ifndef BROADPHASE_HPP
 #define BROADPHASE_HPP
@@ -10,7 +10,6 @@
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
-#include <LinearMath/btAabbUtil2.h>
 #include <cstdio>
 #include <memory>
 #include <trisap.hpp>
@@ -51,7 +50,9 @@ public:
     void setAabb(btBroadphaseProxy *proxy, const btVector3 &min, const btVector3 &max, btDispatcher *) override {
         proxy->m_aabbMin = min;
         proxy->m_aabbMax = max;
-        boxes_[trisap::slot(static_cast<Proxy *>(proxy)->id)] = box(min, max);
+        const std::uint32_t slot = trisap::slot(static_cast<Proxy *>(proxy)->id);
+        boxes_[slot] = box(min, max);
+        set_slots_.push_back(slot);
     }
 
     void getAabb(btBroadphaseProxy *proxy, btVector3 &min, btVector3 &max) const override {
@@ -76,28 +77,30 @@ public:
             is_new_[slot] = 0;
         }
         new_slots_.clear();
+        set_slots_.clear();
     }
 
-    // There is no question to the tree in the C interface: rays and boxes ask every object.
-
-    void rayTest(const btVector3 &from, const btVector3 &, btBroadphaseRayCallback &callback, const btVector3 &min,
+    /// A box that moves along the ray: `min` and `max` tell how far it reaches around the ray's point.
+    void rayTest(const btVector3 &from, const btVector3 &to, btBroadphaseRayCallback &callback, const btVector3 &min,
                  const btVector3 &max) override {
-        for (const auto &proxy : proxies_) {
-            btScalar entry = 0;
-            const btVector3 bounds[2] = {proxy ? proxy->m_aabbMin - max : min, proxy ? proxy->m_aabbMax - min : max};
-            if (proxy && btRayAabb2(from, callback.m_rayDirectionInverse, callback.m_signs, bounds, entry, 0,
-                                    callback.m_lambda_max)) {
-                callback.process(proxy.get());
-            }
+        tell_boxes();
+        // Bullet's own tests are in floats and round: nothing that they would meet is left out.
+        const btScalar room = (from.absolute() + to.absolute())[(from.absolute() + to.absolute()).maxAxis()] * 1e-5f;
+        const btVector3 around(room, room, room);
+        const btVector3 direction = (to - from).fuzzyZero() ? btVector3(0, 0, 0) : (to - from).normalized();
+        trisap::Cast cast = {};
+        cast.start = box(from + min - around, from + max + around);
+        for (int k = 0; k < 3; k++) {
+            cast.direction[k] = static_cast<float>(direction[k]);
         }
+        cast.distance = static_cast<float>(callback.m_lambda_max + room);
+        CHECK_OK(world_.visit_hits(cast, [&](trisap::Hit hit) { callback.process(proxy(hit.id)); }));
     }
 
     void aabbTest(const btVector3 &min, const btVector3 &max, btBroadphaseAabbCallback &callback) override {
-        for (const auto &proxy : proxies_) {
-            if (proxy && TestAabbAgainstAabb2(min, max, proxy->m_aabbMin, proxy->m_aabbMax)) {
-                callback.process(proxy.get());
-            }
-        }
+        tell_boxes();
+        const trisap::Region region = trisap::region(box(min, max));
+        CHECK_OK(world_.visit_overlaps(region, [&](trisap::Id id) { callback.process(proxy(id)); }));
     }
 
     btOverlappingPairCache *getOverlappingPairCache() override { return &pairs_; }
@@ -142,6 +145,18 @@ private:
         return {{round(min.x()), round(min.y()), round(min.z())}, {round(max.x()), round(max.y()), round(max.z())}};
     }
 
+    /// Questions are answered for the boxes as they are now, steps or not.
+    void tell_boxes() {
+        for (const std::uint32_t slot : set_slots_) {
+            if (proxies_[slot] != nullptr) {
+                CHECK_OK(world_.update(proxies_[slot]->id, boxes_[slot]));
+            }
+        }
+        set_slots_.clear();
+    }
+
+    btBroadphaseProxy *proxy(trisap::Id id) const { return proxies_[trisap::slot(id)].get(); }
+
     bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && is_new_[slot] == 0; }
 
     trisap::Config config_;
@@ -152,6 +167,8 @@ private:
     std::vector<std::unique_ptr<Proxy>> proxies_;
     std::vector<char> is_new_;
     std::vector<std::uint32_t> new_slots_;
+    // Boxes that Bullet has set since the last step, and that the world does not know yet.
+    std::vector<std::uint32_t> set_slots_;
     int last_unique_id_ = 0;
 };
 
