@@ -152,9 +152,11 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             while let Some(leaf) = leaves.next() {
                 let reach = tree.reach.at((1 << depth) + leaf);
                 if (KeyBox { min: tree.cells.at(leaf).low(), max: reach }).overlaps(&bounds) {
-                    members_near(simd, parts, leaf, &bounds, |slot| {
-                        meet(slot);
-                    });
+                    let mut done = false;
+                    members_near(simd, parts, leaf, &bounds, |slot| done = meet(slot));
+                    if done {
+                        return;
+                    }
                 }
             }
         }
