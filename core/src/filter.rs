@@ -49,7 +49,8 @@ impl Default for Filter {
 
 /// A caller's own rule: whether the objects in two slots, the lower one first, make a pair.
 ///
-/// It is asked from any worker, at any time during the step, only of boxes that overlap, and has to answer the same as long
+/// It is asked from any worker, at any time during the step, only of boxes that overlap (with their
+/// margins), and has to answer the same as long
 /// as neither object was [refiltered](World::refilter): pairs of resting objects are not asked about again.
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 

@@ -210,7 +210,12 @@ impl State {
         key(self) == key(other)
     }
 
-    /// Takes over the number of workers, which decides about scratch memory alone.
+    /// The state as a snapshot has it: the number of workers decides about scratch memory alone.
+    pub(crate) fn to_save(&self) -> Self {
+        Self { workers: 1, ..*self }
+    }
+
+    /// Takes over the number of workers.
     pub(crate) fn adopt_workers(&mut self, other: &Self) {
         self.workers = other.workers;
     }

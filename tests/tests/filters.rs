@@ -112,7 +112,7 @@ fn worlds_with_a_tree_filter() {
     for setup in Setup::each(&Jobs::USUAL) {
         for config in configs() {
             for ruled in [false, true] {
-                live::<u32>(config, 1200, ruled, setup);
+                live::<u32>(config, 800, ruled, setup);
             }
         }
         live::<u16>(configs()[2], 4300, true, setup);

@@ -52,7 +52,7 @@ fn ask_twin<I: Index>(world: &World<'_, I>, model: &Model, questions: &Questions
 
 fn ask<I: Index>(checked: &Checked<'_, I>, rng: &mut Rng, setup: Setup) {
     let (world, model) = (checked.world(), checked.model());
-    let questions = Questions::about(model, 24, rng);
+    let questions = Questions::about(model, if world.len() > 500 { 9 } else { 24 }, rng);
     questions.ask(world, model, setup);
     questions.ask_batches(world, setup);
     ask_twin(world, model, &questions, setup);
