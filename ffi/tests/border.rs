@@ -207,11 +207,14 @@ fn answers_go_where_they_are_wanted() {
         let user: *mut f64 = &mut distance;
         let visited = trisap_world_visit_hits(world, &ray, Some(first_only), user.cast());
         assert_eq!((visited, user.read() >= 1.0), (trisap_status::Ok, true));
-        let mut hits = Vec::<trisap_hit>::with_capacity(2);
-        let told = trisap_world_nearest(world, left.as_ptr(), hits.as_mut_ptr(), 2, &mut count);
-        assert_eq!((told, count), (trisap_status::Ok, 2));
-        hits.set_len(2);
-        assert_eq!(hits[1], trisap_hit { id: ids[1], distance: 1.75 });
+        // Its square root is an instruction that Miri does not know.
+        if !cfg!(miri) {
+            let mut hits = Vec::<trisap_hit>::with_capacity(2);
+            let told = trisap_world_nearest(world, left.as_ptr(), hits.as_mut_ptr(), 2, &mut count);
+            assert_eq!((told, count), (trisap_status::Ok, 2));
+            hits.set_len(2);
+            assert_eq!(hits[1], trisap_hit { id: ids[1], distance: 1.75 });
+        }
         assert_eq!(trisap_world_leaves(world, null_mut(), 0, &mut count), trisap_status::Ok);
         assert_eq!(count, 0);
 
