@@ -172,7 +172,7 @@ macro_rules! bytes_mut {
 }
 
 fn saved<I: Index>(parts: &Parts<'_, I>, each: &mut dyn FnMut(&[u8])) {
-    each(bytemuck::bytes_of(&parts.state.to_save()));
+    each(bytemuck::bytes_of(&parts.state.without_workers()));
     walk!(parts, each, span, bytes);
 }
 

@@ -211,7 +211,7 @@ impl State {
     }
 
     /// The state as a snapshot has it: the number of workers decides about scratch memory alone.
-    pub(crate) fn to_save(&self) -> Self {
+    pub(crate) fn without_workers(&self) -> Self {
         Self { workers: 1, ..*self }
     }
 
