@@ -240,7 +240,7 @@ fn members<S: Simd, I: Index>(
 ) -> f64 {
     let parts = &world.parts;
     let count = parts.tree.leaves.at(leaf).len;
-    let cuts = if to.is_finite() { (count / MEMBERS_PER_PART).clamp(1, PARTS) } else { 1 };
+    let cuts = if to < f64::MAX { (count / MEMBERS_PER_PART).clamp(1, PARTS) } else { 1 };
     let cut =
         |part: u32| if part == 0 { from } else { from + (to - from) * (f64::from(part) / f64::from(cuts)) };
     for part in 0..cuts {

@@ -56,7 +56,9 @@ impl Line {
         }
         let back = direction.map(|d| -i32::from(d < 0.0));
         let slabs = Slabs { back, first, last, inverse };
-        Self { low, high, direction, distance: f64::from(cast.distance), slabs }
+        // Finite: beyond it is where a line along which nothing moves would meet the boxes beside it.
+        let distance = f64::from(cast.distance).min(f64::MAX);
+        Self { low, high, direction, distance, slabs }
     }
 
     /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each
