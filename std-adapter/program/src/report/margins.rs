@@ -20,7 +20,7 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
              surplus are the pairs whose boxes do not overlap, as a share of all pairs returned."
                 .into(),
             lab.origin().into(),
-            "The last scene is the recording that is built into the program: boxes that have fallen and nearly rest.".into(),
+            "The last scene is the recording that is built into the program: cubes that fall onto each other.".into(),
         ],
         ..Section::default()
     };
@@ -46,7 +46,7 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
         lab.next(format!("margins, {name}"));
         let clip = match kind {
             Some(kind) => lab.scene(kind, Objects::Cubes, lab.plan.objects)?,
-            // In which hardly anything moves any more: where margins pay.
+            // Of a physics engine, also in programs that have none.
             None => Clip::recorded(&Recording::parse(SHIPPED)?),
         };
         let contender = |margin: &f32| {
