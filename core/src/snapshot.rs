@@ -199,6 +199,7 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     let pairs = state.swept_pairs <= sizes.pairs as u64
         && state.result_pairs <= state.swept_pairs
         && state.aside <= state.result_pairs
+        && (state.aside == 0 || sizes.tree > 0)
         && state.found <= state.result_pairs - state.aside
         && state.previous_result <= sizes.previous as u64
         && state.lost <= state.previous_result;

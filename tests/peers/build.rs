@@ -20,7 +20,7 @@ fn main() {
     build.file("cpp/physx.cpp").compile("peer_physx");
 
     if on("EMBREE") {
-        native().file("cpp/embree.cpp").compile("peer_embree");
+        native().file("cpp/embree.cpp").file("cpp/embree_queries.cpp").compile("peer_embree");
         println!("cargo:rustc-link-lib=embree3");
     }
     if on("CGAL") {

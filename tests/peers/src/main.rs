@@ -5,6 +5,7 @@ mod options;
 mod oracle;
 mod ours;
 mod peers;
+mod queries;
 mod recording;
 mod report;
 mod run;
@@ -29,12 +30,22 @@ fn main() -> ExitCode {
     let mut report = report::Report::new(kernels.name(), options.threads);
     for scene in &options.scenes {
         match recording::Recording::open(scene) {
+            Ok(recording) if options.queries => match queries::scene(&recording, &options) {
+                Ok(table) => print!("{table}"),
+                Err(message) => {
+                    eprintln!("{message}");
+                    return ExitCode::FAILURE;
+                }
+            },
             Ok(recording) => run::scene(&recording, &options, &mut report),
             Err(error) => {
                 eprintln!("{error}");
                 return ExitCode::from(2);
             }
         }
+    }
+    if options.queries {
+        return ExitCode::SUCCESS;
     }
     print!("{}", report.markdown());
     if let Some(path) = &options.json

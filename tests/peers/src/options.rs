@@ -11,6 +11,7 @@ a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
   --threads 1|2         threads for trisap and for the peers; peers without threads are left out at 2
   --peers A,B           only peers whose names contain one of these
+  --queries             box queries and rays on the first frame instead of the race (trisap, parry3d, Embree)
   --frames N            timed frames a peer; by default about two million boxes, 15 to 300 frames
   --json FILE           writes the results as JSON as well";
 
@@ -30,6 +31,8 @@ pub(crate) struct Options {
     pub(crate) kernels: Option<String>,
     pub(crate) events: Events,
     pub(crate) threads: u32,
+    /// Queries instead of frames.
+    pub(crate) queries: bool,
     peers: Vec<String>,
     pub(crate) frames: Option<usize>,
     pub(crate) json: Option<PathBuf>,
@@ -42,6 +45,7 @@ impl Options {
             kernels: None,
             events: Events::Auto,
             threads: 1,
+            queries: false,
             peers: Vec::new(),
             frames: None,
             json: None,
@@ -66,6 +70,7 @@ impl Options {
                         other => return Err(format!("--threads {other}: 1 or 2")),
                     }
                 }
+                "--queries" => options.queries = true,
                 "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
                 "--frames" => {
                     let count = value()?.parse().ok().filter(|&count| count > 0);
