@@ -79,7 +79,8 @@ pub struct Config {
     pub margin: Option<Margin>,
     /// Whether steps tell the found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
-    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object.
+    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object, and
+    /// needs the feature `large`.
     pub filters: bool,
     /// Whether up to 256 objects are swept box by box, without vectors and their scratch memory, as worlds for up to 64
     /// are anyway: about three quarters of the bytes, and faster on a microcontroller. On a processor with vectors it costs

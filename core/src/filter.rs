@@ -8,6 +8,9 @@ use crate::sweep::Sink;
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
 
+/// Whether there can be filters. A lean program does without their code.
+pub(crate) const FILTERS: bool = cfg!(feature = "large");
+
 /// Classes that the class matrix knows.
 pub(crate) const CLASSES: usize = 32;
 
@@ -129,12 +132,15 @@ pub(crate) struct Gate<'g> {
 impl<'g> Gate<'g> {
     /// The gate of a world, if it has one.
     pub(crate) fn new(parts: &'g FilterParts<'_>, rule: Option<&'g Rule<'g>>) -> Option<Self> {
-        (!parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
+        (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
     }
 
     /// Whether two objects make a pair.
     #[inline]
     pub(crate) fn lets_through<I: Index>(&self, pair: &Pair<I>) -> bool {
+        if !FILTERS {
+            return true;
+        }
         let (Some(a), Some(b)) = (self.filters.get(pair[0].at()), self.filters.get(pair[1].at())) else {
             return true;
         };

@@ -4,7 +4,7 @@
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
 use crate::config::Config;
-use crate::filter::{CLASSES, Filter};
+use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
@@ -98,7 +98,7 @@ impl Sizes {
         // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
         let objects = capacity.objects as usize;
         let small = objects <= TINY || config.lean;
-        if small && objects > SMALL || !small && !cfg!(feature = "large") {
+        if small && objects > SMALL || !small && !cfg!(feature = "large") || config.filters && !FILTERS {
             return None;
         }
         let pairs = capacity.pairs as usize;

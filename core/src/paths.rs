@@ -41,6 +41,14 @@ pub(crate) struct Means<'e> {
     pub(crate) rule: Option<&'e Rule<'e>>,
     /// How many may work at once.
     pub(crate) workers: usize,
+    /// Whether the world is too small to share work.
+    pub(crate) small: bool,
+}
+
+impl Means<'_> {
+    pub(crate) const fn is_small(&self) -> bool {
+        !cfg!(feature = "large") || self.small
+    }
 }
 
 /// The path for a number of objects that have moved.
@@ -62,7 +70,8 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
 
 /// Gives a world in which few objects move smaller leaves, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) {
-    if parts.state.filled == 0 || !matches!(path, Path::Unchanged | Path::Movers) {
+    let calm = matches!(path, Path::Unchanged | Path::Movers);
+    if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);

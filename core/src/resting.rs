@@ -73,7 +73,7 @@ pub(crate) fn carry<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     if parts.state.crept != 0 && margins && parts.state.mode() == Mode::Exact {
         // Inside their fat boxes, even resting objects may have come apart or together.
         parts.state.aside = 0;
-    } else if parts.sizes.tree > 0 && is_due(parts) {
+    } else if !parts.sizes.is_small() && parts.sizes.tree > 0 && is_due(parts) {
         set_aside(parts);
     }
     keep_for_events(parts);

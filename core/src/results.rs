@@ -10,6 +10,7 @@ use crate::arch::claim::{Chunks, Claims};
 use crate::arch::{Phase, Simd};
 use crate::config::Mode;
 use crate::exec;
+use crate::filter::FILTERS;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
@@ -37,7 +38,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complet
         persisting = partition(means, pairs, &Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
         let asked = &*parts.filters.changed;
-        let lost = if asked.iter().any(|word| *word != 0) {
+        let lost = if FILTERS && asked.iter().any(|word| *word != 0) {
             let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
@@ -59,25 +60,31 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     let mode = parts.state.mode();
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
+    if means.is_small() {
+        return remember_block(boxes, before, parts.changed);
+    }
     let len = before.len().div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);
     let blocks = before.len().div_ceil(len);
     let claims = Claims::new((Chunks::new(before, len), Chunks::new(parts.changed, len / 32)));
     exec::run(means.executor, means.workers, blocks, &|| {
         while let Some((block, (before, changed))) = claims.claim() {
-            let boxes = boxes.span(block * len, before.len());
-            for (word, changed) in changed.iter_mut().enumerate() {
-                let first = word * 32;
-                if *changed == u32::MAX {
-                    before.span_mut(first, 32).copy_in(boxes.span(first, 32));
-                } else {
-                    for bit in bits::ones(&[*changed]) {
-                        before.put(first + bit, boxes.at(first + bit));
-                    }
-                }
-                *changed = 0;
-            }
+            remember_block(boxes.span(block * len, before.len()), before, changed);
         }
     });
+}
+
+fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], changed: &mut [u32]) {
+    for (word, changed) in changed.iter_mut().enumerate() {
+        let first = word * 32;
+        if *changed == u32::MAX {
+            before.span_mut(first, 32).copy_in(boxes.span(first, 32));
+        } else {
+            for bit in bits::ones(&[*changed]) {
+                before.put(first + bit, boxes.at(first + bit));
+            }
+        }
+        *changed = 0;
+    }
 }
 
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the
@@ -107,6 +114,9 @@ const PAIRS_PER_BLOCK: usize = 8192;
 /// Brings the pairs that the test holds of to the front and returns how many there are: block by block, and then those on
 /// the wrong side of the border change places.
 fn partition<I: Index>(means: Means<'_>, pairs: &mut [Pair<I>], test: &impl Test<I>) -> usize {
+    if means.is_small() {
+        return means.kernels.run(PartitionBlock { pairs, test });
+    }
     let count = pairs.len();
     let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = count.div_ceil(len);

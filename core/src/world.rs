@@ -34,7 +34,8 @@ impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
         let alone = Alone(means.executor);
-        let shared = parts.state.live >= SHARED_FROM;
+        // A small world shares nothing anyway.
+        let shared = means.is_small() || parts.state.live >= SHARED_FROM;
         let means = if shared { means } else { Means { executor: &alone, ..means } };
         let rejected = Self::take_in(parts, bounds, means);
         let moved = bits::count(parts.moved);
@@ -344,7 +345,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::PairsFull`].
     pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, Means { kernels, executor, rule: None, workers: self.parts.sizes.workers })
+        self.advance(None, self.means(kernels, executor, None))
     }
 
     /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
@@ -359,7 +360,7 @@ impl<I: Index> World<'_, I> {
         kernels: Kernels,
         executor: &dyn Executor,
     ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), Means { kernels, executor, rule: None, workers: self.parts.sizes.workers })
+        self.advance(Some(bounds), self.means(kernels, executor, None))
     }
 
     /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
@@ -377,7 +378,17 @@ impl<I: Index> World<'_, I> {
         if self.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);
         }
-        self.advance(bounds, Means { kernels, executor, rule: Some(rule), workers: self.parts.sizes.workers })
+        self.advance(bounds, self.means(kernels, executor, Some(rule)))
+    }
+
+    fn means<'e>(
+        &self,
+        kernels: Kernels,
+        executor: &'e dyn Executor,
+        rule: Option<&'e Rule<'e>>,
+    ) -> Means<'e> {
+        let sizes = &self.parts.sizes;
+        Means { kernels, executor, rule, workers: sizes.workers, small: sizes.is_small() }
     }
 
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but

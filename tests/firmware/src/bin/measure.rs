@@ -19,14 +19,14 @@ const TYPICAL: u32 = 60_000;
 /// The same for 256: a third of what brute force took before its loop was as tight as that of the sweep.
 const TYPICAL_OF_256: u32 = 168_000;
 /// How many times as many brute force must take for 256, in tenths.
-const ADVANTAGE: u32 = 25;
+const ADVANTAGE: u32 = 24;
 
 /// The most instructions that any step may take: a function of the number of objects and of the pairs of this step or the
 /// last one, whichever has more. See the README.
 fn bound(objects: usize, pairs: usize, events: bool) -> u32 {
     let digits = usize::BITS - objects.leading_zeros();
     let per_object = 320 + 50 * digits as usize + if events { 80 } else { 0 };
-    let per_pair = if events { 160 } else { 30 };
+    let per_pair = if events { 170 } else { 40 };
     (2000 + per_object * objects + 12 * objects * objects + per_pair * pairs) as u32
 }
 
