@@ -125,8 +125,10 @@ enum trisap_status
     TRISAP_STATUS_OUTPUT_FULL = 19,
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     TRISAP_STATUS_BAD_SNAPSHOT = 20,
+    /// A part of the shift of the origin is not finite.
+    TRISAP_STATUS_BAD_SHIFT = 21,
     /// Refused for a reason that this version of the ABI has no word for.
-    TRISAP_STATUS_OTHER = 21,
+    TRISAP_STATUS_OTHER = 22,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -338,7 +340,7 @@ typedef struct trisap_stats {
     uint32_t leaves;
     /// Large objects, which live in a list of their own.
     uint32_t large;
-    /// Objects whose leaf got new planes for the next step.
+    /// Objects whose leaf got new planes.
     uint32_t rebalanced;
     /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
     /// The boxes may have lost their shape before; shift the origin.
@@ -347,6 +349,8 @@ typedef struct trisap_stats {
     uint64_t copies;
     /// Pairs of boxes that were tested on all axes.
     uint64_t candidates;
+    /// Of these, pairs that two corners on one step of the grid left to the exact test.
+    uint64_t tied;
     /// Overlapping pairs.
     uint64_t pairs;
     /// Pairs that the last complete step did not have.
@@ -630,6 +634,18 @@ uint32_t trisap_world_is_resting(const struct trisap_world *world,
                                  trisap_id id)
 TRISAP_NOEXCEPT;
 
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
+/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+///
+/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
+/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
+/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
+TRISAP_NODISCARD
+trisap_status trisap_world_shift_origin(struct trisap_world *world,
+                                        const double *by,
+                                        uint32_t *rounded)
+TRISAP_NOEXCEPT;
+
 /// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
 TRISAP_NODISCARD size_t trisap_world_snapshot_size(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
@@ -713,6 +729,15 @@ TRISAP_NODISCARD
 struct trisap_aabb trisap_aabb_from_f64(const double *min,
                                         const double *max,
                                         const double *origin)
+TRISAP_NOEXCEPT;
+
+/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
+/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
+/// 126 fraction bits, a box that is refused.
+TRISAP_NODISCARD
+struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
+                                          const int32_t *max,
+                                          uint32_t fraction_bits)
 TRISAP_NOEXCEPT;
 
 /// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
@@ -847,7 +872,7 @@ TRISAP_SIZE(trisap_config, 52);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
-TRISAP_SIZE(trisap_stats, 80);
+TRISAP_SIZE(trisap_stats, 88);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);

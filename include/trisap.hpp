@@ -59,6 +59,12 @@ inline constexpr Id null_id = TRISAP_NULL_ID;
     return trisap_aabb_from_f64(min, max, origin);
 }
 
+/// The least box that holds a box in fixed point: integers of which each counts 2^-fraction_bits.
+[[nodiscard]] inline Aabb aabb_from_fixed(const std::int32_t (&min)[3], const std::int32_t (&max)[3],
+                                          std::uint32_t fraction_bits) noexcept {
+    return trisap_aabb_from_fixed(min, max, fraction_bits);
+}
+
 /// What a new object has: in all groups, meets all groups, class 0.
 [[nodiscard]] inline Filter filter() noexcept { return trisap_default_filter(); }
 
@@ -489,6 +495,11 @@ public:
         std::size_t count = 0;
         const Status status = trisap_world_nearest(world_, position, room.data(), room.size(), &count);
         return answers(status, room, count);
+    }
+
+    /// Moves the origin to a point: subtracts it from all boxes. `rounded` tells how many objects had to be rounded outward.
+    [[nodiscard]] Status shift_origin(const double (&by)[3], std::uint32_t *rounded = nullptr) noexcept {
+        return trisap_world_shift_origin(world_, by, rounded);
     }
 
     /// The bytes of a snapshot of the world as it is now.

@@ -36,6 +36,7 @@ pub mod objects;
 mod panic;
 pub mod query;
 pub mod resting;
+pub mod shift;
 pub mod snapshot;
 pub mod status;
 pub mod step;

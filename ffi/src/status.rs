@@ -55,15 +55,17 @@ pub enum trisap_status {
     OutputFull = 19,
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     BadSnapshot = 20,
+    /// A part of the shift of the origin is not finite.
+    BadShift = 21,
     /// Refused for a reason that this version of the ABI has no word for.
-    Other = 21,
+    Other = 22,
 }
 
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 22] = [
+    const TEXTS: [&core::ffi::CStr; 23] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -85,6 +87,7 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"a query has NaN, infinities or negative lengths where they make no sense",
         c"more answers than there is room for",
         c"the bytes are no snapshot of a world of this configuration",
+        c"a part of the shift is not finite",
         c"refused",
     ];
     const _: () = assert!(TEXTS.len() == trisap_status::Other as usize + 1);
@@ -122,6 +125,7 @@ impl From<Error> for Refusal {
             Error::BadQuery { index } => (trisap_status::BadQuery, u64::from(index)),
             Error::OutputFull { needed } => (trisap_status::OutputFull, needed),
             Error::BadSnapshot => (trisap_status::BadSnapshot, 0),
+            Error::BadShift => (trisap_status::BadShift, 0),
             _ => (trisap_status::Other, 0),
         };
         Self { status, detail }

@@ -54,6 +54,24 @@ pub unsafe extern "C" fn trisap_aabb_from_f64(
     Aabb::from_f64(min, max, origin).into()
 }
 
+/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
+/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
+/// 126 fraction bits, a box that is refused.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_aabb_from_fixed(
+    min: *const i32,
+    max: *const i32,
+    fraction_bits: u32,
+) -> trisap_aabb {
+    if min.is_null() || max.is_null() {
+        return trisap_aabb { min: [f32::NAN; 3], max: [f32::NAN; 3] };
+    }
+    // SAFETY: not null, and the caller's promise.
+    let [min, max] = unsafe { [point(min, 0), point(max, 0)] };
+    Aabb::from_fixed(min, max, fraction_bits).into()
+}
+
 /// Two overlapping objects by slot.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -321,7 +339,7 @@ pub struct trisap_stats {
     pub leaves: u32,
     /// Large objects, which live in a list of their own.
     pub large: u32,
-    /// Objects whose leaf got new planes for the next step.
+    /// Objects whose leaf got new planes.
     pub rebalanced: u32,
     /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
     /// The boxes may have lost their shape before; shift the origin.
@@ -330,6 +348,8 @@ pub struct trisap_stats {
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
     pub candidates: u64,
+    /// Of these, pairs that two corners on one step of the grid left to the exact test.
+    pub tied: u64,
     /// Overlapping pairs.
     pub pairs: u64,
     /// Pairs that the last complete step did not have.
@@ -355,6 +375,7 @@ pub extern "C" fn trisap_default_stats() -> trisap_stats {
         coarse_resolution: 0,
         copies: 0,
         candidates: 0,
+        tied: 0,
         pairs: 0,
         found: 0,
         lost: 0,
@@ -371,7 +392,7 @@ const _: () = {
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);
-    assert!(size_of::<trisap_stats>() == 80);
+    assert!(size_of::<trisap_stats>() == 88);
     // Pairs are handed out as they stand in the world.
     assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
     assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());

@@ -214,6 +214,7 @@ pub unsafe extern "C" fn trisap_world_stats(
             coarse_resolution: u32::from(known.coarse_resolution),
             copies: known.copies,
             candidates: known.candidates,
+            tied: known.tied,
             pairs: known.pairs,
             found: known.found,
             lost: known.lost,

@@ -372,6 +372,34 @@ static void doubles(void) {
     CHECK(aabb.min[0] != aabb.min[0]);
 }
 
+// The same numbers in fixed point, and an origin that moves with them.
+static void fixed_and_shifted(void) {
+    const int32_t low[3] = {256, -128, 0}, high[3] = {512, 128, 64};
+    const trisap_aabb aabb = trisap_aabb_from_fixed(low, high, 8);
+    CHECK(aabb.min[0] == 1.0f && aabb.min[1] == -0.5f && aabb.max[0] == 2.0f && aabb.max[2] == 0.25f);
+    CHECK(trisap_aabb_from_fixed(NULL, high, 8).min[0] != trisap_aabb_from_fixed(NULL, high, 8).min[0]);
+
+    trisap_config config = trisap_default_config(16);
+    config.events = 1;
+    trisap_world *world = make(&config);
+    trisap_id ids[2];
+    CHECK(trisap_world_insert(world, &aabb, &ids[0]) == TRISAP_STATUS_OK);
+    CHECK(trisap_world_insert(world, &aabb, &ids[1]) == TRISAP_STATUS_OK);
+    trisap_result result = trisap_default_result();
+    CHECK(trisap_world_step(world, NULL, &result) == TRISAP_STATUS_OK && result.found_count == 1);
+    const double by[3] = {1.0, -2.0, 0.0};
+    uint32_t rounded = 7;
+    CHECK(trisap_world_shift_origin(world, by, &rounded) == TRISAP_STATUS_OK && rounded == 0);
+    trisap_aabb now;
+    CHECK(trisap_world_aabb(world, ids[0], &now) == TRISAP_STATUS_OK && now.min[0] == 0.0f && now.min[1] == 1.5f);
+    CHECK(trisap_world_step(world, NULL, &result) == TRISAP_STATUS_OK);
+    CHECK(result.pair_count == 1 && result.found_count == 0 && result.lost_count == 0);
+    const double far[3] = {1e9, 0.0, 0.0};
+    CHECK(trisap_world_shift_origin(world, far, &rounded) == TRISAP_STATUS_OK && rounded == 2);
+    CHECK(trisap_world_shift_origin(world, by, NULL) == TRISAP_STATUS_OK);
+    free(world);
+}
+
 // A world comes back as it was, and goes on as it would have.
 static void saved(void) {
     trisap_config config = trisap_default_config(16);
@@ -457,6 +485,7 @@ int main(void) {
     resting();
     tree();
     doubles();
+    fixed_and_shifted();
     saved();
     copies();
     statics();

@@ -1,0 +1,38 @@
+//! Moving the origin of a world to where its objects are.
+
+use crate::border;
+use crate::query::point;
+use crate::status::trisap_status;
+use crate::world::{Call, trisap_world, with};
+
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
+/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+///
+/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
+/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
+/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_shift_origin(
+    world: *mut trisap_world,
+    by: *const f64,
+    rounded: *mut u32,
+) -> trisap_status {
+    let shift = |call: &mut Call| {
+        let range = call.range();
+        border::span(by, 3, &range)?;
+        if !rounded.is_null() {
+            border::span(rounded, 1, &range)?;
+        }
+        // SAFETY: not null, and the caller's promise.
+        let by = unsafe { point(by, f64::NAN) };
+        let count = call.world()?.shift_origin(by)?;
+        if !rounded.is_null() {
+            // SAFETY: aligned, and outside of the world.
+            unsafe { rounded.write(count) };
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, shift) }
+}
