@@ -59,7 +59,8 @@ pub fn met(boxes: &[Option<Aabb>], cast: &Cast) -> Met {
     let exact = cast.direction.iter().all(|d| d.to_bits() << 9 == 0);
     let mut met = Met::default();
     for (slot, aabb) in live(boxes) {
-        let (mut enter, mut exit) = (0.0_f64, f64::from(cast.distance));
+        // However far it goes, a cast does not get to what is at infinity alone.
+        let (mut enter, mut exit) = (0.0_f64, f64::from(cast.distance).min(f64::MAX));
         let mut missed = false;
         for k in 0..3 {
             let speed = f64::from(cast.direction[k]);
