@@ -21,7 +21,8 @@ pub struct Cast {
     pub start: Aabb,
     /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
     pub direction: [f32; 3],
-    /// How far it moves, in units of `direction`. Zero or more; may be infinite.
+    /// How far it moves, in units of `direction`. Zero or more; may be infinite, which does not get to boxes that are at
+    /// infinity alone.
     pub distance: f32,
 }
 
