@@ -36,7 +36,8 @@
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |
 //!
-//! Beside the pairs there are filters (`filter`) and queries (`query`).
+//! Around the pairs there are filters (`filter`), queries (`query`), snapshots (`snapshot`), shifts of the origin (`shift`)
+//! and the tree to look at (`view`).
 
 #![no_std]
 #![warn(clippy::undocumented_unsafe_blocks)]

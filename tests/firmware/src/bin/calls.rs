@@ -1,6 +1,7 @@
-//! Makes every public call, each as a function of its own, and prints the stack that it was seen to use.
+//! Makes every call of the exact path, each as a function of its own, and prints the stack that it was seen to use.
 //!
-//! What is proved of this binary (no panic, no allocator, a bound for the stack) holds for the whole API.
+//! What is proved of this binary (no panic, no allocator, a bound for the stack) holds for these calls. Filters, queries,
+//! snapshots, rest, views and shifts of the origin are not among them.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
