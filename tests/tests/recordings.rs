@@ -1,4 +1,4 @@
-//! The recorded simulations: every frame, pair for pair, on every kernel, with one worker and with two.
+//! The recorded simulations: every frame, pair for pair, on every kernel, with any number of workers.
 //!
 //! `TRISAP_RECORDINGS` names a folder of more recordings, which are tested in the same way.
 
@@ -13,8 +13,12 @@ use trisap_tests::{SlotPair, oracle, sorted};
 /// A tenth of an edge of the cubes.
 const MARGIN: Margin = Margin::share(0.1);
 
-/// Steps through the recording, all boxes handed over as they are in the file.
-fn outcomes(recording: &Recording, config: Config, setup: Setup) -> Vec<Outcome> {
+const WORKERS: [Jobs; 5] =
+    [Jobs::Serial, Jobs::Threads(2), Jobs::Threads(3), Jobs::Threads(4), Jobs::Threads(8)];
+
+/// Steps through the recording, all boxes handed over as they are in the file. Also the world after the last frame, as a
+/// snapshot.
+fn outcomes(recording: &Recording, config: Config, setup: Setup) -> (Vec<Outcome>, Vec<u8>) {
     let objects = recording.objects();
     let config = setup.configure(Config { capacity: ample(objects, 40 * objects), ..config });
     let mut slab = Slab::new::<u16>(&config);
@@ -26,7 +30,10 @@ fn outcomes(recording: &Recording, config: Config, setup: Setup) -> Vec<Outcome>
         world.validate().unwrap_or_else(|invalid| panic!("{} {setup:?}: {invalid}", recording.name));
         outcome
     };
-    recording.frames.iter().map(&mut step).collect()
+    let outcomes = recording.frames.iter().map(&mut step).collect();
+    let mut snapshot = vec![0; world.snapshot_size()];
+    world.save(&mut snapshot).expect("as long as was asked for");
+    (outcomes, snapshot)
 }
 
 /// The pairs of each frame by all against all.
@@ -40,7 +47,7 @@ fn every_frame(base: Config, check: impl Fn(&Outcome, &[SlotPair], &str)) {
     let config = base.with_events();
     for recording in recordings::all() {
         let exact = exact_pairs(&recording);
-        let reference = outcomes(&recording, config, Setup::REFERENCE);
+        let (reference, snapshot) = outcomes(&recording, config, Setup::REFERENCE);
         assert_eq!(reference.len(), exact.len());
         let mut model = Model::of_events(recording.objects());
         for (frame, (outcome, exact)) in reference.iter().zip(&exact).enumerate() {
@@ -50,12 +57,12 @@ fn every_frame(base: Config, check: impl Fn(&Outcome, &[SlotPair], &str)) {
             assert_eq!(sorted(&outcome.found), events.found, "{at}: found");
             assert_eq!(sorted(&outcome.lost), events.lost, "{at}: lost");
         }
-        for setup in Setup::each(&Jobs::USUAL) {
-            for (frame, (outcome, reference)) in
-                outcomes(&recording, config, setup).iter().zip(&reference).enumerate()
-            {
+        for setup in Setup::each(&WORKERS) {
+            let (outcomes, last) = outcomes(&recording, config, setup);
+            for (frame, (outcome, reference)) in outcomes.iter().zip(&reference).enumerate() {
                 assert!(outcome == reference, "{} frame {frame}: {setup:?} differs", recording.name);
             }
+            assert!(last == snapshot, "{}: {setup:?} has another world in the end", recording.name);
         }
     }
 }

@@ -16,9 +16,9 @@ impl Engine {
     pub(crate) fn new(args: &EngineArgs) -> Result<Self> {
         let pool = match args.threads {
             1 => None,
-            // The calling thread works too, but rayon's scope counts on the pool alone.
+            // The calling thread works too.
             threads => {
-                let pool = ThreadPoolBuilder::new().num_threads(threads as usize).build();
+                let pool = ThreadPoolBuilder::new().num_threads(threads as usize - 1).build();
                 Some(pool.context("cannot start threads")?)
             }
         };

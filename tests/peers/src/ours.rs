@@ -5,7 +5,7 @@ use crate::{
     peers::{Output, Peer},
     recording::Padded,
 };
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPoolBuilder;
 use trisap::{Aabb, Boxes, Capacity, Config, Executor, Index, Kernels, OwnedWorld, Rayon, Serial};
 
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
@@ -37,7 +37,7 @@ pub(crate) fn ours(
 struct Ours<I: Index> {
     world: OwnedWorld<I>,
     kernels: Kernels,
-    pool: Option<ThreadPool>,
+    executor: Box<dyn Executor>,
     events: bool,
     boxes: Vec<Aabb>,
     /// Of the last frame: all pairs, or with events the found and the lost ones.
@@ -63,13 +63,15 @@ impl<I: Index> Ours<I> {
             Ok::<_, trisap::Error>(world)
         };
         let world = build().map_err(|error| format!("trisap: {error}"))?;
-        let pool = (options.threads > 1).then(|| {
-            ThreadPoolBuilder::new()
-                .num_threads(options.threads as usize)
-                .build()
-                .expect("threads can be had")
-        });
-        Ok(Self { world, kernels: kernels(options)?, pool, events, boxes, told: Default::default() })
+        let executor: Box<dyn Executor> = match options.threads {
+            0 | 1 => Box::new(Serial),
+            threads => {
+                // The calling thread is one of them. A pool for the whole run: nobody waits for its end.
+                let pool = ThreadPoolBuilder::new().num_threads(threads as usize - 1).build();
+                Box::new(Rayon::in_pool(Box::leak(Box::new(pool.expect("threads can be had")))))
+            }
+        };
+        Ok(Self { world, kernels: kernels(options)?, executor, events, boxes, told: Default::default() })
     }
 }
 
@@ -79,17 +81,9 @@ impl<I: Index> Peer for Ours<I> {
     }
 
     fn frame(&mut self) {
-        let pooled;
-        let executor: &dyn Executor = match &self.pool {
-            Some(pool) => {
-                pooled = Rayon::in_pool(pool);
-                &pooled
-            }
-            None => &Serial,
-        };
         let mut world = self.world.world();
         // A step that fails leaves too few pairs, which the check tells.
-        _ = std::hint::black_box(world.step_over(Boxes::new(&self.boxes), self.kernels, executor)).is_ok();
+        _ = std::hint::black_box(world.step_over(Boxes::new(&self.boxes), self.kernels, &*self.executor)).is_ok();
     }
 
     fn output(&mut self) -> Output<'_> {
