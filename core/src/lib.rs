@@ -62,6 +62,7 @@ mod links;
 mod objects;
 mod paths;
 mod query;
+mod radix;
 mod resting;
 mod results;
 mod shift;

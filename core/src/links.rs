@@ -10,6 +10,7 @@
 use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::key::KeyBox;
+use crate::radix::{self, Sharing};
 use crate::sort::heapsort;
 use crate::storage::Parts;
 
@@ -94,61 +95,9 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, s
             None if spare.len() < 4 * order.len() => {
                 return heapsort(order, |a, b| precedes(boxes, axis, a, b));
             }
-            None => return presort(order, boxes, axis, spare),
+            None => return radix::sort(order, boxes, axis, spare, &mut [[0; 256]], Sharing::NONE),
         }
     }
-}
-
-/// Sorts slots by their minima with a radix sort, whatever order they are in. `spare` holds 4 words a slot.
-pub(crate) fn presort<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
-    let count = order.len();
-    let (from, to) = spare.split_at_mut_checked(2 * count).unwrap_or_default();
-    let to = to.span_mut(0, 2 * count);
-    let (mut from, _) = from.as_chunks_mut::<2>();
-    let (mut to, _) = to.as_chunks_mut::<2>();
-    for (entry, slot) in from.iter_mut().zip(&*order) {
-        // Flipping the sign makes the keys' order that of unsigned integers.
-        *entry = [boxes.at(slot.at()).min[axis % 3] as u32 ^ 1 << 31, slot.slot()];
-    }
-    // Equal keys keep the order of the entries, so this makes them ascend by slot.
-    if !from.is_sorted_by_key(|entry| entry[1]) {
-        for shift in [0, 8, 16, 24] {
-            (from, to) = distribute(from, to, 1, shift);
-        }
-    }
-    for shift in [0, 8, 16, 24] {
-        (from, to) = distribute(from, to, 0, shift);
-    }
-    for (slot, entry) in order.iter_mut().zip(&*from) {
-        *slot = I::from_slot(entry[1]);
-    }
-}
-
-/// One stable pass of the radix sort over a byte of word `word`. Returns the sorted entries and the other buffer.
-fn distribute<'s>(
-    from: &'s mut [[u32; 2]],
-    to: &'s mut [[u32; 2]],
-    word: usize,
-    shift: u32,
-) -> (&'s mut [[u32; 2]], &'s mut [[u32; 2]]) {
-    let byte = |entry: &[u32; 2]| (entry[word & 1] >> shift & 0xff) as usize;
-    let mut next = [0u32; 256];
-    for entry in &*from {
-        next[byte(entry)] += 1;
-    }
-    if next.contains(&(from.len() as u32)) {
-        return (from, to);
-    }
-    let mut start = 0;
-    for count in &mut next {
-        start += core::mem::replace(count, start);
-    }
-    for entry in &*from {
-        let at = &mut next[byte(entry)];
-        to.put(*at as usize, *entry);
-        *at += 1;
-    }
-    (to, from)
 }
 
 /// How many list entries have a minimum below `key`: a position query by plane. O(log n).
@@ -189,7 +138,7 @@ mod tests {
                 order.reverse();
             }
             let (mut repaired, mut in_place) = (order.clone(), order.clone());
-            presort(&mut order, &boxes, 1, &mut spare);
+            radix::sort(&mut order, &boxes, 1, &mut spare, &mut [[0; 256]], Sharing::NONE);
             repair(&mut repaired, &boxes, 1, &mut spare);
             repair(&mut in_place, &boxes, 1, &mut []);
             prop_assert_eq!(&order, &expected);

@@ -241,19 +241,19 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
     executor.enter(Stage::Build);
     let was_refined = assign::coarsen(parts);
     let rebalanced = if replant {
-        balance::plant(parts);
+        balance::plant(parts, means);
         0
     } else if was_refined {
         0
     } else {
-        balance::rebalance(parts)
+        balance::rebalance(parts, means)
     };
     executor.enter(Stage::Fill);
     let mut census = assign::count(parts, kernels, executor);
     if !replant && balance::is_out_of_balance(parts) {
         replant = true;
         executor.enter(Stage::Build);
-        balance::plant(parts);
+        balance::plant(parts, means);
         executor.enter(Stage::Fill);
         census = assign::count(parts, kernels, executor);
     }

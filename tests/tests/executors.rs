@@ -128,6 +128,30 @@ fn every() -> Vec<Jobs> {
     Jobs::ALL.into_iter().chain(Jobs::PERVERSE).chain(counts).collect()
 }
 
+/// Enough objects that several threads sort them and make parts of the tree.
+const FOREST: usize = 20_000;
+
+#[test]
+fn a_tree_is_the_same_whoever_makes_it() {
+    let config = Config::new(ample(FOREST, 8 * FOREST)).with_workers(WORKERS);
+    // Sorted by slot at first, then in the order of an axis, then parts by their leaves.
+    let mut drift = scenes::clustered(FOREST, 8);
+    drift.iter_mut().for_each(|aabb| aabb.min[2] -= 0.5);
+    let acts = [
+        Act::Insert(scenes::uniform(FOREST, 5)),
+        Act::Over(scenes::clustered(FOREST, 6)),
+        Act::Over(scenes::clustered(FOREST, 7)),
+        Act::Over(drift),
+        Act::Over(scenes::uniform(FOREST, 9)),
+    ];
+    let reference = play::<u32>(&config, &acts, Setup::REFERENCE.kernels, &Jobs::Serial);
+    let rebuilt = |frame: &&Frame| frame.result.as_ref().is_ok_and(|outcome| outcome.stats.rebalanced > 0);
+    assert!(reference.iter().filter(rebuilt).count() > 1, "the tree was made once");
+    for jobs in [Jobs::Never, Jobs::Threads(2), Jobs::Threads(5), Jobs::Reversed, Jobs::Late] {
+        compare(&play::<u32>(&config, &acts, Kernels::detect(), &jobs), &reference, &format!("{jobs:?}"));
+    }
+}
+
 /// Plays a script on every kernel under every executor; returns the reference.
 fn on_every_executor<I: Index>(config: Config, count: usize) -> Vec<Frame> {
     let config = config.with_workers(WORKERS);

@@ -6,6 +6,8 @@ use crate::id::Index;
 use crate::key::KeyBox;
 use crate::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
 use crate::links;
+use crate::paths::Means;
+use crate::radix::{self, Sharing};
 use crate::storage::Parts;
 use crate::tree::Record;
 
@@ -50,7 +52,7 @@ fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
 }
 
 /// Makes all planes anew from sorted lists of all living objects.
-pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
+pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     let live = parts.state.live as usize;
     let depth = depth_for(live, parts.sizes.depth);
     links::list_all(parts);
@@ -61,7 +63,7 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
     for leaf in &mut *parts.tree.leaves {
         leaf.settled = 0;
     }
-    make_planes(parts, live, 1, depth + FINER, 0);
+    make_planes(parts, live, 1, depth + FINER, 0, means);
     // Homes are numbers of leaves that are no more.
     parts.home.fill(I::NONE);
     parts.state.filled = 0;
@@ -69,26 +71,36 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>) {
 
 /// Sorts the first `count` slots of the lists and makes the planes of the nodes below `root` from them. The sort
 /// takes its room from the records from `first` on, as many as there are slots.
-fn make_planes<I: Index>(parts: &mut Parts<'_, I>, count: usize, root: usize, levels: u32, first: usize) {
+fn make_planes<I: Index>(
+    parts: &mut Parts<'_, I>,
+    count: usize,
+    root: usize,
+    levels: u32,
+    first: usize,
+    means: Means<'_>,
+) {
     let boxes: &[KeyBox] = parts.boxes.swept();
-    let spare = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
+    let room = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
         .unwrap_or_default();
     let [x, y, z] = &mut parts.order;
     let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
+    let (tallies, _) = parts.tree.tally.as_chunks_mut();
+    let sharing = Sharing { executor: means.executor, workers: means.workers };
     for (axis, list) in lists.iter_mut().enumerate() {
-        links::presort(list, boxes, axis, spare);
+        radix::sort(list, boxes, axis, room, tallies, sharing);
     }
     let (starts, sides) =
         parts.tree.tally.split_at_mut_checked(tally_row(parts.sizes.depth)).unwrap_or_default();
     let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
     sides.fill(0);
-    Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }.run(root, levels);
+    Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }
+        .share(root, levels, room, means);
     parts.state.stale_lists = 1;
 }
 
 /// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. The leaves must be those of the
 /// last full step; they have to be filled anew. Returns how many objects are concerned.
-pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
+pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> u32 {
     if parts.state.filled == 0 {
         return 0;
     }
@@ -111,7 +123,7 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
         if count <= budget && levels > 0 {
             budget -= count;
             done += count;
-            replant(parts, node, levels);
+            replant(parts, node, levels, means);
         }
         // The next leaf behind that part of the tree.
         index = ((node + 1) << levels) - leaves;
@@ -139,7 +151,7 @@ fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (u
 }
 
 /// Makes the planes below a node anew from the records of its leaves, which are lost.
-fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32) {
+fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, means: Means<'_>) {
     let first = (node << levels) - (1usize << parts.state.depth);
     let range = first..first + (1 << levels);
     let mut count = 0;
@@ -161,5 +173,5 @@ fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32) {
     let start = parts.tree.leaves.at(range.start).start as usize;
     let finer = (depth_for(parts.state.planted as usize, parts.sizes.depth) + FINER)
         .saturating_sub(parts.state.depth);
-    make_planes(parts, count, node, levels + finer, start);
+    make_planes(parts, count, node, levels + finer, start, means);
 }

@@ -6,14 +6,23 @@
 
 use super::{UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, bits};
+use crate::arch::claim::{Chunks, Claims};
+use crate::exec;
 use crate::id::Index;
 use crate::key::KeyBox;
 use crate::links;
+use crate::paths::Means;
 
 /// Objects whose boxes are looked at to choose an axis.
 const SAMPLE: usize = 512;
 /// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
 const CROSSING: usize = 2;
+
+/// Below this level parts of the tree are made at once.
+const SHARED_BELOW: u32 = 3;
+const PARTS: usize = 1 << SHARED_BELOW;
+/// The fewest objects for which that is worth it.
+const SHARED_FROM: usize = if cfg!(miri) { 0 } else { 1 << 14 };
 
 /// What a build works on.
 pub(crate) struct Build<'b, I> {
@@ -30,6 +39,43 @@ pub(crate) struct Build<'b, I> {
 }
 
 impl<I: Index> Build<'_, I> {
+    /// As [`run`](Self::run); parts of the tree at once, if there are enough objects and `room` for what each part needs.
+    pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], means: Means<'_>) {
+        let below = levels.saturating_sub(SHARED_BELOW);
+        let nodes = 1usize << below;
+        let [sides, starts] = [bits::words(self.boxes.len()), nodes + 1];
+        let few = self.lists[0].len() < SHARED_FROM;
+        if few || below == 0 || room.len() < PARTS * (sides + starts + nodes) {
+            return self.run(root, levels);
+        }
+        self.run(root, SHARED_BELOW);
+        let Build { boxes, lists: [mut x, mut y, mut z], planes, mut spare, starts: borders, .. } = self;
+        let mut room = room;
+        let mut builds = [const { None }; PARTS];
+        for (part, build) in builds.iter_mut().enumerate() {
+            let count = borders.at(part + 1) - borders.at(part);
+            let lists = [&mut x, &mut y, &mut z].map(|list| front(list, count as usize));
+            let planes = bytemuck::cast_slice_mut(front(&mut room, nodes));
+            let [starts, sides] = [starts, sides].map(|length| front(&mut room, length));
+            sides.fill(0);
+            *build =
+                Some(Build { boxes, lists, planes, sides, spare: front(&mut spare, count as usize), starts });
+        }
+        let claims = Claims::new(Chunks::new(&mut builds, 1));
+        exec::run(means.executor, means.workers, PARTS, &|| {
+            while let Some((_, builds)) = claims.claim() {
+                builds.iter_mut().flatten().for_each(|build| build.run(1, below));
+            }
+        });
+        for (part, build) in builds.iter().flatten().enumerate() {
+            for level in 0..below {
+                let first = ((root << SHARED_BELOW) + part) << level;
+                let made = build.planes.span(1 << level, 1 << level);
+                planes.span_mut(first, 1 << level).copy_in(made);
+            }
+        }
+    }
+
     /// Makes the planes of all nodes below `root`, down to `levels` levels.
     pub(crate) fn run(&mut self, root: usize, levels: u32) {
         let count = self.lists[0].len();
@@ -121,13 +167,12 @@ impl<I: Index> Build<'_, I> {
             let (mut left, mut right) = (0, 0);
             for index in 0..list.len() {
                 let slot = list.at(index);
-                if bits::test(self.sides, slot.at()) {
-                    self.spare.put(right, slot);
-                    right += 1;
-                } else {
-                    list.put(left, slot);
-                    left += 1;
-                }
+                let is_right = bits::test(self.sides, slot.at());
+                // Both, so that nothing waits for a guess of the branch predictor: half of the slots go either way.
+                list.put(left, slot);
+                self.spare.put(right, slot);
+                left += usize::from(!is_right);
+                right += usize::from(is_right);
             }
             list.span_mut(left, right).copy_in(self.spare.span(0, right));
         }
@@ -135,4 +180,9 @@ impl<I: Index> Build<'_, I> {
             bits::clear(self.sides, slot.at());
         }
     }
+}
+
+/// Takes the first `count` items off a slice.
+fn front<'s, T>(slice: &mut &'s mut [T], count: usize) -> &'s mut [T] {
+    slice.split_off_mut(..count).unwrap_or_default()
 }

@@ -5,7 +5,7 @@ use crate::source::Source;
 use crate::stopwatch::{StageTimes, Stopwatch};
 use anyhow::{Context, Result, anyhow};
 use std::time::{Duration, Instant};
-use trisap::{Boxes, Config, Error, Index, OwnedWorld, Pair, Rejected, Stats};
+use trisap::{Boxes, Config, Error, Executor, Index, Kernels, OwnedWorld, Pair, Rejected, Stats};
 
 /// A frame that was stepped.
 pub(crate) struct Frame<'a> {
@@ -61,7 +61,8 @@ pub(crate) fn drive(
     loop {
         visitor.start();
         let pass = if fits_u16(source.objects()) { pass::<u16> } else { pass::<u32> };
-        let Some(needed) = pass(source, &config, engine, visitor)? else {
+        let pass = |executor: &dyn Executor| pass(source, &config, engine.kernels, executor, visitor);
+        let Some(needed) = engine.with_executor(pass)? else {
             return Ok(config);
         };
         // A later frame may need a little more.
@@ -75,7 +76,8 @@ pub(crate) fn drive(
 fn pass<I: Index>(
     source: &mut Source,
     config: &Config,
-    engine: &Engine,
+    kernels: Kernels,
+    executor: &dyn Executor,
     visitor: &mut dyn Visitor,
 ) -> Result<Option<u64>> {
     let mut owned =
@@ -88,11 +90,9 @@ fn pass<I: Index>(
             world.insert_many(boxes, &mut ids).context("frame 0")?;
         }
         let start = Instant::now();
-        let (step, stages) = engine.with_executor(|executor| {
-            let stopwatch = Stopwatch::new(executor);
-            (world.step_over(boxes, engine.kernels, &stopwatch), stopwatch.times())
-        });
-        let time = start.elapsed();
+        let stopwatch = Stopwatch::new(executor);
+        let step = world.step_over(boxes, kernels, &stopwatch);
+        let (time, stages) = (start.elapsed(), stopwatch.times());
         let step = match step {
             Ok(step) => step,
             Err(Error::PairsFull { needed }) => return Ok(Some(needed)),

@@ -8,10 +8,12 @@ use crate::dump::Dump;
 use crate::figures::median;
 use crate::setup::{Engine, fits_u16};
 use crate::source::Source;
+use crate::stopwatch::StageTimes;
 use crate::summary::{Bytes, Check, Counts, Settings, Summary, Times, after_first};
 use crate::tally::Tally;
 use anyhow::{Context, Result};
 use std::io::stdout;
+use std::time::Duration;
 use trisap::{Capacity, Config, Margin, Mode, Stage, Stats, layout};
 
 /// The margin of the fat mode where none is given, as a share of the largest extent.
@@ -71,11 +73,22 @@ fn summary(source: &Source, config: &Config, engine: &Engine, tally: &Tally) -> 
             .iter()
             .filter(|stage| **stage != Stage::Done)
             .map(|stage| {
-                let times =
-                    after_first(&tally.stages).iter().map(|times| times[*stage as usize].as_secs_f64() * 1e3);
+                let times = after_first(&tally.stages)
+                    .iter()
+                    .map(|times| times[*stage as usize].all.as_secs_f64() * 1e3);
                 (format!("{stage:?}").to_lowercase(), median(&times.collect::<Vec<_>>()))
             })
             .collect(),
+        unshared_ms: (engine.threads > 1).then(|| {
+            let unshared =
+                |times: &StageTimes| times.iter().map(|time| time.all - time.shared).sum::<Duration>();
+            median(
+                &after_first(&tally.stages)
+                    .iter()
+                    .map(|times| unshared(times).as_secs_f64() * 1e3)
+                    .collect::<Vec<_>>(),
+            )
+        }),
         pairs: Counts::of(tally.stats.iter().map(|stats| stats.pairs)),
         found: counts(|stats| stats.found),
         lost: counts(|stats| stats.lost),

@@ -16,6 +16,8 @@ pub(crate) struct Summary {
     pub(crate) ns_per_object: f64,
     /// The median time of each stage.
     pub(crate) stages_ms: BTreeMap<String, f64>,
+    /// With several threads: the median time of what only one of them can do.
+    pub(crate) unshared_ms: Option<f64>,
     pub(crate) pairs: Counts,
     pub(crate) found: Option<Counts>,
     pub(crate) lost: Option<Counts>,
@@ -145,6 +147,9 @@ impl Summary {
         stages.sort_by(|a, b| b.1.total_cmp(a.1));
         let stages: Vec<_> = stages.iter().map(|(stage, time)| format!("{stage} {time:.3} ms")).collect();
         writeln!(out, "stages   medians: {}", stages.join(", "))?;
+        if let Some(unshared) = self.unshared_ms {
+            writeln!(out, "serial   median {unshared:.3} ms of a step are not shared")?;
+        }
         let an_object = self.pairs.median as f64 / f64::from(self.objects);
         writeln!(
             out,

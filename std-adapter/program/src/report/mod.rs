@@ -22,6 +22,7 @@ mod recordings;
 mod result;
 mod scaling;
 mod sizes;
+mod threads;
 mod ties;
 
 use crate::Outcome;
@@ -73,6 +74,7 @@ fn sections(lab: &Lab) -> Result<Vec<Section>> {
         paper::paper(&sizes),
         movers::movers(lab)?,
         parts::parts(lab)?,
+        threads::threads(lab)?,
         precision::precision(lab)?,
         ties::ties(&sizes),
         hard_cases::hard_cases(lab)?,

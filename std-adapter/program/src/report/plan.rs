@@ -10,6 +10,8 @@ pub(super) struct Plan {
     pub(super) assorted_sizes: Vec<u32>,
     /// The number of objects where it is not varied.
     pub(super) objects: u32,
+    /// Numbers of objects for two threads.
+    pub(super) shared_sizes: Vec<u32>,
     /// Margins in edges.
     pub(super) margins: Vec<f32>,
     /// Shares of movers.
@@ -35,6 +37,7 @@ impl Plan {
             sizes: (0..=10).map(|k| 1000 << k).collect(),
             assorted_sizes: (0..=8).map(|k| 1000 << k).collect(),
             objects: 32_000,
+            shared_sizes: vec![8000, 32_000, 128_000, 1_024_000],
             margins: vec![0.0, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5],
             movers: vec![
                 0.0, 0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1.0,
@@ -55,6 +58,7 @@ impl Plan {
             sizes: vec![1000, 4000, 16_000, 64_000],
             assorted_sizes: vec![1000, 4000, 16_000],
             objects: 8000,
+            shared_sizes: vec![8000, 32_000],
             margins: vec![0.0, 0.02, 0.1, 0.2, 0.5],
             movers: vec![0.0, 0.01, 0.03, 0.06, 0.1, 0.3, 1.0],
             distances: DISTANCES.to_vec(),
@@ -73,6 +77,7 @@ impl Plan {
             sizes: vec![200, 1500],
             assorted_sizes: vec![200, 1500],
             objects: 1500,
+            shared_sizes: vec![6000],
             margins: vec![0.0, 0.1, 0.5],
             movers: vec![0.0, 0.03, 1.0],
             distant_boxes: 300,

@@ -1,0 +1,177 @@
+//! What a second thread is worth, stage by stage, and what more of them would be.
+
+use super::clip::Clip;
+use super::lab::{Lab, exact};
+use super::result::{Section, Table, Value, Verdict, milliseconds};
+use crate::figures::median;
+use crate::setup::fits_u16;
+use crate::stopwatch::{StageTime, Stopwatch};
+use anyhow::{Context, Result};
+use std::time::{Duration, Instant};
+use trisap::scene::{Kind, Objects};
+use trisap::{Boxes, Capacity, Config, Executor, Index, OwnedWorld, Rayon, Serial, Stage};
+
+/// Numbers of cores for which the speed-up is reckoned.
+const CORES: [u32; 3] = [8, 16, 64];
+/// Steps that are measured at most.
+const MOST_STEPS: usize = 300;
+
+/// Shares every job with nobody: tells how much of a step could be shared.
+struct Unaided;
+
+impl Executor for Unaided {
+    fn workers(&self) -> u32 {
+        2
+    }
+
+    fn fork_join(&self, _width: u32, job: &(dyn Fn() + Sync)) {
+        job();
+    }
+}
+
+/// Medians of a stage, or of a whole step, in milliseconds.
+struct Medians {
+    name: String,
+    one: f64,
+    two: f64,
+    /// The share of one thread's time that more threads cannot take over.
+    serial: f64,
+}
+
+impl Medians {
+    fn speed_up(&self) -> f64 {
+        self.one / self.two
+    }
+}
+
+pub(super) fn threads(lab: &Lab) -> Result<Section> {
+    let mut section = Section {
+        id: "threads",
+        title: "A second thread",
+        text: vec![
+            "A step on one thread and on two of rayon's, frame by frame in turn; Brownian cubes. The serial share is what \
+             one thread spends outside the jobs that threads can share."
+                .into(),
+            "The second table reckons by Amdahl's law what more cores would give if memory kept pace; nobody has measured it."
+                .into(),
+        ],
+        ..Section::default()
+    };
+    let mut measured = Table {
+        id: "threads",
+        title: "Measured".into(),
+        columns: vec![
+            "boxes",
+            "events",
+            "stage",
+            "one thread (ms)",
+            "two threads (ms)",
+            "speed-up",
+            "serial share (%)",
+        ],
+        rows: Vec::new(),
+    };
+    let mut reckoned = Table {
+        id: "cores",
+        title: "Reckoned from the serial share of a step".into(),
+        columns: vec!["boxes", "events", "serial share (%)", "8 cores", "16 cores", "64 cores"],
+        rows: Vec::new(),
+    };
+    lab.expect(2 * lab.plan.shared_sizes.len());
+    for &count in &lab.plan.shared_sizes {
+        let setup = lab.setup(Kind::Brownian, Objects::Cubes, count);
+        let clip = Clip::synthetic(setup, 2, lab.plan.frames);
+        for events in [false, true] {
+            lab.next(format!("threads, {count} boxes"));
+            let play = if fits_u16(count) { play::<u16> } else { play::<u32> };
+            let config = if events { exact(&clip).with_events() } else { exact(&clip) };
+            let (stages, verdict) = play(&clip, config, lab.plan.budget)?;
+            section.verdict.add(verdict);
+            let events = if events { "yes" } else { "no" };
+            for stage in &stages {
+                measured.rows.push(vec![
+                    count.into(),
+                    events.into(),
+                    stage.name.as_str().into(),
+                    milliseconds(stage.one),
+                    milliseconds(stage.two),
+                    Value::Number(stage.speed_up(), 2),
+                    Value::Number(100.0 * stage.serial, 1),
+                ]);
+            }
+            if let Some(step) = stages.last() {
+                let mut row = vec![count.into(), events.into(), Value::Number(100.0 * step.serial, 1)];
+                let by_amdahl = |cores| 1.0 / (step.serial + (1.0 - step.serial) / f64::from(cores));
+                row.extend(CORES.map(|cores| Value::Number(by_amdahl(cores), 1)));
+                reckoned.rows.push(row);
+            }
+        }
+    }
+    section.tables = vec![measured, reckoned];
+    Ok(section)
+}
+
+/// Plays the clip forwards and backwards in three worlds, frame by frame in turn.
+fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<Medians>, Verdict)> {
+    // On the way back other pairs may be found than on the way there.
+    let capacity = Capacity { pairs: 2 * config.capacity.pairs, ..config.capacity };
+    let shared = Config { capacity, ..config }.with_workers(2);
+    // The calling thread is the second one.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().context("cannot start a thread")?;
+    let rayon = Rayon::in_pool(&pool);
+    let executors: [&dyn Executor; 3] = [&Serial, &Unaided, &rayon];
+    let mut owned = [
+        OwnedWorld::<I>::new(&shared.with_workers(1))?,
+        OwnedWorld::new(&shared)?,
+        OwnedWorld::new(&shared)?,
+    ];
+    for owned in &mut owned {
+        owned.world().insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
+    }
+    let kernels = trisap::detect();
+    let mut verdict = Verdict::default();
+    let mut times: [Vec<[StageTime; Stage::ALL.len()]>; 3] = Default::default();
+    let begun = Instant::now();
+    let last = clip.frames.len() - 1;
+    for step in 0..MOST_STEPS {
+        let at = step % (2 * last).max(1);
+        let boxes = &clip.frames[at.min(2 * last - at)];
+        let mut pairs = Vec::new();
+        for (turn, ((owned, executor), times)) in owned.iter_mut().zip(executors).zip(&mut times).enumerate()
+        {
+            let stopwatch = Stopwatch::new(executor);
+            let mut world = owned.world();
+            let found = world.step_over(Boxes::new(boxes), kernels, &stopwatch)?;
+            if step <= last {
+                // The whole order, since that is what has to be the same.
+                verdict.faults += u64::from(turn > 0 && found.pairs() != pairs);
+                pairs = found.pairs().to_vec();
+                continue;
+            }
+            times.push(stopwatch.times());
+        }
+        if step > 3 * last && begun.elapsed() > 3 * budget {
+            break;
+        }
+    }
+    Ok((medians(&times), verdict))
+}
+
+fn medians(times: &[Vec<[StageTime; Stage::ALL.len()]>; 3]) -> Vec<Medians> {
+    let of = |turn: usize, time: &dyn Fn(&[StageTime]) -> Duration| {
+        median(&times[turn].iter().map(|stages| time(stages).as_secs_f64() * 1e3).collect::<Vec<_>>())
+    };
+    let medians = |name: String, which: std::ops::Range<usize>| {
+        let all = |stages: &[StageTime]| stages[which.clone()].iter().map(|stage| stage.all).sum();
+        let serial =
+            |stages: &[StageTime]| stages[which.clone()].iter().map(|stage| stage.all - stage.shared).sum();
+        Medians { name, one: of(0, &all), two: of(2, &all), serial: of(1, &serial) / of(1, &all) }
+    };
+    let stages = Stage::ALL.iter().take(Stage::Done as usize);
+    let mut rows: Vec<_> = stages
+        .map(|stage| medians(format!("{stage:?}").to_lowercase(), *stage as usize..*stage as usize + 1))
+        .collect();
+    rows.push(medians("step".into(), 0..Stage::ALL.len()));
+    rows.retain(|row| row.one > 0.0);
+    rows
+}
