@@ -229,15 +229,19 @@ const SHARING: u32 = 10;
 
 const fn flags(config: &Config) -> u32 {
     let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
-    EVENTS * events as u32
-        | LEAN * lean as u32
-        | FILTERS * filters as u32
-        | MARGIN * margin.is_some() as u32
-        | FAT * matches!(mode, Mode::Fat) as u32
-        | FIXED_MARGINS * config.fixed_margins as u32
-        | movers_only.bits() << MOVERS_ONLY
-        | fine_leaves.bits() << FINE_LEAVES
-        | sharing.bits() << SHARING
+    flag(EVENTS, events)
+        | flag(LEAN, lean)
+        | flag(FILTERS, filters)
+        | flag(MARGIN, margin.is_some())
+        | flag(FAT, matches!(mode, Mode::Fat))
+        | flag(FIXED_MARGINS, config.fixed_margins)
+        | (movers_only.bits() << MOVERS_ONLY)
+        | (fine_leaves.bits() << FINE_LEAVES)
+        | (sharing.bits() << SHARING)
+}
+
+const fn flag(bit: u32, is_set: bool) -> u32 {
+    if is_set { bit } else { 0 }
 }
 
 impl Default for State {
