@@ -44,6 +44,16 @@
 /// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
 #define TRISAP_MODE_FAT 1
 
+/// As the counts of a step have it, so that equal calls choose equally on any machine: for `trisap_config::movers_only`,
+/// `fine_leaves` and `sharing`, none of which changes a pair.
+#define TRISAP_CHOICE_AUTOMATIC 0
+
+/// Not at all: for the same.
+#define TRISAP_CHOICE_NEVER 1
+
+/// Wherever it is possible: for the same.
+#define TRISAP_CHOICE_ALWAYS 2
+
 /// Nothing had moved: the pairs stayed.
 #define TRISAP_PATH_UNCHANGED 0
 
@@ -59,8 +69,36 @@
 /// As full, after new planes for the whole tree.
 #define TRISAP_PATH_REBUILT 4
 
+/// Unchanged: nothing had moved.
+#define TRISAP_REASON_NO_MOVERS 0
+
+/// Lists: there were too few objects for a tree.
+#define TRISAP_REASON_FEW_OBJECTS 1
+
+/// Movers: at most one object in 16 had moved.
+#define TRISAP_REASON_FEW_MOVERS 2
+
+/// Full: more had moved.
+#define TRISAP_REASON_MANY_MOVERS 3
+
+/// Movers or full: `trisap_config::movers_only` says so.
+#define TRISAP_REASON_FIXED 4
+
+/// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
+/// many pairs, or few objects, or a shift of the origin.
+#define TRISAP_REASON_NOTHING_KEPT 5
+
+/// Full or rebuilt: few had moved, but a leaf had no room for one of them.
+#define TRISAP_REASON_NO_ROOM 6
+
+/// Rebuilt: the planes were made for a much smaller or larger number of objects.
+#define TRISAP_REASON_OUTGROWN 7
+
+/// Rebuilt: the leaves had become too uneven.
+#define TRISAP_REASON_OUT_OF_BALANCE 8
+
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 2
+#define TRISAP_ABI_VERSION 3
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0
@@ -323,10 +361,23 @@ typedef struct trisap_config {
     float margin_min;
     /// Upper bound of the margin, a length. By default the largest float.
     float margin_max;
+    /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
+    /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
+    uint32_t fixed_margins;
+    /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
+    /// most one in 16 has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
+    /// also where nothing has moved.
+    uint32_t movers_only;
+    /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
+    /// in a row on. Always: from the first on.
+    uint32_t fine_leaves;
+    /// Whether steps are shared between workers: one of `TRISAP_CHOICE_...`. Automatic, the default: where there are 4,096
+    /// objects or more. Worlds that are swept box by box never are.
+    uint32_t sharing;
 } trisap_config;
 
-/// What a step did. All are counts, so equal calls give equal statistics on any machine. Made by
-/// `trisap_default_stats`.
+/// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
+/// Made by `trisap_default_stats`.
 typedef struct trisap_stats {
     /// The size of this struct in bytes.
     uint32_t struct_size;
@@ -343,8 +394,18 @@ typedef struct trisap_stats {
     /// Objects whose leaf got new planes.
     uint32_t rebalanced;
     /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
-    /// The boxes may have lost their shape before; shift the origin.
+    /// Boxes without any side count where the world has not even steps enough to tell them apart. The boxes may have lost
+    /// their shape before; shift the origin.
     uint32_t coarse_resolution;
+    /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
+    uint32_t reason;
+    /// 1 if the leaves are the small ones for steps with few movers.
+    uint32_t fine_leaves;
+    /// 1 if the work was offered to the workers of the job system.
+    uint32_t shared;
+    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than
+    /// its margin. Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
+    uint32_t outran;
     /// Boxes swept in leaves where they are not at home.
     uint64_t copies;
     /// Pairs of boxes that were tested on all axes.
@@ -868,11 +929,11 @@ TRISAP_NOEXCEPT;
 TRISAP_SIZE(trisap_status, 4);
 TRISAP_SIZE(trisap_aabb, 24);
 TRISAP_SIZE(trisap_pair, 8);
-TRISAP_SIZE(trisap_config, 52);
+TRISAP_SIZE(trisap_config, 68);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
-TRISAP_SIZE(trisap_stats, 88);
+TRISAP_SIZE(trisap_stats, 104);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);

@@ -34,10 +34,49 @@ pub enum Mode {
     Fat,
 }
 
+/// Whether steps do something: as their counts have it, or as the caller has it. Changes no pair, only the time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// By counts alone, so that equal calls choose equally on any machine.
+    #[default]
+    Automatic,
+    /// Not at all.
+    Never,
+    /// Wherever it is possible.
+    Always,
+}
+
+impl Choice {
+    /// The choice of a caller who has one.
+    pub(crate) const fn fixed(self) -> Option<bool> {
+        match self {
+            Self::Automatic => None,
+            Self::Never => Some(false),
+            Self::Always => Some(true),
+        }
+    }
+
+    /// What [`from_bits`](Self::from_bits) knows again.
+    pub(crate) const fn bits(self) -> u32 {
+        self as u32
+    }
+
+    /// `None` of bits of no choice. Looks at the lowest two.
+    pub(crate) const fn from_bits(bits: u32) -> Option<Self> {
+        match bits & 3 {
+            0 => Some(Self::Automatic),
+            1 => Some(Self::Never),
+            2 => Some(Self::Always),
+            _ => None,
+        }
+    }
+}
+
 /// How far a box may move before it counts as moved: its fat box is the box of its last move, grown by
 /// `clamp(per_extent * largest extent, min, max)` on every side (erratum E2).
 ///
-/// A margin pays where many objects rest or creep, and costs where all of them move.
+/// A margin pays where many objects rest or creep. An object that goes farther than its margin from one of its boxes to the
+/// next would gain nothing by it, and has none until it is slower; see [`Config::fixed_margins`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     /// Share of the object's largest extent.
@@ -89,10 +128,26 @@ pub struct Config {
     /// The most workers that a step may use at once (1 to 32); each has its own scratch memory, and more than
     /// one needs a buffer to merge their pairs.
     pub workers: u32,
+    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most
+    /// one in 16 has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
+    /// also where nothing has moved, so that the number of movers makes no difference. Up to 512 objects are all swept where
+    /// one has moved.
+    pub movers_only: Choice,
+    /// Whether the leaves become smaller, an eighth, in steps that test only the objects that have moved: such steps and
+    /// queries are faster then, but the next step that finds all pairs anew has to fill the leaves again. Automatic: from
+    /// the second of such steps in a row on. Always: from the first one on.
+    pub fine_leaves: Choice,
+    /// Whether steps are shared between the workers of the executor. Automatic: where there are 4,096 objects or more;
+    /// below, to hand out the work takes longer than to do it. Worlds that are swept box by box never are.
+    pub sharing: Choice,
+    /// Whether objects have their margin however they move. Otherwise an object that goes farther than its margin from one
+    /// of its boxes to the next has none until it is slower, since it would leave its fat box in every step; and one that
+    /// has become much smaller gets a smaller fat box.
+    pub fixed_margins: bool,
 }
 
 impl Config {
-    /// Exact pairs, no margin, no events, no filters, one worker.
+    /// Exact pairs, no margin, no events, no filters, one worker; all that can be chosen by counts is.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
         Self {
@@ -103,6 +158,10 @@ impl Config {
             filters: false,
             lean: false,
             workers: 1,
+            movers_only: Choice::Automatic,
+            fine_leaves: Choice::Automatic,
+            sharing: Choice::Automatic,
+            fixed_margins: false,
         }
     }
 
@@ -145,6 +204,34 @@ impl Config {
     #[must_use]
     pub const fn with_workers(mut self, workers: u32) -> Self {
         self.workers = workers;
+        self
+    }
+
+    /// The same with another choice about [`movers_only`](Self::movers_only).
+    #[must_use]
+    pub const fn with_movers_only(mut self, choice: Choice) -> Self {
+        self.movers_only = choice;
+        self
+    }
+
+    /// The same with another choice about [`fine_leaves`](Self::fine_leaves).
+    #[must_use]
+    pub const fn with_fine_leaves(mut self, choice: Choice) -> Self {
+        self.fine_leaves = choice;
+        self
+    }
+
+    /// The same with another choice about [`sharing`](Self::sharing).
+    #[must_use]
+    pub const fn with_sharing(mut self, choice: Choice) -> Self {
+        self.sharing = choice;
+        self
+    }
+
+    /// The same with margins that objects keep however they move: see [`fixed_margins`](Self::fixed_margins).
+    #[must_use]
+    pub const fn with_fixed_margins(mut self) -> Self {
+        self.fixed_margins = true;
         self
     }
 }

@@ -8,14 +8,13 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
-use crate::objects::Objects;
+use crate::objects::{Motions, Objects};
 use crate::storage::Parts;
 
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Intake {
-    /// Whether a box changed inside its fat box.
-    pub(crate) crept: bool,
+    pub(crate) told: Motions,
     /// Boxes that were refused.
     pub(crate) rejected: u32,
     /// The lowest slot among them.
@@ -30,13 +29,15 @@ pub(crate) fn ingest<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> Intake {
-    let mode = parts.mode();
+    let (mode, fixed_margins) = (parts.mode(), parts.state.has_fixed_margins());
     let resting = if parts.state.resting != 0 { &*parts.resting } else { &[] };
     if parts.sizes.is_small() {
         let slots = (parts.state.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
-        let objects = Objects { now, fat, margins, moved: parts.moved, changed: parts.changed, mode };
+        let (moved, changed) = (&mut *parts.moved, &mut *parts.changed);
+        let told = Motions::default();
+        let objects = Objects { now, fat, margins, moved, changed, mode, fixed_margins, told };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
@@ -56,14 +57,16 @@ pub(crate) fn ingest<I: Index>(
         while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let objects = Objects { now, fat, margins, moved, changed, mode };
+            let told = Motions::default();
+            let objects = Objects { now, fat, margins, moved, changed, mode, fixed_margins, told };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
         }
     });
     let mut sum = Intake::default();
     for intake in &found {
-        sum.crept |= intake.crept;
+        sum.told.crept |= intake.told.crept;
+        sum.told.outran += intake.told.outran;
         if sum.rejected == 0 {
             sum.first_rejected = intake.first_rejected;
         }
@@ -90,6 +93,7 @@ impl Phase for IngestBlock<'_, '_> {
         let slots = objects.now.len();
         if resting.is_empty() {
             take_in(simd, first, bounds, &mut objects, 0..slots, 0, &mut intake);
+            intake.told = objects.told;
             return intake;
         }
         for (word, &resting) in resting.iter().take(slots.div_ceil(32)).enumerate() {
@@ -98,6 +102,7 @@ impl Phase for IngestBlock<'_, '_> {
                 take_in(simd, first, bounds, &mut objects, slots, resting, &mut intake);
             }
         }
+        intake.told = objects.told;
         intake
     }
 }
@@ -121,7 +126,7 @@ fn take_in<S: Simd>(
         let slot = first + at;
         match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
             Some(keys) if simd.same(keys, simd.keys(&old)) => {}
-            Some(keys) => intake.crept |= objects.change(at, simd.bounds(keys)),
+            Some(keys) => objects.change(at, simd.bounds(keys)),
             None => {
                 if intake.rejected == 0 {
                     intake.first_rejected = slot as u32;

@@ -137,6 +137,18 @@ impl KeyBox {
         fat
     }
 
+    /// Whether this fat box is much larger than one that is anchored at the box inside would be: on some side it is
+    /// farther away than four margins and half of the box. It is never farther than two margins from a box of the size
+    /// that it was anchored at, and rounding at most doubles a margin.
+    pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
+        !on_all_axes(|k| {
+            let near = 4.0 * margin + 0.5 * length(inner.min[k], inner.max[k]);
+            // Not so of NaN, which is between infinities.
+            let far = |low, high| length(low, high) > near;
+            !(far(self.min[k], inner.min[k]) | far(inner.max[k], self.max[k]))
+        })
+    }
+
     /// The largest extent as a length, infinite where the box is unbounded.
     pub(crate) fn largest_extent(&self) -> f32 {
         let extent = |k: usize| length(self.min[k], self.max[k]);
@@ -148,6 +160,11 @@ impl KeyBox {
     #[inline(always)]
     pub(crate) fn is_narrow(&self) -> bool {
         !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
+    }
+
+    /// Whether the box has no side, and is not at the origin.
+    pub(crate) fn is_distant_point(&self) -> bool {
+        self.min == self.max && !on_all_axes(|k| value(self.min[k]).abs() <= 1e-20)
     }
 
     /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: a side, or, where a side

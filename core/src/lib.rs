@@ -77,7 +77,7 @@ mod view;
 mod world;
 
 pub use aabb::{Aabb, Boxes};
-pub use config::{Capacity, Config, Margin, Mode};
+pub use config::{Capacity, Choice, Config, Margin, Mode};
 pub use error::{Error, Rejected};
 pub use exec::{Executor, Serial, Stage};
 pub use filter::{Filter, Rule};
@@ -85,7 +85,7 @@ pub use id::{Id, Index, Pair};
 pub use kernels::Kernels;
 pub use layout::{Layout, layout};
 pub use query::{Cast, Hit, Region};
-pub use state::{Path, Stats};
+pub use state::{Path, Reason, Stats};
 pub use storage::InlineWorld;
 pub use validate::Invalid;
 pub use view::{LeafView, PlaneView};

@@ -12,6 +12,17 @@ pub(crate) struct Objects<'o> {
     pub(crate) moved: &'o mut [u32],
     pub(crate) changed: &'o mut [u32],
     pub(crate) mode: Mode,
+    pub(crate) fixed_margins: bool,
+    pub(crate) told: Motions,
+}
+
+/// What new boxes meant to objects with margins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Motions {
+    /// Whether a box changed inside its fat box, which then stays.
+    pub(crate) crept: bool,
+    /// Boxes that were farther from the last one than the margin.
+    pub(crate) outran: u32,
 }
 
 impl Objects<'_> {
@@ -29,38 +40,50 @@ impl Objects<'_> {
         self.note_change(at);
     }
 
-    /// A new box. Returns whether the object crept: its box changed inside the fat box, which then stays.
+    /// A new box.
     #[inline(always)]
-    pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) -> bool {
-        bounds != self.now.at(at) && self.change(at, bounds)
+    pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
+        if bounds != self.now.at(at) {
+            self.change(at, bounds);
+        }
     }
 
     /// A box that differs from the old one.
     #[inline(always)]
-    pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) -> bool {
-        self.now.put(at, bounds);
-        if !self.has_margins() {
-            self.note_change(at);
-            bits::set(self.moved, at);
-            return false;
+    pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) {
+        if self.has_margins() {
+            return self.follow(at, bounds);
         }
+        self.now.put(at, bounds);
+        self.note_change(at);
+        bits::set(self.moved, at);
+    }
+
+    /// The same, with the fat box around it.
+    #[inline(always)]
+    fn follow(&mut self, at: usize, bounds: KeyBox) {
+        let old = self.now.at(at);
+        self.now.put(at, bounds);
         if self.mode == Mode::Exact {
             self.note_change(at);
         }
-        let anchor = self.fat.at(at);
-        if anchor.contains(&bounds) {
-            return true;
+        let (fat, margin) = (self.fat.at(at), self.margins.at(at));
+        if fat.contains(&bounds) && (self.fixed_margins || !fat.dwarfs(&bounds, margin)) {
+            self.told.crept = true;
+            return;
         }
-        self.anchor(at, bounds);
-        false
+        // The last box says how fast the object is: a margin around it would not have held this one either.
+        let outran = !self.fixed_margins && !old.grown(margin).contains(&bounds);
+        self.told.outran += u32::from(outran);
+        self.anchor(at, bounds, if outran { 0.0 } else { margin });
     }
 
     /// Anchors the fat box at the current box anew, as after a move.
-    pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
+    pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox, margin: f32) {
         if self.mode == Mode::Fat {
             self.note_change(at);
         }
-        self.fat.put(at, bounds.grown(self.margins.at(at)));
+        self.fat.put(at, bounds.grown(margin));
         bits::set(self.moved, at);
     }
 

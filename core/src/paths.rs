@@ -3,6 +3,7 @@
 //! All give the same set. Which one is cheapest follows from counts alone, so equal calls choose equally.
 
 use crate::access::Access;
+use crate::config::Choice;
 use crate::exec::{Executor, Stage};
 use crate::filter::{Gate, Rule};
 use crate::id::Index;
@@ -11,7 +12,7 @@ use crate::key::{KeyBox, length};
 use crate::layout::{FINER, LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
 use crate::resting;
-use crate::state::{Path, Progress, State};
+use crate::state::{Path, Progress, Reason, Route, State};
 use crate::storage::Parts;
 use crate::sweep::Collector;
 use crate::sweep::leaves::{Grove, SweepLeaves};
@@ -51,20 +52,36 @@ impl Means<'_> {
     }
 }
 
-/// The path for a number of objects that have moved.
-pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
+/// The path for a number of objects that have moved, and why.
+pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
     let known = state.complete != 0;
-    if known && moved == 0 {
-        Path::Unchanged
+    let fixed = state.movers_only().fixed();
+    if known && moved == 0 && fixed != Some(false) {
+        Route::UNCHANGED
     } else if parts.sizes.is_small() || state.live as usize <= ONE_LEAF {
-        Path::Lists
-    } else if known && state.filled != 0 && moved <= state.live / MOVERS_SHARE {
-        Path::Movers
-    } else if balance::needs_planes(parts) {
-        Path::Rebuilt
+        Route { path: Path::Lists, reason: Reason::FewObjects }
+    } else if !known || state.filled == 0 {
+        anew(parts, Reason::NothingKept)
     } else {
-        Path::Full
+        let few = moved <= state.live / MOVERS_SHARE;
+        match (fixed, fixed.unwrap_or(few)) {
+            (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
+            (None, false) => anew(parts, Reason::ManyMovers),
+            (Some(_), true) => Route { path: Path::Movers, reason: Reason::Fixed },
+            (Some(_), false) => anew(parts, Reason::Fixed),
+        }
+    }
+}
+
+/// The path that finds all pairs anew, for a reason if there is none for new planes.
+fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
+    if !balance::needs_planes(parts) {
+        Route { path: Path::Full, reason }
+    } else if parts.state.planted == 0 {
+        Route { path: Path::Rebuilt, reason: Reason::NothingKept }
+    } else {
+        Route { path: Path::Rebuilt, reason: Reason::Outgrown }
     }
 }
 
@@ -75,24 +92,28 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    if parts.state.calm == CALM {
+    let due = match parts.state.fine_leaves() {
+        Choice::Automatic => CALM,
+        Choice::Always => 1,
+        Choice::Never => return,
+    };
+    if parts.state.calm == due {
         means.executor.enter(Stage::Fill);
         assign::refine(parts, means.kernels, means.executor);
     }
 }
 
 /// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
-pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) -> (Path, Progress) {
-    match path {
-        Path::Unchanged => (path, unchanged(parts)),
-        _ if parts.sizes.is_small() => (path, small(parts, means)),
-        Path::Lists => (path, lists(parts, means)),
+pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Means<'_>) -> (Route, Progress) {
+    match route.path {
+        Path::Unchanged => (route, unchanged(parts)),
+        _ if parts.sizes.is_small() => (route, small(parts, means)),
+        Path::Lists => (route, lists(parts, means)),
         Path::Movers => match movers(parts, means) {
-            Some(progress) => (path, progress),
-            None => full(parts, balance::needs_planes(parts), means),
+            Some(progress) => (route, progress),
+            None => full(parts, anew(parts, Reason::NoRoom), means),
         },
-        Path::Full => full(parts, false, means),
-        Path::Rebuilt => full(parts, true, means),
+        Path::Full | Path::Rebuilt => full(parts, route, means),
     }
 }
 
@@ -132,7 +153,7 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
     let side = |k: u32| length(census.extent.low[k as usize % 3], census.extent.high[k as usize % 3]);
     let (a, b) = ((state.list_axis + 1) % 3, (state.list_axis + 2) % 3);
     state.strip_axis = if side(b) > side(a) { b } else { a };
-    Some(census.coarse)
+    Some(census.is_coarse(state.live))
 }
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.
@@ -152,7 +173,8 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
         means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
     });
-    Progress { pairs, work, leaves: 1, coarse: Some(census.coarse), ..Progress::default() }
+    let coarse = Some(census.is_coarse(parts.state.live));
+    Progress { pairs, work, leaves: 1, coarse, ..Progress::default() }
 }
 
 /// Makes the lists hold the living objects, where they do not.
@@ -235,8 +257,9 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
 }
 
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
-fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>) -> (Path, Progress) {
+fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) -> (Route, Progress) {
     let Means { kernels, executor, .. } = means;
+    let mut replant = route.path == Path::Rebuilt;
     resting::start_over(parts);
     executor.enter(Stage::Build);
     let was_refined = assign::coarsen(parts);
@@ -252,6 +275,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
     let mut census = assign::count(parts, kernels, executor);
     if !replant && balance::is_out_of_balance(parts) {
         replant = true;
+        route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
         executor.enter(Stage::Build);
         balance::plant(parts, means);
         executor.enter(Stage::Fill);
@@ -273,6 +297,6 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
         kernels.run(SweepLeaves { grove: &grove, leaves, scratch, sink });
     });
     let rebalanced = if replant { parts.state.live } else { rebalanced };
-    let path = if replant { Path::Rebuilt } else { Path::Full };
-    (path, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse: Some(census.coarse) })
+    let coarse = Some(census.is_coarse(parts.state.live));
+    (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
 }

@@ -1,6 +1,7 @@
 //! The few numbers of a world that are not arrays, and the statistics of a step.
 
-use crate::config::{Capacity, Config, Margin, Mode};
+use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::objects::Motions;
 use crate::sweep::scratch::Work;
 use crate::tree::cells::Extent;
 use bytemuck::{Pod, Zeroable};
@@ -25,7 +26,58 @@ impl Path {
     const ALL: [Self; 5] = [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt];
 }
 
-/// What a step did. All are counts, so equal calls give equal statistics on any machine.
+/// Why a step took its [`Path`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Reason {
+    /// Unchanged: nothing has moved.
+    #[default]
+    NoMovers,
+    /// Lists: there are too few objects for a tree.
+    FewObjects,
+    /// Movers: at most one object in 16 has moved.
+    FewMovers,
+    /// Full: more have moved.
+    ManyMovers,
+    /// Movers or full: the configuration says so; see [`Config::movers_only`].
+    Fixed,
+    /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
+    /// too many pairs, or few objects, or a shift of the origin.
+    NothingKept,
+    /// Full or rebuilt: few have moved, but a leaf has no room for one of them.
+    NoRoom,
+    /// Rebuilt: the planes were made for a much smaller or larger number of objects.
+    Outgrown,
+    /// Rebuilt: the leaves have become too uneven.
+    OutOfBalance,
+}
+
+impl Reason {
+    const ALL: [Self; 9] = [
+        Self::NoMovers,
+        Self::FewObjects,
+        Self::FewMovers,
+        Self::ManyMovers,
+        Self::Fixed,
+        Self::NothingKept,
+        Self::NoRoom,
+        Self::Outgrown,
+        Self::OutOfBalance,
+    ];
+}
+
+/// A path, and why it was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Route {
+    pub(crate) path: Path,
+    pub(crate) reason: Reason,
+}
+
+impl Route {
+    pub(crate) const UNCHANGED: Self = Self { path: Path::Unchanged, reason: Reason::NoMovers };
+}
+
+/// What a step did, and what it chose. All are counts or follow from counts, so equal calls give equal statistics on any
+/// machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Stats {
     /// Living objects.
@@ -35,6 +87,15 @@ pub struct Stats {
     pub moved: u32,
     /// How the pairs were found.
     pub path: Path,
+    /// Why that way.
+    pub reason: Reason,
+    /// Whether the leaves are the small ones for steps with few movers: see [`Config::fine_leaves`].
+    pub fine_leaves: bool,
+    /// Whether the work was offered to the workers of the executor: see [`Config::sharing`].
+    pub shared: bool,
+    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than its
+    /// margin. Such an object has no margin until it is slower: see [`Config::fixed_margins`].
+    pub outran: u32,
     /// Leaves of the tree; 1 where the world is swept from a list.
     pub leaves: u32,
     /// Boxes swept in leaves where they are not at home.
@@ -57,9 +118,9 @@ pub struct Stats {
     /// Objects whose leaf got new planes.
     pub rebalanced: u32,
     /// Whether `f32` is too coarse for some box where it stands: a side of it is below four steps of its
-    /// coordinate. The pairs are those of the boxes as given, but the boxes may have lost their shape before; shift
-    /// the origin. Looked for in steps that fill all leaves;
-    /// in worlds swept box by box, in every eighth step and where objects are new.
+    /// coordinate. Boxes without any side count where the world has not even steps enough to tell them apart. The pairs are
+    /// those of the boxes as given, but the boxes may have lost their shape before; shift the origin. Looked for in steps that
+    /// fill all leaves; in worlds swept box by box, in every eighth step and where objects are new.
     pub coarse_resolution: bool,
 }
 
@@ -73,10 +134,8 @@ pub(crate) struct State {
     objects: u32,
     leaf_refs: u32,
     pairs_capacity: u32,
-    mode: u32,
-    has_margin: u32,
     margin: [f32; 3],
-    /// Whether there are events, whether the world is lean, and whether there are filters.
+    /// All that is a choice between two or three: see the constants.
     flags: u32,
     workers: u32,
 
@@ -139,10 +198,14 @@ pub(crate) struct State {
     pub(crate) calm: u32,
     /// Whether a tight box has changed inside its fat box since the last complete step.
     pub(crate) crept: u32,
+    /// Boxes since the last complete step that outran their object's margin.
+    pub(crate) outran: u32,
 
     // Statistics of the last step that are nowhere else.
     moved: u32,
-    path: u32,
+    last_outran: u32,
+    /// The path, eight bits above it the reason, and eight bits above that whether the step was shared.
+    chosen: u32,
     leaves: u32,
     rebalanced: u32,
     coarse: u32,
@@ -151,7 +214,35 @@ pub(crate) struct State {
     tied: u64,
 }
 
-const MAGIC: u32 = 0x7452_0001;
+const MAGIC: u32 = 0x7452_0002;
+
+// The bits of `State::flags`; a choice takes two.
+const EVENTS: u32 = 1;
+const LEAN: u32 = 1 << 1;
+const FILTERS: u32 = 1 << 2;
+const MARGIN: u32 = 1 << 3;
+const FAT: u32 = 1 << 4;
+const FIXED_MARGINS: u32 = 1 << 5;
+const MOVERS_ONLY: u32 = 6;
+const FINE_LEAVES: u32 = 8;
+const SHARING: u32 = 10;
+
+const fn flags(config: &Config) -> u32 {
+    let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
+    flag(EVENTS, events)
+        | flag(LEAN, lean)
+        | flag(FILTERS, filters)
+        | flag(MARGIN, margin.is_some())
+        | flag(FAT, matches!(mode, Mode::Fat))
+        | flag(FIXED_MARGINS, config.fixed_margins)
+        | (movers_only.bits() << MOVERS_ONLY)
+        | (fine_leaves.bits() << FINE_LEAVES)
+        | (sharing.bits() << SHARING)
+}
+
+const fn flag(bit: u32, is_set: bool) -> u32 {
+    if is_set { bit } else { 0 }
+}
 
 impl Default for State {
     fn default() -> Self {
@@ -168,10 +259,8 @@ impl State {
             objects: config.capacity.objects,
             leaf_refs: config.capacity.leaf_refs,
             pairs_capacity: config.capacity.pairs,
-            mode: (config.mode == Mode::Fat) as u32,
-            has_margin: config.margin.is_some() as u32,
             margin: [margin.per_extent, margin.min, margin.max],
-            flags: config.events as u32 | (config.lean as u32) << 1 | (config.filters as u32) << 2,
+            flags: flags(config),
             workers: config.workers,
             complete: 1,
             ..Self::zeroed()
@@ -180,8 +269,10 @@ impl State {
 
     /// The configuration of a slab that holds a world of this index width.
     pub(crate) fn config(&self, index_bytes: usize) -> Option<Config> {
-        let known = self.magic == MAGIC && self.index_bytes == index_bytes as u32;
-        known.then_some(Config {
+        if self.magic != MAGIC || self.index_bytes != index_bytes as u32 {
+            return None;
+        }
+        Some(Config {
             capacity: Capacity {
                 objects: self.objects,
                 leaf_refs: self.leaf_refs,
@@ -189,23 +280,40 @@ impl State {
             },
             mode: self.mode(),
             margin: self.margin(),
-            events: self.flags & 1 != 0,
-            lean: self.flags & 2 != 0,
-            filters: self.flags & 4 != 0,
+            events: self.flags & EVENTS != 0,
+            lean: self.flags & LEAN != 0,
+            filters: self.flags & FILTERS != 0,
             workers: self.workers,
+            movers_only: Choice::from_bits(self.flags >> MOVERS_ONLY)?,
+            fine_leaves: Choice::from_bits(self.flags >> FINE_LEAVES)?,
+            sharing: Choice::from_bits(self.flags >> SHARING)?,
+            fixed_margins: self.has_fixed_margins(),
         })
+    }
+
+    // Of no choice, which no world has, the automatic one.
+
+    pub(crate) fn movers_only(&self) -> Choice {
+        Choice::from_bits(self.flags >> MOVERS_ONLY).unwrap_or_default()
+    }
+
+    pub(crate) fn fine_leaves(&self) -> Choice {
+        Choice::from_bits(self.flags >> FINE_LEAVES).unwrap_or_default()
+    }
+
+    pub(crate) fn sharing(&self) -> Choice {
+        Choice::from_bits(self.flags >> SHARING).unwrap_or_default()
+    }
+
+    pub(crate) fn has_fixed_margins(&self) -> bool {
+        self.flags & FIXED_MARGINS != 0
     }
 
     /// Whether this is the state of a world of the same configuration, but for the workers.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let key = |state: &Self| {
-            let Self {
-                magic, index_bytes, objects, leaf_refs, pairs_capacity, mode, has_margin, flags, ..
-            } = *state;
-            (
-                [magic, index_bytes, objects, leaf_refs, pairs_capacity, mode, has_margin, flags],
-                state.margin.map(f32::to_bits),
-            )
+            let Self { magic, index_bytes, objects, leaf_refs, pairs_capacity, flags, .. } = *state;
+            ([magic, index_bytes, objects, leaf_refs, pairs_capacity, flags], state.margin.map(f32::to_bits))
         };
         key(self) == key(other)
     }
@@ -221,13 +329,19 @@ impl State {
     }
 
     pub(crate) fn mode(&self) -> Mode {
-        if self.mode == 0 { Mode::Exact } else { Mode::Fat }
+        if self.flags & FAT == 0 { Mode::Exact } else { Mode::Fat }
     }
 
     /// The margin of new objects.
     pub(crate) fn margin(&self) -> Option<Margin> {
         let [per_extent, min, max] = self.margin;
-        (self.has_margin != 0).then_some(Margin { per_extent, min, max })
+        (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
+    }
+
+    /// Notes what boxes that came have meant to their objects.
+    pub(crate) fn note(&mut self, told: Motions) {
+        self.crept |= u32::from(told.crept);
+        self.outran = self.outran.saturating_add(told.outran);
     }
 
     pub(crate) fn extent(&self) -> Extent {
@@ -242,7 +356,11 @@ impl State {
         Stats {
             objects: self.live,
             moved: self.moved,
-            path: Path::ALL.get(self.path as usize).copied().unwrap_or_default(),
+            path: Path::ALL.get((self.chosen & 0xff) as usize).copied().unwrap_or_default(),
+            reason: Reason::ALL.get((self.chosen >> 8 & 0xff) as usize).copied().unwrap_or_default(),
+            fine_leaves: self.refined != 0 && self.leaves > 1,
+            shared: self.chosen >> 16 != 0,
+            outran: self.last_outran,
             leaves: self.leaves,
             copies: self.copies,
             candidates: self.candidates,
@@ -257,9 +375,10 @@ impl State {
         }
     }
 
-    pub(crate) fn record(&mut self, moved: u32, path: Path, progress: &Progress) {
+    pub(crate) fn record(&mut self, moved: u32, route: Route, shared: bool, progress: &Progress) {
         self.moved = moved;
-        self.path = path as u32;
+        self.last_outran = self.outran;
+        self.chosen = route.path as u32 | (route.reason as u32) << 8 | u32::from(shared) << 16;
         self.leaves = progress.leaves;
         self.rebalanced = progress.rebalanced;
         if let Some(coarse) = progress.coarse {

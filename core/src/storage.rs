@@ -7,7 +7,7 @@ use crate::filter::Filter;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
-use crate::objects::Objects;
+use crate::objects::{Motions, Objects};
 use crate::state::State;
 use crate::sweep::scratch;
 use crate::sweep::small::{Member, strip_slots};
@@ -251,6 +251,8 @@ impl<'m, I: Index> Parts<'m, I> {
             moved: self.moved,
             changed: self.changed,
             mode: self.state.mode(),
+            fixed_margins: self.state.has_fixed_margins(),
+            told: Motions::default(),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::links;
 use crate::objects::margin_length;
 use crate::paths::{self, Means};
 use crate::results;
-use crate::state::{Path, Stats};
+use crate::state::{Path, Route, Stats};
 use crate::storage::Parts;
 
 /// Boxes, and which of them overlap.
@@ -25,8 +25,8 @@ pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
 }
 
-/// From this many objects on a step is shared between workers: below, to hand out the work takes longer than to do it.
-/// Miri is too slow for that many.
+/// From this many objects on a step is shared between workers, where nobody has chosen: below, to hand out the work takes
+/// longer than to do it. Miri is too slow for that many.
 const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 
 /// A step.
@@ -34,19 +34,20 @@ impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
         let alone = Alone(means.executor);
+        let shared = parts.state.sharing().fixed().unwrap_or(parts.state.live >= SHARED_FROM);
         // A small world shares nothing anyway.
-        let shared = means.is_small() || parts.state.live >= SHARED_FROM;
-        let means = if shared { means } else { Means { executor: &alone, ..means } };
+        let shared = shared && !means.is_small();
+        let means = if shared || means.is_small() { means } else { Means { executor: &alone, ..means } };
         let rejected = Self::take_in(parts, bounds, means);
         let moved = bits::count(parts.moved);
 
-        let path = paths::choose(parts, moved);
-        paths::refine_when_calm(parts, path, means);
-        if path == Path::Unchanged && parts.state.crept == 0 {
-            Self::keep(parts);
+        let route = paths::choose(parts, moved);
+        paths::refine_when_calm(parts, route.path, means);
+        if route.path == Path::Unchanged && parts.state.crept == 0 {
+            Self::keep(parts, shared);
         } else {
-            let (path, progress) = paths::find(parts, path, means);
-            parts.state.record(moved, path, &progress);
+            let (route, progress) = paths::find(parts, route, means);
+            parts.state.record(moved, route, shared, &progress);
             means.executor.enter(Stage::Results);
             Self::conclude(parts, progress.pairs, means)?;
         }
@@ -60,7 +61,7 @@ impl<I: Index> World<'_, I> {
         parts.state.touched = 1;
         means.executor.enter(Stage::Intake);
         let intake = ingest(parts, &bounds, means.kernels, means.executor);
-        parts.state.crept |= u32::from(intake.crept);
+        parts.state.note(intake.told);
         if intake.rejected == 0 {
             return None;
         }
@@ -70,9 +71,10 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Nothing has changed: the result stays as it is, with nothing found or lost.
-    fn keep(parts: &mut Parts<'_, I>) {
+    fn keep(parts: &mut Parts<'_, I>, shared: bool) {
         let leaves = parts.state.stats().leaves;
-        parts.state.record(0, Path::Unchanged, &crate::state::Progress { leaves, ..Default::default() });
+        let progress = crate::state::Progress { leaves, ..Default::default() };
+        parts.state.record(0, Route::UNCHANGED, shared, &progress);
         parts.state.found = 0;
         parts.state.lost = 0;
         parts.state.touched = 0;
@@ -91,6 +93,7 @@ impl<I: Index> World<'_, I> {
         results::remember(parts, means);
         parts.moved.fill(0);
         parts.state.crept = 0;
+        parts.state.outran = 0;
         parts.filters.changed.fill(0);
         parts.state.entered = 0;
         parts.state.touched = 0;
@@ -193,7 +196,7 @@ impl<I: Index> World<'_, I> {
         if let Some(margin) = self.parts.boxes.margins.get_mut(slot) {
             *margin = length;
             let bounds = self.parts.boxes.now.at(slot);
-            self.parts.objects().anchor(slot, bounds);
+            self.parts.objects().anchor(slot, bounds, length);
             self.parts.state.touched = 1;
         }
         Ok(())
@@ -314,8 +317,10 @@ impl<I: Index> World<'_, I> {
     fn accept(&mut self, slot: usize, bounds: KeyBox) {
         self.parts.state.touched = 1;
         bits::clear(self.parts.resting, slot);
-        let crept = self.parts.objects().accept(slot, bounds);
-        self.parts.state.crept |= u32::from(crept);
+        let mut objects = self.parts.objects();
+        objects.accept(slot, bounds);
+        let told = objects.told;
+        self.parts.state.note(told);
     }
 
     fn leave(&mut self, slot: usize) {

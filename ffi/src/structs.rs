@@ -3,7 +3,7 @@
 use crate::query::point;
 use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
-use trisap_core::{Aabb, Capacity, Config, Margin, Mode};
+use trisap_core::{Aabb, Capacity, Choice, Config, Margin, Mode};
 
 /// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
@@ -87,6 +87,31 @@ pub const TRISAP_MODE_EXACT: u32 = 0;
 /// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
 pub const TRISAP_MODE_FAT: u32 = 1;
 
+/// As the counts of a step have it, so that equal calls choose equally on any machine: for `trisap_config::movers_only`,
+/// `fine_leaves` and `sharing`, none of which changes a pair.
+pub const TRISAP_CHOICE_AUTOMATIC: u32 = 0;
+/// Not at all: for the same.
+pub const TRISAP_CHOICE_NEVER: u32 = 1;
+/// Wherever it is possible: for the same.
+pub const TRISAP_CHOICE_ALWAYS: u32 = 2;
+
+fn choice(value: u32) -> Result<Choice, trisap_status> {
+    match value {
+        TRISAP_CHOICE_AUTOMATIC => Ok(Choice::Automatic),
+        TRISAP_CHOICE_NEVER => Ok(Choice::Never),
+        TRISAP_CHOICE_ALWAYS => Ok(Choice::Always),
+        _ => Err(trisap_status::InvalidArgument),
+    }
+}
+
+const fn choice_value(choice: Choice) -> u32 {
+    match choice {
+        Choice::Automatic => TRISAP_CHOICE_AUTOMATIC,
+        Choice::Never => TRISAP_CHOICE_NEVER,
+        Choice::Always => TRISAP_CHOICE_ALWAYS,
+    }
+}
+
 /// What a world is made for. Filled by `trisap_default_config`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -121,6 +146,19 @@ pub struct trisap_config {
     pub margin_min: f32,
     /// Upper bound of the margin, a length. By default the largest float.
     pub margin_max: f32,
+    /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
+    /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
+    pub fixed_margins: u32,
+    /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
+    /// most one in 16 has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
+    /// also where nothing has moved.
+    pub movers_only: u32,
+    /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
+    /// in a row on. Always: from the first on.
+    pub fine_leaves: u32,
+    /// Whether steps are shared between workers: one of `TRISAP_CHOICE_...`. Automatic, the default: where there are 4,096
+    /// objects or more. Worlds that are swept box by box never are.
+    pub sharing: u32,
 }
 
 impl trisap_config {
@@ -144,6 +182,10 @@ impl trisap_config {
             filters: flag(self.filters)?,
             lean: flag(self.lean)?,
             workers: self.workers,
+            movers_only: choice(self.movers_only)?,
+            fine_leaves: choice(self.fine_leaves)?,
+            sharing: choice(self.sharing)?,
+            fixed_margins: flag(self.fixed_margins)?,
             ..Config::new(Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs })
         })
     }
@@ -167,6 +209,10 @@ impl trisap_config {
             margin_per_extent: margin.per_extent,
             margin_min: margin.min,
             margin_max: margin.max,
+            fixed_margins: u32::from(config.fixed_margins),
+            movers_only: choice_value(config.movers_only),
+            fine_leaves: choice_value(config.fine_leaves),
+            sharing: choice_value(config.sharing),
         }
     }
 }
@@ -322,8 +368,28 @@ pub const TRISAP_PATH_FULL: u32 = 3;
 /// As full, after new planes for the whole tree.
 pub const TRISAP_PATH_REBUILT: u32 = 4;
 
-/// What a step did. All are counts, so equal calls give equal statistics on any machine. Made by
-/// `trisap_default_stats`.
+/// Unchanged: nothing had moved.
+pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
+/// Lists: there were too few objects for a tree.
+pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
+/// Movers: at most one object in 16 had moved.
+pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
+/// Full: more had moved.
+pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;
+/// Movers or full: `trisap_config::movers_only` says so.
+pub const TRISAP_REASON_FIXED: u32 = 4;
+/// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
+/// many pairs, or few objects, or a shift of the origin.
+pub const TRISAP_REASON_NOTHING_KEPT: u32 = 5;
+/// Full or rebuilt: few had moved, but a leaf had no room for one of them.
+pub const TRISAP_REASON_NO_ROOM: u32 = 6;
+/// Rebuilt: the planes were made for a much smaller or larger number of objects.
+pub const TRISAP_REASON_OUTGROWN: u32 = 7;
+/// Rebuilt: the leaves had become too uneven.
+pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
+
+/// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
+/// Made by `trisap_default_stats`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_stats {
@@ -342,8 +408,18 @@ pub struct trisap_stats {
     /// Objects whose leaf got new planes.
     pub rebalanced: u32,
     /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
-    /// The boxes may have lost their shape before; shift the origin.
+    /// Boxes without any side count where the world has not even steps enough to tell them apart. The boxes may have lost
+    /// their shape before; shift the origin.
     pub coarse_resolution: u32,
+    /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
+    pub reason: u32,
+    /// 1 if the leaves are the small ones for steps with few movers.
+    pub fine_leaves: u32,
+    /// 1 if the work was offered to the workers of the job system.
+    pub shared: u32,
+    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than
+    /// its margin. Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
+    pub outran: u32,
     /// Boxes swept in leaves where they are not at home.
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
@@ -373,6 +449,10 @@ pub extern "C" fn trisap_default_stats() -> trisap_stats {
         large: 0,
         rebalanced: 0,
         coarse_resolution: 0,
+        reason: TRISAP_REASON_NO_MOVERS,
+        fine_leaves: 0,
+        shared: 0,
+        outran: 0,
         copies: 0,
         candidates: 0,
         tied: 0,
@@ -388,11 +468,11 @@ const _: () = {
     const POINTER: usize = size_of::<*const c_void>();
     assert!(size_of::<trisap_aabb>() == 24);
     assert!(size_of::<trisap_pair>() == 8);
-    assert!(size_of::<trisap_config>() == 52);
+    assert!(size_of::<trisap_config>() == 68);
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);
-    assert!(size_of::<trisap_stats>() == 88);
+    assert!(size_of::<trisap_stats>() == 104);
     // Pairs are handed out as they stand in the world.
     assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
     assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());

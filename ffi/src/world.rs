@@ -10,7 +10,7 @@ use crate::version::TRISAP_ABI_VERSION;
 use core::ffi::c_void;
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use trisap_core::{Error, Path, World, layout};
+use trisap_core::{Error, Path, Reason, World, layout};
 
 /// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
 /// any other address of the same alignment, can be opened and goes on as the world would have.
@@ -212,6 +212,20 @@ pub unsafe extern "C" fn trisap_world_stats(
             large: known.large,
             rebalanced: known.rebalanced,
             coarse_resolution: u32::from(known.coarse_resolution),
+            reason: match known.reason {
+                Reason::NoMovers => crate::structs::TRISAP_REASON_NO_MOVERS,
+                Reason::FewObjects => crate::structs::TRISAP_REASON_FEW_OBJECTS,
+                Reason::FewMovers => crate::structs::TRISAP_REASON_FEW_MOVERS,
+                Reason::ManyMovers => crate::structs::TRISAP_REASON_MANY_MOVERS,
+                Reason::Fixed => crate::structs::TRISAP_REASON_FIXED,
+                Reason::NothingKept => crate::structs::TRISAP_REASON_NOTHING_KEPT,
+                Reason::NoRoom => crate::structs::TRISAP_REASON_NO_ROOM,
+                Reason::Outgrown => crate::structs::TRISAP_REASON_OUTGROWN,
+                Reason::OutOfBalance => crate::structs::TRISAP_REASON_OUT_OF_BALANCE,
+            },
+            fine_leaves: u32::from(known.fine_leaves),
+            shared: u32::from(known.shared),
+            outran: known.outran,
             copies: known.copies,
             candidates: known.candidates,
             tied: known.tied,

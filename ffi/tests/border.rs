@@ -267,3 +267,86 @@ fn tasks_run_on_other_threads() {
         assert!(user.read() >= 2);
     }
 }
+
+#[test]
+fn choices_cross_the_border() {
+    const OBJECTS: usize = 600;
+    let first: Vec<trisap_aabb> = (0..OBJECTS)
+        .map(|slot| {
+            let corner = [(slot % 9) as f32, (slot / 9 % 9) as f32, (slot / 81) as f32].map(|x| x * 1.5);
+            trisap_aabb { min: corner, max: corner.map(|x| x + 1.0) }
+        })
+        .collect();
+    let mut second = first.clone();
+    second[0].max[0] += 0.25;
+    let plain = trisap_default_config(OBJECTS as u32);
+    assert_eq!([plain.movers_only, plain.fine_leaves, plain.sharing], [TRISAP_CHOICE_AUTOMATIC; 3]);
+    let (never, always) = (TRISAP_CHOICE_NEVER, TRISAP_CHOICE_ALWAYS);
+    for (config, path, reason, fine_leaves, shared) in [
+        (plain, TRISAP_PATH_MOVERS, TRISAP_REASON_FEW_MOVERS, 0, u32::from(cfg!(miri))),
+        (
+            trisap_config { movers_only: never, sharing: always, ..plain },
+            TRISAP_PATH_FULL,
+            TRISAP_REASON_FIXED,
+            0,
+            1,
+        ),
+        (
+            trisap_config { movers_only: always, fine_leaves: always, sharing: never, ..plain },
+            TRISAP_PATH_MOVERS,
+            TRISAP_REASON_FIXED,
+            1,
+            0,
+        ),
+    ] {
+        let mut world = null_mut();
+        let mut ids = vec![0; OBJECTS];
+        let (mut result, mut stats) = (trisap_default_result(), trisap_default_stats());
+        // SAFETY: everything is as the functions say.
+        unsafe {
+            let bytes = trisap_world_size(&config);
+            let memory = Memory::new(bytes);
+            let made = trisap_world_init(memory.start.cast(), bytes, &config, &mut world);
+            assert_eq!(made, trisap_status::Ok);
+            let view = trisap_default_boxes(first.as_ptr(), OBJECTS);
+            assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
+            assert_eq!(trisap_world_step(world, null(), &mut result), trisap_status::Ok);
+            assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
+            assert_eq!((stats.path, stats.reason), (TRISAP_PATH_REBUILT, TRISAP_REASON_NOTHING_KEPT));
+            let view = trisap_default_boxes(second.as_ptr(), OBJECTS);
+            assert_eq!(trisap_world_step_over(world, &view, null(), &mut result), trisap_status::Ok);
+            assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
+        }
+        let told = (stats.path, stats.reason, stats.fine_leaves, stats.shared);
+        assert_eq!(told, (path, reason, fine_leaves, shared));
+    }
+}
+
+#[test]
+fn margins_that_adapt_cross_the_border() {
+    for fixed_margins in [0, 1] {
+        let plain = trisap_default_config(COUNT as u32);
+        let config = trisap_config { has_margin: 1, margin_min: 0.1, fixed_margins, ..plain };
+        let mut world = null_mut();
+        let mut ids = vec![0; COUNT];
+        let (mut result, mut stats) = (trisap_default_result(), trisap_default_stats());
+        // SAFETY: everything is as the functions say.
+        unsafe {
+            let bytes = trisap_world_size(&config);
+            let memory = Memory::new(bytes);
+            let made = trisap_world_init(memory.start.cast(), bytes, &config, &mut world);
+            assert_eq!(made, trisap_status::Ok);
+            for shift in [0.0, 5.0] {
+                let boxes = boxes(shift);
+                let view = trisap_default_boxes(boxes.as_ptr(), COUNT);
+                if shift == 0.0 {
+                    assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
+                }
+                assert_eq!(trisap_world_step_over(world, &view, null(), &mut result), trisap_status::Ok);
+            }
+            assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
+        }
+        // Every other box has gone far.
+        assert_eq!(stats.outran, if fixed_margins == 1 { 0 } else { COUNT as u32 / 2 });
+    }
+}

@@ -28,6 +28,10 @@ public:
         config_.lean = below(4) == 0 && config_.objects <= 256;
         config_.has_margin = below(2);
         config_.margin_per_extent = 0.2f;
+        config_.fixed_margins = below(2);
+        config_.movers_only = below(3);
+        config_.fine_leaves = below(3);
+        config_.sharing = below(3);
         config_.mode = config_.has_margin != 0 && below(3) == 0 ? TRISAP_MODE_FAT : TRISAP_MODE_EXACT;
         config_.workers = 1 + below(4);
         model_.has_filters = config_.filters != 0;

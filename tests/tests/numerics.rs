@@ -410,6 +410,24 @@ fn far_from_the_origin_the_pairs_are_right_and_the_statistics_warn() {
     assert!(on_every_setup(EXACT, &[away(1e9)], &Jobs::USUAL)[0].stats.coarse_resolution);
     assert!(!on_every_setup(EXACT, &[away(0.0)], &Jobs::USUAL)[0].stats.coarse_resolution);
 
+    // Boxes that have lost all their sides, by rounding to the nearest, are seen too; points that are told apart are points.
+    let vanished = |far: f32| {
+        let centres = uniform.iter().map(|b| b.min.map(|x| x + far));
+        centres.map(|c| Aabb::new(c.map(|x| x - 0.5), c.map(|x| x + 0.5))).collect::<Vec<_>>()
+    };
+    assert!(vanished(1e9).iter().all(|b| b.min == b.max), "some have a side left");
+    for count in [20, 300, 2000] {
+        let warns = |boxes: &[Aabb]| {
+            on_every_setup(EXACT, &[boxes[..count].to_vec()], &Jobs::USUAL)[0].stats.coarse_resolution
+        };
+        assert!(warns(&vanished(1e9)), "{count}");
+        for far in [0.0, 100.0, 1e4] {
+            let points: Vec<_> =
+                uniform.iter().map(|b| b.min.map(|x| x + far)).map(|c| Aabb::new(c, c)).collect();
+            assert!(!warns(&points), "{count} points at {far}");
+        }
+    }
+
     // Shifting the origin by an amount that is exact for all changes no pair.
     let lattice: Vec<Aabb> = uniform.iter().map(|b| at(b.min.map(|x| x.floor()), [1.0; 3])).collect();
     let back: Vec<Aabb> = lattice.iter().map(|b| shifted(b, [-4096.0, 8192.0, 1024.0])).collect();

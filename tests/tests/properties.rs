@@ -5,7 +5,9 @@
 //! `TRISAP_EFFORT` multiplies the number of cases (1 where it is not set).
 
 use proptest::prelude::*;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World};
+use trisap_core::{
+    Aabb, Boxes, Capacity, Choice, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World,
+};
 use trisap_tests::checked::{Checked, Outcome, Saved};
 use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
@@ -167,6 +169,9 @@ struct Case {
     filters: bool,
     /// Where there are filters, a rule too.
     rule: bool,
+    /// Movers only, fine leaves, sharing.
+    choices: [Choice; 3],
+    fixed_margins: bool,
     leaf_refs: usize,
     pairs: usize,
     /// The share of the objects that are there from the beginning, in thousandths.
@@ -177,6 +182,7 @@ struct Case {
 
 impl Case {
     fn config(&self, workers: u32) -> Config {
+        let [movers_only, fine_leaves, sharing] = self.choices;
         Config {
             capacity: Capacity {
                 objects: self.objects as u32,
@@ -189,6 +195,10 @@ impl Case {
             filters: self.filters,
             lean: self.objects <= 256 && self.seed.is_multiple_of(2),
             workers,
+            movers_only,
+            fine_leaves,
+            sharing,
+            fixed_margins: self.fixed_margins,
         }
     }
 
@@ -507,17 +517,35 @@ fn case(objects: impl Strategy<Value = usize>, ops: usize) -> impl Strategy<Valu
     let modes =
         (margin(), prop_oneof![2 => Just(Mode::Exact), 1 => Just(Mode::Fat)], prop::bool::weighted(0.8));
     let filters = (any::<bool>(), any::<bool>());
+    let choice =
+        || prop_oneof![2 => Just(Choice::Automatic), 1 => Just(Choice::Never), 1 => Just(Choice::Always)];
+    let choices = ([choice(), choice(), choice()], any::<bool>());
     // Capacities in per cent of the objects: mostly enough, now and then not.
     let room = (
         prop_oneof![Just(0_usize), 0_usize..100, Just(50), Just(800)],
         prop_oneof![1 => 0_usize..300, 5 => Just(4000_usize)],
     );
     let life = (0_usize..=1000, any::<u64>(), prop::collection::vec(op(), 1..ops));
-    (style(), objects, modes, filters, room, life).prop_map(|(style, objects, modes, filters, room, life)| {
-        let ((margin, mode, events), (filters, rule), (leaf_refs, pairs)) = (modes, filters, room);
-        let (start, seed, ops) = life;
+    let parts = (style(), objects, modes, filters, choices, room, life);
+    parts.prop_map(|(style, objects, modes, (filters, rule), (choices, fixed_margins), room, life)| {
+        let ((margin, mode, events), (leaf_refs, pairs), (start, seed, ops)) = (modes, room, life);
         let (leaf_refs, pairs) = (objects * leaf_refs / 100, objects * pairs / 100);
-        Case { style, objects, margin, mode, events, filters, rule, leaf_refs, pairs, start, seed, ops }
+        Case {
+            style,
+            objects,
+            margin,
+            mode,
+            events,
+            filters,
+            rule,
+            choices,
+            fixed_margins,
+            leaf_refs,
+            pairs,
+            start,
+            seed,
+            ops,
+        }
     })
 }
 

@@ -24,7 +24,30 @@ use crate::tree::{Frame, Record};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Census {
     pub(crate) extent: Extent,
-    pub(crate) coarse: bool,
+    /// Whether a box is coarse, and whether one is a point away from the origin.
+    coarse: bool,
+    points: bool,
+}
+
+impl Census {
+    const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
+
+    /// Looks at a box that may be coarse, as few are.
+    #[cold]
+    #[inline(never)]
+    fn examine(&mut self, bounds: &KeyBox) {
+        self.coarse |= bounds.is_coarse();
+        self.points |= bounds.is_distant_point();
+    }
+
+    /// Whether `f32` is too coarse for some of the boxes, as many as there are. Points may be meant to be points, or have
+    /// lost all their sides far from the origin: then neighbours are not told apart either. So points count where on no axis
+    /// the world has four steps for each box of a row, if the boxes filled a cube.
+    pub(crate) fn is_coarse(&self, live: u32) -> bool {
+        let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
+        let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
+        self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
+    }
 }
 
 /// Slots in a block.
@@ -106,7 +129,7 @@ fn count_at<I: Index>(
     let fronts = parts.state.refined == 0;
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
-    let mut found = [Census { extent: Extent::NONE, coarse: false }; SLOT_BLOCKS];
+    let mut found = [Census::NONE; SLOT_BLOCKS];
     let tally = parts.tree.tally.span_mut(0, SLOT_BLOCKS * row);
     tally.fill(0);
     let claims = Claims::new((
@@ -122,10 +145,11 @@ fn count_at<I: Index>(
             found.fill(census);
         }
     });
-    let mut sum = Census { extent: Extent::NONE, coarse: false };
+    let mut sum = Census::NONE;
     for census in &found {
         sum.extent.union(&census.extent);
         sum.coarse |= census.coarse;
+        sum.points |= census.points;
     }
     sum
 }
@@ -152,7 +176,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
-        let mut coarse = false;
+        let mut census = Census::NONE;
         for (bounds, home) in boxes.iter().zip(homes) {
             if bounds.is_empty() {
                 *home = I::NONE;
@@ -163,7 +187,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             low = simd.lower(low, simd.upper(keys, least));
             high = simd.upper(high, simd.lower(keys, most));
             if simd.narrow(keys) {
-                coarse |= bounds.is_coarse();
+                census.examine(bounds);
             }
             let mut leaf = home.at();
             // A home that is no leaf of this tree has a cell that holds nothing.
@@ -183,7 +207,8 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 *fronts += u32::from(has_fronts & sides.are_left_by(simd, keys));
             }
         }
-        Census { extent: Extent { low: simd.bounds(low).min, high: simd.bounds(high).min }, coarse }
+        census.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
+        census
     }
 }
 
@@ -381,13 +406,15 @@ pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
     grown
 }
 
-/// The bounds of the minima of some boxes, and whether one of them is coarse.
+/// The bounds of the minima of some boxes, and whether one of them may be coarse.
 #[inline(never)]
 pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
-    let mut census = Census { extent: Extent::NONE, coarse: false };
+    let mut census = Census::NONE;
     for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
         census.extent.include(&bounds.min);
-        census.coarse |= bounds.is_narrow() && bounds.is_coarse();
+        if bounds.is_narrow() {
+            census.examine(bounds);
+        }
     }
     census
 }
