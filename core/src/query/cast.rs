@@ -255,7 +255,7 @@ fn members<S: Simd, I: Index>(
         loop {
             let mut count = 0;
             while let Some(place) = slots.get_mut(count) {
-                let Some(slot) = near.next() else { break };
+                let Some((slot, _)) = near.next() else { break };
                 simd.prefetch(KeyBox::of(parts.boxes.now, slot));
                 *place = slot;
                 count += 1;
