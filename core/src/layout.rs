@@ -3,6 +3,7 @@
 //! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
+use crate::arch::EIGHT;
 use crate::config::Config;
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
@@ -119,7 +120,8 @@ impl Sizes {
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
             tree,
-            records: tree + tree / 8 + 4 * leaves,
+            // Casts look at whole groups of records, also of the last leaf's.
+            records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
             fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
             depth,
             leaves,

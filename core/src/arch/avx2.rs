@@ -1,8 +1,8 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
-use crate::query::line::Slabs;
+use crate::query::line::{Crossing, Slabs};
 use crate::tree::{Frame, GRID_MAX, Record};
 use core::arch::x86_64::*;
 
@@ -262,6 +262,43 @@ impl Simd for Avx2 {
             let from = _mm_max_sd(from, _mm_unpackhi_pd(from, from));
             let to = _mm_min_sd(to, _mm_unpackhi_pd(to, to));
             (_mm_cvtsd_f64(from), _mm_cvtsd_f64(to))
+        }
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let [a, b, c, d, e, f, g, h]: [__m128i; EIGHT] = bytemuck::cast(*records);
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
+            // Records 0 and 4, 1 and 5, 2 and 6, 3 and 7, then their lanes side by side, then those of four records: two lanes
+            // in each vector, of the first four records in the lower half.
+            let a = _mm256_shuffle_epi8(_mm256_set_m128i(e, a), order);
+            let b = _mm256_shuffle_epi8(_mm256_set_m128i(f, b), order);
+            let c = _mm256_shuffle_epi8(_mm256_set_m128i(g, c), order);
+            let d = _mm256_shuffle_epi8(_mm256_set_m128i(h, d), order);
+            let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
+            let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
+            let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
+            let mut times = [_mm256_setzero_ps(); 6];
+            for (pair, lanes) in [first, second, third].into_iter().enumerate() {
+                // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+                let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
+                let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
+                for (lane, x) in [
+                    (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
+                    (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
+                ] {
+                    let scaled =
+                        _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
+                    times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
+                }
+            }
+            let [x0, y0, z0, x1, y1, z1] = times;
+            // NaN falls to the second operand.
+            let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
+            let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.length))));
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(from, to)) as u32
         }
     }
 

@@ -1,17 +1,17 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::MembersNear;
+use super::is_current;
 use super::line::Line;
 use crate::aabb::Aabb;
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::arch::{EIGHT, Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, NEGATIVE_INFINITY};
 use crate::sort::heapsort;
 use crate::storage::Parts;
-use crate::tree::{axis_of, key_of};
+use crate::tree::{Frame, Record, axis_of, key_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -138,10 +138,6 @@ struct Waiting {
 /// Nodes that can wait at once: one a level.
 const STACK: usize = 32;
 
-/// Members of a leaf for each part that a cast's way through it is cut into: the shorter the part, the fewer boxes are near it.
-const MEMBERS_PER_PART: u32 = 64;
-/// Parts at most.
-const PARTS: u32 = 8;
 /// Boxes that are asked for before the first of them is looked at: they are anywhere in memory.
 const TOGETHER: usize = 16;
 
@@ -228,7 +224,7 @@ fn enter<S: Simd, I: Index>(
     }
 }
 
-/// Visits the members of a leaf that the cast meets between two distances, in parts of that way, and returns how far to look on.
+/// Visits the members of a leaf that the cast meets between two distances, and returns how far to look on.
 #[inline(always)]
 fn members<S: Simd, I: Index>(
     simd: S,
@@ -240,38 +236,49 @@ fn members<S: Simd, I: Index>(
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> f64 {
     let parts = &world.parts;
-    let count = parts.tree.leaves.at(leaf).len;
-    let cuts = if to < f64::MAX { (count / MEMBERS_PER_PART).clamp(1, PARTS) } else { 1 };
-    let cut =
-        |part: u32| if part == 0 { from } else { from + (to - from) * (f64::from(part) / f64::from(cuts)) };
-    for part in 0..cuts {
-        let last = part + 1 == cuts;
-        let (start, end) = (cut(part), if last { to } else { cut(part + 1) });
-        if start > far {
-            break;
-        }
-        let mut near = MembersNear::new(simd, parts, leaf, &line.hull(start, end));
-        let mut slots = [0; TOGETHER];
-        loop {
-            let mut count = 0;
-            while let Some(place) = slots.get_mut(count) {
-                let Some((slot, _)) = near.next() else { break };
+    let crossing = line.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), from, to);
+    let bag = parts.tree.leaves.at(leaf);
+    // Behind a leaf's records is room, or those of the next leaf.
+    let length = (bag.len as usize).next_multiple_of(EIGHT);
+    let (eights, _) = parts.tree.records.span(bag.start as usize, length).as_chunks::<EIGHT>();
+    let mut left = bag.len;
+    let mut slots = [0; TOGETHER];
+    let mut count = 0;
+    for eight in eights {
+        let mut mask = simd.crossed(eight, &crossing) & (0xff >> 8u32.saturating_sub(left));
+        left = left.saturating_sub(8);
+        while mask != 0 {
+            let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
+            mask &= mask - 1;
+            if is_current(parts, slot) {
                 simd.prefetch(KeyBox::of(parts.boxes.now, slot));
-                *place = slot;
+                slots.put(count, slot);
                 count += 1;
-            }
-            for &slot in slots.span(0, count) {
-                let now = KeyBox::of(parts.boxes.now, slot);
-                let (distance, to) = line.span(simd, &now.min, &now.max, far);
-                // In the part where the cast touches it first; nothing starts before the first part or behind the last.
-                let here = distance <= to && (part == 0 || distance >= start) && (last || distance < end);
-                if let (true, Some(id)) = (here, world.id_of(slot)) {
-                    far = far.min(visit(Hit { id, distance }));
+                if count == TOGETHER {
+                    far = look(simd, world, line, &slots, far, visit);
+                    count = 0;
                 }
             }
-            if count < TOGETHER {
-                break;
-            }
+        }
+    }
+    look(simd, world, line, slots.span(0, count), far, visit)
+}
+
+/// Visits the objects that the cast meets, and returns how far to look on.
+#[inline(always)]
+fn look<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    line: &Line,
+    slots: &[usize],
+    mut far: f64,
+    visit: &mut dyn FnMut(Hit) -> f64,
+) -> f64 {
+    for &slot in slots {
+        let now = KeyBox::of(world.parts.boxes.now, slot);
+        let (distance, to) = line.span(simd, &now.min, &now.max, far);
+        if let (true, Some(id)) = (distance <= to, world.id_of(slot)) {
+            far = far.min(visit(Hit { id, distance }));
         }
     }
     far
