@@ -3,8 +3,8 @@
 use super::Cast;
 use crate::access::Access;
 use crate::arch::Simd;
-use crate::key::value;
-use crate::tree::{Frame, Record};
+use crate::key::{KeyBox, value};
+use crate::tree::{Frame, Record, axis_of, key_of};
 
 /// A cast, prepared: a box is met where the point `t * direction` is inside the box's difference from the start. A fourth
 /// axis, which nothing moves along, fills the vectors.
@@ -70,6 +70,86 @@ impl Crossing {
             }
         }
         from <= to
+    }
+}
+
+/// A cast on its way through the tree, in `f32`: its time is its distance on the axis where it moves most.
+///
+/// It comes to nodes no later, and leaves them no earlier, than [`Line::span`] says, as the factors take in more than all
+/// roundings.
+pub(crate) struct Walk {
+    /// As in [`Slabs`].
+    pub(crate) back: [i32; 4],
+    pub(crate) first: [f32; 4],
+    pub(crate) last: [f32; 4],
+    /// What distances from the sides are multiplied with.
+    pub(crate) come: [f32; 4],
+    pub(crate) leave: [f32; 4],
+    /// Time in one unit of distance.
+    speed: f64,
+}
+
+impl Walk {
+    /// More than what a few roundings in `f32` can come to.
+    const SLACK: f64 = 1.0 / (1u32 << 20) as f64;
+    /// Added to the time of leaving, for numbers so small that their factors do nothing.
+    pub(crate) const LEAST: f32 = f32::from_bits(27 << 23);
+
+    pub(super) fn new(line: &Line) -> Self {
+        let Slabs { back, first, last, inverse } = line.slabs;
+        let most = line.direction.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let speed = if most > 0.0 { most } else { 1.0 };
+        let factor = inverse.map(|inverse| inverse * speed);
+        let greatest = f64::from(f32::MAX);
+        let mut last = last.map(|side| side as f32);
+        // Nothing is left on the axis that does not count.
+        last[3] = f32::MIN;
+        Self {
+            back,
+            first: first.map(|side| side as f32),
+            last,
+            come: factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32),
+            // Infinite where it is too large: what is not left yet is never left.
+            leave: factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32),
+            speed,
+        }
+    }
+
+    /// A time that is not before a distance.
+    pub(super) fn time(&self, distance: f64) -> f32 {
+        (distance * self.speed * (1.0 + Self::SLACK)) as f32 + Self::LEAST
+    }
+
+    /// A distance that is not beyond a time.
+    pub(super) fn distance(&self, time: f32) -> f64 {
+        f64::from(time) / self.speed * (1.0 - Self::SLACK)
+    }
+
+    /// As [`Simd::enter`].
+    #[inline(always)]
+    pub(crate) fn enter(
+        &self,
+        low: [f32; 4],
+        plane: i32,
+        reaches: &KeyBox,
+        until: f32,
+    ) -> ([f32; 2], [f32; 4]) {
+        let mut above = low;
+        let (axis, key) = (axis_of(plane), value(key_of(plane)));
+        above[axis] = if key > above[axis] { key } else { above[axis] };
+        let child = |low: &[f32; 4], reach: &[i32; 3]| {
+            let (mut from, mut to) = (0.0, until);
+            for k in 0..3 {
+                let sides = [low[k], value(reach[k])];
+                let back = usize::from(self.back[k] != 0);
+                let come = (sides[back] - self.first[k]) * self.come[k];
+                let leave = (sides[1 - back] - self.last[k]) * self.leave[k];
+                from = if come > from { come } else { from };
+                to = if leave < to { leave } else { to };
+            }
+            if from <= to + Self::LEAST && reach[0] != i32::MIN { from } else { f32::NAN }
+        };
+        ([child(&low, &reaches.min), child(&above, &reaches.max)], above)
     }
 }
 
