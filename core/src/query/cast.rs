@@ -1,6 +1,6 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::is_current;
+use super::{is_current, prefetch_item, prefetch_leaf, prefetch_members};
 use super::line::{Line, Walk};
 use crate::aabb::Aabb;
 use crate::access::Access;
@@ -191,6 +191,9 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
                     waiting += 1;
                 }
                 here = near;
+                if let Some(leaf) = here.node.checked_sub(first) {
+                    prefetch_leaf(simd, parts, leaf as usize);
+                }
             }
             if here.from <= until {
                 let leaf = (here.node - first) as usize;
@@ -213,6 +216,7 @@ fn members<S: Simd, I: Index>(
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> f64 {
     let parts = &world.parts;
+    prefetch_members(simd, parts, leaf);
     let crossing = line.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), from, far);
     let bag = parts.tree.leaves.at(leaf);
     // Behind a leaf's records is room, or those of the next leaf.
@@ -229,6 +233,7 @@ fn members<S: Simd, I: Index>(
             mask &= mask - 1;
             if is_current(parts, slot) {
                 simd.prefetch(KeyBox::of(parts.boxes.now, slot));
+                prefetch_item(simd, parts.generations, slot);
                 slots.put(count, slot);
                 count += 1;
                 if count == TOGETHER {
