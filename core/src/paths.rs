@@ -21,13 +21,14 @@ use crate::sweep::scratch::Work;
 use crate::sweep::small;
 use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
+use crate::tree::refine::{Refine, coarsen};
 use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
 const MOVERS_SHARE: u32 = 16;
 
-/// In this many calm steps in a row the leaves are refined, since the next ones are likely to be calm too.
+/// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
 
 /// Steps of a small world from one choice of its axes to the next.
@@ -68,16 +69,17 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Path {
     }
 }
 
-/// Gives a world in which few objects move smaller leaves, until many move again.
+/// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) {
     let calm = matches!(path, Path::Unchanged | Path::Movers);
     if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    if parts.state.calm == CALM {
+    let whole = parts.state.refined <= 1 << parts.state.swept_depth;
+    if parts.state.calm >= CALM && (parts.state.refined == 0 || whole) {
         means.executor.enter(Stage::Fill);
-        assign::refine(parts, means.kernels, means.executor);
+        means.kernels.run(Refine(parts));
     }
 }
 
@@ -98,7 +100,7 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<
 
 /// Nothing has moved: all pairs stay.
 fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
-    let leaves = parts.state.stats().leaves;
+    let leaves = parts.state.leaves();
     Progress { pairs: resting::carry(parts), leaves, ..Progress::default() }
 }
 
@@ -239,7 +241,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut replant: bool, means: Means<'_>)
     let Means { kernels, executor, .. } = means;
     resting::start_over(parts);
     executor.enter(Stage::Build);
-    let was_refined = assign::coarsen(parts);
+    let was_refined = coarsen(parts);
     let rebalanced = if replant {
         balance::plant(parts);
         0

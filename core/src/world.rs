@@ -71,7 +71,7 @@ impl<I: Index> World<'_, I> {
 
     /// Nothing has changed: the result stays as it is, with nothing found or lost.
     fn keep(parts: &mut Parts<'_, I>) {
-        let leaves = parts.state.stats().leaves;
+        let leaves = parts.state.leaves();
         parts.state.record(0, Path::Unchanged, &crate::state::Progress { leaves, ..Default::default() });
         parts.state.found = 0;
         parts.state.lost = 0;
