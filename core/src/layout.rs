@@ -3,6 +3,7 @@
 //! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
+use crate::arch::EIGHT;
 use crate::config::Config;
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
@@ -35,6 +36,9 @@ pub(crate) const LEAF_TARGET: usize = 512;
 /// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
 /// few objects here and there.
 pub(crate) const FINER: u32 = 3;
+/// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
+/// divided into.
+pub(crate) const ROOM: u32 = 4 << FINER;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// The fewest slots in a block.
@@ -119,7 +123,8 @@ impl Sizes {
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
             tree,
-            records: tree + tree / 8 + 4 * leaves,
+            // Casts look at whole groups of records, also of the last leaf's.
+            records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
             fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
             depth,
             leaves,
@@ -138,9 +143,9 @@ impl Sizes {
         !cfg!(feature = "large") || self.bag == 0
     }
 
-    /// Entries of the tally at the greatest depth.
+    /// Entries of the tally at the greatest depth of a full step.
     pub(crate) const fn tally(&self) -> usize {
-        if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth) } else { 0 }
+        if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth - FINER) } else { 0 }
     }
 
     const fn bytes<I: Index>(&self) -> Option<usize> {

@@ -22,13 +22,14 @@ use crate::sweep::scratch::Work;
 use crate::sweep::small;
 use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
+use crate::tree::refine::{Refine, coarsen};
 use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
 const MOVERS_SHARE: u32 = 16;
 
-/// In this many calm steps in a row the leaves are refined, since the next ones are likely to be calm too.
+/// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
 
 /// Steps of a small world from one choice of its axes to the next.
@@ -85,7 +86,7 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     }
 }
 
-/// Gives a world in which few objects move smaller leaves, until many move again.
+/// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) {
     let calm = matches!(path, Path::Unchanged | Path::Movers);
     if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
@@ -97,9 +98,10 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
         Choice::Always => 1,
         Choice::Never => return,
     };
-    if parts.state.calm == due {
+    let whole = parts.state.refined <= 1 << parts.state.swept_depth;
+    if parts.state.calm >= due && (parts.state.refined == 0 || whole) {
         means.executor.enter(Stage::Fill);
-        assign::refine(parts, means.kernels, means.executor);
+        means.kernels.run(Refine(parts));
     }
 }
 
@@ -119,7 +121,7 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Mean
 
 /// Nothing has moved: all pairs stay.
 fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
-    let leaves = parts.state.stats().leaves;
+    let leaves = parts.state.leaves();
     Progress { pairs: resting::carry(parts), leaves, ..Progress::default() }
 }
 
@@ -262,7 +264,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) 
     let mut replant = route.path == Path::Rebuilt;
     resting::start_over(parts);
     executor.enter(Stage::Build);
-    let was_refined = assign::coarsen(parts);
+    let was_refined = coarsen(parts);
     let rebalanced = if replant {
         balance::plant(parts, means);
         0

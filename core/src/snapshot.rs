@@ -9,6 +9,7 @@ use crate::arch::Simd as _;
 use crate::arch::scalar::Scalar;
 use crate::error::Error;
 use crate::id::Index;
+use crate::layout::FINER;
 use crate::state::State;
 use crate::storage::Parts;
 use crate::world::World;
@@ -191,7 +192,9 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && (state.stale_lists != 0 || state.listed <= state.slots)
         && state.list_axis < 3;
     let tree = state.depth <= sizes.depth
-        && state.swept_depth <= sizes.depth
+        && (state.refined == 0
+            || u64::from(state.swept_depth) + u64::from(FINER) == u64::from(state.depth)
+                && u64::from(state.refined) <= (1 << state.swept_depth) + 1)
         && state.planted as usize <= sizes.tree
         && (state.filled == 0 || state.planted > 0)
         && state.settled <= u64::from(state.planted).pow(2)

@@ -161,8 +161,10 @@ pub(crate) struct State {
     pub(crate) planted: u32,
     /// The depth that the planes are used to; less than planned where copies would take too much room.
     pub(crate) depth: u32,
-    /// Whether the leaves are smaller than those of the last full step, and the depth of those.
+    /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
+    /// first.
     pub(crate) refined: u32,
+    /// The depth of the last full step, where leaves are divided.
     pub(crate) swept_depth: u32,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u32,
@@ -251,6 +253,16 @@ impl Default for State {
 }
 
 impl State {
+    /// The leaves that there are now, or those of the last step where there is no tree.
+    pub(crate) const fn leaves(&self) -> u32 {
+        if self.filled != 0 { 1 << self.depth } else { self.leaves }
+    }
+
+    /// Whether a leaf of the last full step is divided.
+    pub(crate) const fn is_refined(&self, leaf: usize) -> bool {
+        leaf + 1 < self.refined as usize
+    }
+
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let margin = config.margin.unwrap_or(Margin::length(0.0));
         Self {

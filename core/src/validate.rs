@@ -9,7 +9,7 @@ use crate::resting::is_clear_of;
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::tree::cells::cut;
-use crate::tree::{Cell, leaf_of};
+use crate::tree::{Cell, home_of};
 use crate::world::World;
 use core::fmt;
 
@@ -132,7 +132,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             check(!bounds.is_empty(), "a record has no object", slot)?;
             check(parts.home.at(slot).at() == index, "a record is not in its object's leaf", slot)?;
             check(parts.place.at(slot).at() == at, "a record is not at its object's place", slot)?;
-            let home = leaf_of(parts.tree.planes, depth, &bounds.min);
+            let home = home_of(parts.tree.planes, parts.state, &bounds.min);
             check(home == index, "an object is not where the planes say", slot)?;
             check(parts.tree.cells.at(index).holds(&bounds.min), "a minimum is outside its cell", slot)?;
             let expected = Scalar.record(&parts.tree.frames.at(index), bounds, slot as u32);
@@ -167,7 +167,13 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for index in 0..1usize << depth {
         let mut planes = [0; 32];
         let mut cell = Cell::ALL;
-        for level in 0..depth {
+        let finer = if parts.state.refined == 0 { 0 } else { depth - parts.state.swept_depth };
+        let divided = finer == 0 || parts.state.is_refined(index >> finer);
+        if !divided && index & ((1 << finer) - 1) != 0 {
+            check(parts.tree.leaves.at(index).len == 0, "a part of a whole leaf has members", index)?;
+            continue;
+        }
+        for level in 0..if divided { depth } else { depth - finer } {
             let node = ((1 << depth) + index) >> (depth - level);
             let right = ((1 << depth) + index) >> (depth - level - 1) & 1;
             planes.put(1, parts.tree.planes.at(node));

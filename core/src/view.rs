@@ -44,7 +44,14 @@ impl<I: Index> World<'_, I> {
     /// The planes that divide a node, from the root down. O(leaves log leaves).
     pub fn planes(&self) -> impl Iterator<Item = PlaneView> + '_ {
         let planes = &*self.parts.tree.planes;
-        (1..self.leaf_count()).filter(|&node| key_of(planes.at(node)) != UNSPLIT).map(|node| {
+        let state = &*self.parts.state;
+        let divides = move |node: usize| {
+            // The planes in a leaf that is still whole divide nothing yet.
+            let levels = node.ilog2().checked_sub(state.swept_depth).filter(|_| state.refined != 0);
+            let whole = |levels| !state.is_refined((node >> levels) - (1 << state.swept_depth));
+            key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
+        };
+        (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {
             let depth = node.ilog2();
             let mut cell = KeyBox { min: [i32::MIN; 3], max: [i32::MAX; 3] };
             for level in (0..depth).rev() {

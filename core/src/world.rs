@@ -72,7 +72,7 @@ impl<I: Index> World<'_, I> {
 
     /// Nothing has changed: the result stays as it is, with nothing found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
-        let leaves = parts.state.stats().leaves;
+        let leaves = parts.state.leaves();
         let progress = crate::state::Progress { leaves, ..Default::default() };
         parts.state.record(0, Route::UNCHANGED, shared, &progress);
         parts.state.found = 0;

@@ -1,9 +1,9 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
-use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
-use crate::query::line::Slabs;
-use crate::tree::{Frame, GRID_MAX, Record};
+use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
+use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
+use crate::query::line::{Crossing, Slabs, Walk};
+use crate::tree::{Frame, GRID_MAX, Record, axis_of, key_of};
 use core::arch::x86_64::*;
 
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
@@ -61,6 +61,13 @@ fn values(_: Avx2, keys: __m128i) -> __m256d {
         let sign = _mm_srli_epi32::<1>(_mm_srai_epi32::<31>(keys));
         _mm256_cvtps_pd(_mm_castsi128_ps(_mm_xor_si128(keys, sign)))
     }
+}
+
+/// Four numbers, twice. A plain function for the same reason.
+#[inline(always)]
+fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
+    // SAFETY: the token proves AVX2; four numbers are read.
+    unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
 impl Simd for Avx2 {
@@ -262,6 +269,85 @@ impl Simd for Avx2 {
             let from = _mm_max_sd(from, _mm_unpackhi_pd(from, from));
             let to = _mm_min_sd(to, _mm_unpackhi_pd(to, to));
             (_mm_cvtsd_f64(from), _mm_cvtsd_f64(to))
+        }
+    }
+
+    #[inline(always)]
+    fn enter(
+        self,
+        walk: &Walk,
+        low: [f32; 4],
+        plane: i32,
+        reaches: &KeyBox,
+        until: f32,
+    ) -> ([f32; 2], [f32; 4]) {
+        // SAFETY: `self` proves AVX2; the walk's rows are four numbers each.
+        unsafe {
+            let low: __m128 = bytemuck::cast(low);
+            // The plane on its axis, and on the others what any number is above.
+            let axis = _mm_cmpeq_epi32(_mm_set1_epi32(axis_of(plane) as i32), _mm_setr_epi32(0, 1, 2, 3));
+            let plane = _mm_set1_ps(value(key_of(plane)));
+            let plane = _mm_blendv_ps(_mm_set1_ps(f32::NEG_INFINITY), plane, _mm_castsi128_ps(axis));
+            // NaN, of a plane that nobody reaches, falls to the second operand.
+            let above = _mm_max_ps(plane, low);
+            let low = _mm256_set_m128(above, low);
+            // The left child's reach in the lower half, the right one's in the upper half.
+            let halves = _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6);
+            let keys = _mm256_permutevar8x32_epi32(self.keys(reaches), halves);
+            let sign = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(keys));
+            let high = _mm256_castsi256_ps(_mm256_xor_si256(keys, sign));
+            let back = _mm256_castsi256_ps(_mm256_broadcastsi128_si256(bytemuck::cast(walk.back)));
+            let first = _mm256_sub_ps(_mm256_blendv_ps(low, high, back), twice(self, &walk.first));
+            let last = _mm256_sub_ps(_mm256_blendv_ps(high, low, back), twice(self, &walk.last));
+            let from = _mm256_max_ps(_mm256_mul_ps(first, twice(self, &walk.come)), _mm256_setzero_ps());
+            let to = _mm256_min_ps(_mm256_mul_ps(last, twice(self, &walk.leave)), _mm256_set1_ps(until));
+            let from = _mm256_max_ps(from, _mm256_permute_ps::<0b01_00_11_10>(from));
+            let from = _mm256_max_ps(from, _mm256_permute_ps::<0b10_11_00_01>(from));
+            let to = _mm256_min_ps(to, _mm256_permute_ps::<0b01_00_11_10>(to));
+            let to = _mm256_min_ps(to, _mm256_permute_ps::<0b10_11_00_01>(to));
+            let met = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_add_ps(to, _mm256_set1_ps(Walk::LEAST)));
+            // The first lane of a child without members is the lowest key.
+            let none = _mm256_castsi256_ps(_mm256_cmpeq_epi32(keys, _mm256_set1_epi32(i32::MIN)));
+            let met = _mm256_andnot_ps(none, met);
+            let from = _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), from, met);
+            let right = _mm_cvtss_f32(_mm256_extractf128_ps::<1>(from));
+            ([_mm256_cvtss_f32(from), right], bytemuck::cast(above))
+        }
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let [a, b, c, d, e, f, g, h]: [__m128i; EIGHT] = bytemuck::cast(*records);
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
+            // Records 0 and 4, 1 and 5, 2 and 6, 3 and 7, then their lanes side by side, then those of four records: two lanes
+            // in each vector, of the first four records in the lower half.
+            let a = _mm256_shuffle_epi8(_mm256_set_m128i(e, a), order);
+            let b = _mm256_shuffle_epi8(_mm256_set_m128i(f, b), order);
+            let c = _mm256_shuffle_epi8(_mm256_set_m128i(g, c), order);
+            let d = _mm256_shuffle_epi8(_mm256_set_m128i(h, d), order);
+            let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
+            let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
+            let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
+            let mut times = [_mm256_setzero_ps(); 6];
+            for (pair, lanes) in [first, second, third].into_iter().enumerate() {
+                // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+                let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
+                let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
+                for (lane, x) in [
+                    (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
+                    (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
+                ] {
+                    let scaled = _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
+                    times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
+                }
+            }
+            let [x0, y0, z0, x1, y1, z1] = times;
+            // NaN falls to the second operand.
+            let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
+            let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.length))));
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(from, to)) as u32
         }
     }
 

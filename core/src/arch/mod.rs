@@ -11,7 +11,7 @@ pub(crate) mod scalar;
 pub(crate) mod shared;
 
 use crate::key::KeyBox;
-use crate::query::line::Slabs;
+use crate::query::line::{Crossing, Slabs, Walk};
 use crate::tree::{Frame, Record};
 
 /// What two records of one leaf have to do with each other.
@@ -28,6 +28,9 @@ pub(crate) type Row = [u8; 4];
 
 /// Rows that are compared at a time: one bit each in a mask.
 pub(crate) const WINDOW: usize = 64;
+
+/// Records that are tested against a cast at a time.
+pub(crate) const EIGHT: usize = 8;
 
 /// The operations of one instruction set. A value of the type is the proof that the CPU has it.
 pub(crate) trait Simd: Copy + Send + Sync {
@@ -92,6 +95,21 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// From where and to where a line is inside a box, of the way from zero to `far`; outside of it where the first number
     /// is above the second. Only the first three axes count.
     fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
+
+    /// When a cast comes to the children of a node, of the time from zero to `until`, or NaN where it does not or where there
+    /// is nothing. Takes the low sides of the node's members, its plane, and how far the members of either child reach; returns
+    /// the low sides of the right child as well.
+    fn enter(
+        self,
+        walk: &Walk,
+        low: [f32; 4],
+        plane: i32,
+        reaches: &KeyBox,
+        until: f32,
+    ) -> ([f32; 2], [f32; 4]);
+
+    /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
 
     /// A box on the grid of a leaf.
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;

@@ -1,10 +1,10 @@
 //! The level that every CPU has. Also the definition of what each operation means.
 
-use super::{Contact, Row, Simd, WINDOW, row_lanes};
+use super::{Contact, EIGHT, Row, Simd, WINDOW, row_lanes};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::key::{KeyBox, value};
-use crate::query::line::Slabs;
+use crate::query::line::{Crossing, Slabs, Walk};
 use crate::tree::{Frame, GRID_MAX, Record};
 
 /// No more than the target's baseline.
@@ -136,6 +136,24 @@ impl Simd for Scalar {
     #[inline(always)]
     fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
         slabs.span(min, max, far)
+    }
+
+    #[inline(always)]
+    fn enter(
+        self,
+        walk: &Walk,
+        low: [f32; 4],
+        plane: i32,
+        reaches: &KeyBox,
+        until: f32,
+    ) -> ([f32; 2], [f32; 4]) {
+        walk.enter(low, plane, reaches, until)
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let pass = records.iter().enumerate();
+        pass.fold(0, |mask, (index, record)| mask | u32::from(crossing.passes(record)) << index)
     }
 
     #[inline(always)]

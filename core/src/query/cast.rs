@@ -1,17 +1,16 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::MembersNear;
-use super::line::Line;
+use super::line::{Line, Walk};
+use super::{is_current, prefetch_item, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::arch::{EIGHT, Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
-use crate::key::{KeyBox, NEGATIVE_INFINITY};
+use crate::key::KeyBox;
 use crate::sort::heapsort;
-use crate::storage::Parts;
-use crate::tree::{axis_of, key_of};
+use crate::tree::Frame;
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -129,19 +128,16 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
 /// A node that waits to be visited.
 #[derive(Clone, Copy, Default)]
 struct Waiting {
+    /// The low sides of its members.
+    low: [f32; 4],
+    /// When the cast comes to it, in the time of [`Walk`].
+    from: f32,
     node: u32,
-    low: [i32; 3],
-    from: f64,
-    to: f64,
 }
 
 /// Nodes that can wait at once: one a level.
 const STACK: usize = 32;
 
-/// Members of a leaf for each part that a cast's way through it is cut into: the shorter the part, the fewer boxes are near it.
-const MEMBERS_PER_PART: u32 = 64;
-/// Parts at most.
-const PARTS: u32 = 8;
 /// Boxes that are asked for before the first of them is looked at: they are anywhere in memory.
 const TOGETHER: usize = 16;
 
@@ -171,107 +167,99 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             return;
         }
         let first = 1u32 << parts.state.depth;
+        let walk = Walk::new(&line);
+        let reaches: &[KeyBox] = bytemuck::try_cast_slice(parts.tree.reach).unwrap_or_default();
+        let mut until = walk.time(far);
         let mut stack = [Waiting::default(); STACK];
-        let mut waiting = 0;
-        let mut here = enter(simd, parts, &line, far, 1, &[NEGATIVE_INFINITY; 3]);
-        loop {
-            if here.from > here.to.min(far) {
-                // Nothing here, or nothing any more.
-                if waiting == 0 {
-                    return;
-                }
-                waiting -= 1;
-                here = stack.at(waiting);
-            } else if here.node >= first {
-                let leaf = (here.node - first) as usize;
-                far = members(simd, world, leaf, &line, [here.from, here.to.min(far)], far, visit);
-                here.from = f64::INFINITY;
-                here.to = f64::NEG_INFINITY;
-            } else {
+        stack[0] = Waiting { low: [f32::NEG_INFINITY; 4], from: 0.0, node: 1 };
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let mut here = stack.at(waiting);
+            // Down to the leaf that is met first. What is not met has no time, and NaN is not at most anything.
+            while here.from <= until && here.node < first {
                 let Waiting { node, low, .. } = here;
                 let plane = parts.tree.planes.at(node as usize);
-                let axis = axis_of(plane);
-                let above = |k: usize| if k == axis { low[k].max(key_of(plane)) } else { low[k] };
-                let right = [above(0), above(1), above(2)];
-                let mut near = enter(simd, parts, &line, far, 2 * node, &low);
-                let mut later = enter(simd, parts, &line, far, 2 * node + 1, &right);
-                if later.from < near.from {
-                    core::mem::swap(&mut near, &mut later);
-                }
-                if later.from <= later.to {
+                let ([left, right], above) = simd.enter(&walk, low, plane, &reaches.at(node as usize), until);
+                let left = Waiting { low, from: left, node: 2 * node };
+                let right = Waiting { low: above, from: right, node: 2 * node + 1 };
+                let swap = right.from < left.from || left.from.is_nan();
+                let (near, later) = if swap { (right, left) } else { (left, right) };
+                if later.from <= until {
                     stack.put(waiting, later);
                     waiting += 1;
                 }
                 here = near;
+                if let Some(leaf) = here.node.checked_sub(first) {
+                    prefetch_leaf(simd, parts, leaf as usize);
+                }
+            }
+            if here.from <= until {
+                let leaf = (here.node - first) as usize;
+                far = members(simd, world, leaf, &line, walk.distance(here.from), far, visit);
+                until = walk.time(far);
             }
         }
     }
 }
 
-/// A node, and between which distances the cast meets it.
-#[inline(always)]
-fn enter<S: Simd, I: Index>(
-    simd: S,
-    parts: &Parts<'_, I>,
-    line: &Line,
-    far: f64,
-    node: u32,
-    low: &[i32; 3],
-) -> Waiting {
-    let reach = parts.tree.reach.at(node as usize);
-    let (from, to) = line.span(simd, low, &reach, far);
-    // A node without members reaches nowhere.
-    if reach[0] == i32::MIN {
-        Waiting { from: f64::INFINITY, to: f64::NEG_INFINITY, ..Waiting::default() }
-    } else {
-        Waiting { node, low: *low, from, to }
-    }
-}
-
-/// Visits the members of a leaf that the cast meets between two distances, in parts of that way, and returns how far to look on.
+/// Visits the members of a leaf, which the cast does not come to before `from`, and returns how far to look on.
 #[inline(always)]
 fn members<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
     leaf: usize,
     line: &Line,
-    [from, to]: [f64; 2],
+    from: f64,
     mut far: f64,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> f64 {
     let parts = &world.parts;
-    let count = parts.tree.leaves.at(leaf).len;
-    let cuts = if to < f64::MAX { (count / MEMBERS_PER_PART).clamp(1, PARTS) } else { 1 };
-    let cut =
-        |part: u32| if part == 0 { from } else { from + (to - from) * (f64::from(part) / f64::from(cuts)) };
-    for part in 0..cuts {
-        let last = part + 1 == cuts;
-        let (start, end) = (cut(part), if last { to } else { cut(part + 1) });
-        if start > far {
-            break;
-        }
-        let mut near = MembersNear::new(simd, parts, leaf, &line.hull(start, end));
-        let mut slots = [0; TOGETHER];
-        loop {
-            let mut count = 0;
-            while let Some(place) = slots.get_mut(count) {
-                let Some(slot) = near.next() else { break };
+    prefetch_members(simd, parts, leaf);
+    let crossing = line.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), from, far);
+    let bag = parts.tree.leaves.at(leaf);
+    // Behind a leaf's records is room, or those of the next leaf.
+    let length = (bag.len as usize).next_multiple_of(EIGHT);
+    let (eights, _) = parts.tree.records.span(bag.start as usize, length).as_chunks::<EIGHT>();
+    let mut left = bag.len;
+    let mut slots = [0; TOGETHER];
+    let mut count = 0;
+    for eight in eights {
+        let mut mask = simd.crossed(eight, &crossing) & (0xff >> 8u32.saturating_sub(left));
+        left = left.saturating_sub(8);
+        while mask != 0 {
+            let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
+            mask &= mask - 1;
+            if is_current(parts, slot) {
                 simd.prefetch(KeyBox::of(parts.boxes.now, slot));
-                *place = slot;
+                prefetch_item(simd, parts.generations, slot);
+                slots.put(count, slot);
                 count += 1;
-            }
-            for &slot in slots.span(0, count) {
-                let now = KeyBox::of(parts.boxes.now, slot);
-                let (distance, to) = line.span(simd, &now.min, &now.max, far);
-                // In the part where the cast touches it first; nothing starts before the first part or behind the last.
-                let here = distance <= to && (part == 0 || distance >= start) && (last || distance < end);
-                if let (true, Some(id)) = (here, world.id_of(slot)) {
-                    far = far.min(visit(Hit { id, distance }));
+                if count == TOGETHER {
+                    far = look(simd, world, line, &slots, far, visit);
+                    count = 0;
                 }
             }
-            if count < TOGETHER {
-                break;
-            }
+        }
+    }
+    look(simd, world, line, slots.span(0, count), far, visit)
+}
+
+/// Visits the objects that the cast meets, and returns how far to look on.
+#[inline(always)]
+fn look<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    line: &Line,
+    slots: &[usize],
+    mut far: f64,
+    visit: &mut dyn FnMut(Hit) -> f64,
+) -> f64 {
+    for &slot in slots {
+        let now = KeyBox::of(world.parts.boxes.now, slot);
+        let (distance, to) = line.span(simd, &now.min, &now.max, far);
+        if let (true, Some(id)) = (distance <= to, world.id_of(slot)) {
+            far = far.min(visit(Hit { id, distance }));
         }
     }
     far

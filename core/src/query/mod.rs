@@ -55,7 +55,10 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.touched == 0 || !bits::test(parts.moved, slot)
 }
 
-/// The current members of a leaf that may touch a region; their boxes have to tell which ones do.
+/// Lines of records that are asked for ahead.
+const LINES: usize = 12;
+
+/// The current members of a leaf whose records touch that of a region.
 ///
 /// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
 struct MembersNear<'q, S> {
@@ -64,6 +67,8 @@ struct MembersNear<'q, S> {
     moved: &'q [u32],
     quads: &'q [[Record; 4]],
     rest: &'q [Record],
+    /// The region in the leaf's frame.
+    region: Record,
     limit: Record,
     quad: &'q [Record; 4],
     mask: u32,
@@ -76,14 +81,15 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         let bag = parts.tree.leaves.at(leaf);
         let members = parts.tree.records.span(bag.start as usize, bag.len as usize);
         let frame = parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE);
-        let limit = limit(&simd.record(frame, simd.keys(region), 0));
+        let region = simd.record(frame, simd.keys(region), 0);
         let (quads, rest) = members.as_chunks::<4>();
         let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
-        Self { simd, moved, quads, rest, limit, quad: NONE, mask: 0 }
+        Self { simd, moved, quads, rest, region, limit: limit(&region), quad: NONE, mask: 0 }
     }
 
+    /// The slot of the next one, and whether its swept box overlaps the region for certain.
     #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
+    fn next(&mut self) -> Option<(usize, bool)> {
         loop {
             let record = if self.mask != 0 {
                 let at = self.mask.trailing_zeros() as usize;
@@ -98,11 +104,36 @@ impl<'q, S: Simd> MembersNear<'q, S> {
                 self.rest = rest;
                 *record
             };
+            let contact = self.simd.contact(&self.region, &record);
             let slot = record.slot() as usize;
-            if self.moved.is_empty() || !bits::test(self.moved, slot) {
-                return Some(slot);
+            if contact.touches && (self.moved.is_empty() || !bits::test(self.moved, slot)) {
+                return Some((slot, !contact.tied));
             }
         }
+    }
+}
+
+/// Asks for what tells where a leaf's members are.
+#[inline(always)]
+fn prefetch_leaf<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
+    prefetch_item(simd, parts.tree.leaves, leaf);
+    prefetch_item(simd, parts.tree.frames, leaf);
+}
+
+/// Asks for the first members of a leaf; the processor sees for itself that the others follow.
+#[inline(always)]
+fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
+    let start = parts.tree.leaves.at(leaf).start as usize;
+    for line in 0..LINES {
+        prefetch_item(simd, parts.tree.records, start + 4 * line);
+    }
+}
+
+/// Asks for an item that is needed soon.
+#[inline(always)]
+fn prefetch_item<S: Simd, T>(simd: S, items: &[T], index: usize) {
+    if let Some(item) = items.get(index) {
+        simd.prefetch(item);
     }
 }
 

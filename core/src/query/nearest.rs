@@ -113,7 +113,7 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                     max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
                 };
                 let mut near = MembersNear::new(simd, parts, (node - first) as usize, &around);
-                while let Some(slot) = near.next() {
+                while let Some((slot, _)) = near.next() {
                     offer(&mut best, slot);
                 }
                 continue;

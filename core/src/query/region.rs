@@ -1,6 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{MembersNear, key_above, key_below};
+use super::{MembersNear, key_above, key_below, prefetch_item, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -123,6 +123,9 @@ impl<I: Index> World<'_, I> {
     }
 }
 
+/// Leaves, and answers, that are asked for before the first of them is looked at: they are anywhere in memory.
+const TOGETHER: usize = 8;
+
 struct Overlaps<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     region: &'q Region,
@@ -139,18 +142,47 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let depth = parts.state.depth;
-            let mut leaves = Visit::new(tree.planes, tree.reach, depth, bounds.min, bounds.max);
-            while let Some(leaf) = leaves.next() {
-                let reach = tree.reach.at((1 << depth) + leaf);
-                if (KeyBox { min: tree.cells.at(leaf).low(), max: reach }).overlaps(&bounds) {
+            // Records are those of swept boxes: where those are the boxes themselves, they can tell.
+            let decides = parts.boxes.fat.is_empty() && !matches!(region, Region::Sphere { .. });
+            let mut visits = Visit::new(tree.planes, tree.reach, parts.state.depth, bounds.min, bounds.max);
+            let mut leaves = [0; TOGETHER];
+            let mut slots = [(0, false); TOGETHER];
+            let mut found = 0;
+            loop {
+                let mut count = 0;
+                while let Some(place) = leaves.get_mut(count) {
+                    let Some(leaf) = visits.next() else { break };
+                    prefetch_leaf(simd, parts, leaf);
+                    *place = leaf;
+                    count += 1;
+                }
+                for &leaf in leaves.span(0, count) {
+                    prefetch_members(simd, parts, leaf);
+                }
+                for &leaf in leaves.span(0, count) {
                     let mut members = MembersNear::new(simd, parts, leaf, &bounds);
-                    while let Some(slot) = members.next() {
-                        if meet(simd, world, region, &bounds, slot, visit) {
-                            return;
+                    while let Some((slot, certain)) = members.next() {
+                        let certain = certain && decides;
+                        if !certain {
+                            simd.prefetch(KeyBox::of(parts.boxes.now, slot));
+                        }
+                        prefetch_item(simd, parts.generations, slot);
+                        slots.put(found, (slot, certain));
+                        found += 1;
+                        if found == TOGETHER {
+                            if flush(simd, world, region, &bounds, &slots, visit) {
+                                return;
+                            }
+                            found = 0;
                         }
                     }
                 }
+                if count < TOGETHER {
+                    break;
+                }
+            }
+            if flush(simd, world, region, &bounds, slots.span(0, found), visit) {
+                return;
             }
         }
         for slot in world.large_in_tree().chain(world.apart_from_tree()) {
@@ -159,6 +191,29 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             }
         }
     }
+}
+
+/// Visits objects that overlap the region for certain, and others if they do; tells whether to stop.
+#[inline(always)]
+fn flush<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    region: &Region,
+    bounds: &KeyBox,
+    slots: &[(usize, bool)],
+    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+) -> bool {
+    for &(slot, certain) in slots {
+        let stop = if certain {
+            world.id_of(slot).is_some_and(|id| visit(id).is_break())
+        } else {
+            meet(simd, world, region, bounds, slot, visit)
+        };
+        if stop {
+            return true;
+        }
+    }
+    false
 }
 
 /// Visits an object if it overlaps the region; tells whether to stop.

@@ -5,7 +5,6 @@
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
-use super::balance::depth_for;
 use super::cells::{Extent, cut, frame};
 use super::{Cell, Front, Leaf, leaf_of};
 use crate::access::Access;
@@ -16,7 +15,7 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, POSITIVE_INFINITY};
-use crate::layout::{FINER, LEAVES_PER_BLOCK, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
+use crate::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
 
@@ -56,39 +55,6 @@ fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(64).max(SLOTS_PER_BLOCK)
 }
 
-/// Fills smaller leaves than the last full step did, for steps and queries that look at a few objects here and there. They
-/// have no fronts: only a full step gathers visitors.
-pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
-    parts.state.refined = 1;
-    parts.state.swept_depth = parts.state.depth;
-    parts.state.depth =
-        (depth_for(parts.state.planted as usize, parts.sizes.depth) + FINER).min(parts.sizes.depth);
-    let census = count(parts, kernels, executor);
-    fill(parts, &census, kernels, executor);
-}
-
-/// Goes back to the leaves of a full step, which has to fill them. Tells whether there was anything to do.
-pub(crate) fn coarsen<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    parts.state.calm = 0;
-    if parts.state.refined == 0 {
-        return false;
-    }
-    parts.state.refined = 0;
-    let levels = parts.state.depth.saturating_sub(parts.state.swept_depth);
-    parts.state.depth -= levels;
-    ascend(parts.home, levels);
-    true
-}
-
-/// Makes homes of the leaves of some levels above.
-fn ascend<I: Index>(homes: &mut [I], levels: u32) {
-    for home in homes {
-        if *home < I::LARGE {
-            *home = I::from_slot(home.slot() >> levels);
-        }
-    }
-}
-
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which fronts and large
 /// objects stay within the capacity and the limits on copies. Leaves the counts in the tally.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) -> Census {
@@ -113,7 +79,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.depth = depth - 1;
-        ascend(parts.home, 1);
+        super::refine::ascend(parts.home, 1);
     }
 }
 
@@ -126,7 +92,6 @@ fn count_at<I: Index>(
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
     let row = tally_row(depth);
-    let fronts = parts.state.refined == 0;
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
     let mut found = [Census::NONE; SLOT_BLOCKS];
@@ -141,7 +106,7 @@ fn count_at<I: Index>(
     exec::run(executor, scratches, slots.div_ceil(len), &|| {
         while let Some((block, (homes, tally, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
-            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, fronts, tally });
+            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
             found.fill(census);
         }
     });
@@ -160,8 +125,6 @@ struct CountBlock<'b, I> {
     planes: &'b [i32],
     cells: &'b [Cell],
     depth: u32,
-    /// Whether to count the boxes of fronts.
-    fronts: bool,
     tally: &'b mut [u32],
 }
 
@@ -170,7 +133,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Census {
-        let Self { boxes, homes, planes, cells, depth, fronts: has_fronts, tally } = self;
+        let Self { boxes, homes, planes, cells, depth, tally } = self;
         let cells = cells.span(0, 1 << depth);
         let (counts, large) = tally.as_chunks_mut::<2>();
         let finite = Extent::FINITE;
@@ -204,7 +167,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             *home = I::from_slot(leaf as u32);
             if let Some([members, fronts]) = counts.get_mut(leaf) {
                 *members += 1;
-                *fronts += u32::from(has_fronts & sides.are_left_by(simd, keys));
+                *fronts += u32::from(sides.are_left_by(simd, keys));
             }
         }
         census.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
@@ -249,8 +212,8 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         if leaf.settled == 0 {
             leaf.settled = leaf.len;
         }
-        // Some room, so that objects can come without a new fill.
-        leaf.room = leaf.len + leaf.len / 8 + 4;
+        // Some room, so that objects can come without a new fill, also when the leaf is divided.
+        leaf.room = leaf.len + leaf.len / 8 + ROOM;
         record += leaf.room;
         front += leaf.front_len;
         parts.tree.leaves.put(index, leaf);
@@ -269,7 +232,6 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
     let row = tally_row(parts.state.depth);
-    let has_fronts = parts.state.refined == 0;
     let boxes = parts.boxes.swept();
     let large_start = parts.state.large_start;
     let (homes, cells, frames, bags) =
@@ -296,7 +258,6 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
                 records: &records,
                 fronts: &fronts,
                 large_start,
-                has_fronts,
                 tally,
             });
         }
@@ -314,7 +275,6 @@ struct ScatterBlock<'b, 's, I> {
     records: &'b Shared<'s, Record>,
     fronts: &'b Shared<'s, Front>,
     large_start: u32,
-    has_fronts: bool,
     tally: &'b mut [u32],
 }
 
@@ -324,7 +284,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, .. } = self;
-        let Self { large_start, has_fronts, tally, .. } = self;
+        let Self { large_start, tally, .. } = self;
         let (next, large) = tally.as_chunks_mut::<2>();
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
@@ -336,7 +296,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 let record = simd.record(&frames.at(leaf), keys, slot);
                 records.store((leaves.at(leaf).start + *member) as usize, &record);
                 *member += 1;
-                if has_fronts && cells.at(leaf).sides(simd).are_left_by(simd, keys) {
+                if cells.at(leaf).sides(simd).are_left_by(simd, keys) {
                     fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
                     *front += 1;
                 }
@@ -350,12 +310,10 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     }
 }
 
-/// How far the members of each node reach: for a leaf, its cell and its front, or where it has none, its members; for an
-/// inner node, its children.
+/// How far the members of each node reach: for a leaf, its cell and its front; for an inner node, its children.
 fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
     let leaves = 1usize << depth;
     let (cells, bags, fronts) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.fronts);
-    let (boxes, records, refined) = (parts.boxes.swept(), &*parts.tree.records, parts.state.refined != 0);
     let (inner, outer) = parts.tree.reach.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
     let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
@@ -369,10 +327,6 @@ fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor
                     *reach = own_reach(&cells.at(index));
                     for front in fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
                         extend(reach, &front.bounds.max);
-                    }
-                    let members = if refined { leaf.len as usize } else { 0 };
-                    for record in records.span(leaf.start as usize, members) {
-                        extend(reach, &boxes.at(record.slot() as usize).max);
                     }
                 }
             }

@@ -84,7 +84,8 @@ fn make_planes<I: Index>(
         .unwrap_or_default();
     let [x, y, z] = &mut parts.order;
     let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
-    let (tallies, _) = parts.tree.tally.as_chunks_mut();
+    let (tallies, _) =
+        bytemuck::try_cast_slice_mut::<Record, u32>(parts.output.scratch).unwrap_or_default().as_chunks_mut();
     let sharing = Sharing { executor: means.executor, workers: means.workers };
     for (axis, list) in lists.iter_mut().enumerate() {
         radix::sort(list, boxes, axis, room, tallies, sharing);

@@ -53,23 +53,7 @@ impl Extent {
 /// Cuts space by the planes down to `depth`: one cell a leaf. O(leaves).
 pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell]) {
     cells.put(0, Cell::ALL);
-    for level in 0..depth {
-        // From the back, so that a parent is read before its place is taken by a child.
-        for index in (0..1usize << level).rev() {
-            let parent = cells.at(index);
-            let plane = planes.at((1 << level) + index);
-            let (mut low, mut high) = (parent.low(), parent.high());
-            let axis = axis_of(plane);
-            if key_of(plane) == UNSPLIT {
-                low = [i32::MAX; 3];
-            } else {
-                high[axis] = high[axis].min(key_of(plane));
-                low[axis] = low[axis].max(key_of(plane));
-            }
-            cells.put(2 * index, Cell::new(parent.low(), high, [i32::MAX; 3]));
-            cells.put(2 * index + 1, Cell::new(low, parent.high(), [i32::MAX; 3]));
-        }
-    }
+    divide(planes, 1, depth, cells);
     for cell in cells.span_mut(0, 1 << depth) {
         let (low, high) = extent.clip(cell);
         let mut far = cell.high();
@@ -80,6 +64,27 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
             }
         }
         *cell = Cell::new(cell.low(), cell.high(), far);
+    }
+}
+
+/// Cuts the first cell, that of a node, by the planes of some levels below.
+pub(crate) fn divide(planes: &[i32], node: usize, levels: u32, cells: &mut [Cell]) {
+    for level in 0..levels {
+        // From the back, so that a parent is read before its place is taken by a child.
+        for index in (0..1usize << level).rev() {
+            let parent = cells.at(index);
+            let plane = planes.at((node << level) + index);
+            let (mut low, mut high) = (parent.low(), parent.high());
+            let axis = axis_of(plane);
+            if key_of(plane) == UNSPLIT {
+                low = [i32::MAX; 3];
+            } else {
+                high[axis] = high[axis].min(key_of(plane));
+                low[axis] = low[axis].max(key_of(plane));
+            }
+            cells.put(2 * index, Cell::new(parent.low(), high, parent.far()));
+            cells.put(2 * index + 1, Cell::new(low, parent.high(), parent.far()));
+        }
     }
 }
 

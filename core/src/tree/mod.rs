@@ -16,12 +16,14 @@ pub(crate) mod assign;
 pub(crate) mod balance;
 pub(crate) mod build;
 pub(crate) mod cells;
+pub(crate) mod refine;
 pub(crate) mod relocate;
 pub(crate) mod visit;
 
 use crate::access::Access;
 use crate::arch::{MAXIMA, MINIMA, Simd};
 use crate::key::{KeyBox, value};
+use crate::state::State;
 use bytemuck::{Pod, Zeroable};
 
 /// The plane that all minima lie below: its node is not split.
@@ -49,15 +51,31 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
     plane & !AXIS
 }
 
+/// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
+pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
+    if state.refined == 0 {
+        return leaf_of(planes, state.depth, min);
+    }
+    let levels = state.depth - state.swept_depth;
+    let whole = leaf_of(planes, state.swept_depth, min);
+    if state.is_refined(whole) { leaf_of(planes, state.depth, min) } else { whole << levels }
+}
+
 /// The leaf at `depth` whose cell holds the minimum corner.
 #[inline(always)]
 pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
     let mut node = 1usize;
     for _ in 0..depth {
-        let plane = planes.at(node);
-        node = 2 * node + usize::from(min[axis_of(plane)] >= key_of(plane));
+        node = below(planes, node, min);
     }
     node - (1 << depth)
+}
+
+/// The child of a node whose cell holds the minimum corner.
+#[inline(always)]
+fn below(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
+    let plane = planes.at(node);
+    2 * node + usize::from(min[axis_of(plane)] >= key_of(plane))
 }
 
 /// The half-open box of minimum corners that belong to a leaf; `i32::MIN` and `i32::MAX` where unbounded.
@@ -88,6 +106,11 @@ impl Cell {
 
     pub(crate) const fn high(&self) -> [i32; 3] {
         self.until.min
+    }
+
+    /// From where on a box is a large object.
+    pub(crate) const fn far(&self) -> [i32; 3] {
+        self.from.max
     }
 
     /// Whether a minimum corner is at home here.

@@ -1,7 +1,7 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
 use super::assign::extend;
-use super::{Front, leaf_of};
+use super::{Front, home_of};
 use crate::access::{Access, bits};
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
@@ -49,7 +49,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
     }
     let keys = simd.keys(&bounds);
     let stays = home != I::NONE && parts.tree.cells.at(home.at()).sides(simd).hold(simd, keys);
-    let leaf = if stays { home.at() } else { leaf_of(parts.tree.planes, parts.state.depth, &bounds.min) };
+    let leaf = if stays { home.at() } else { home_of(parts.tree.planes, parts.state, &bounds.min) };
     if parts.tree.cells.at(leaf).sides(simd).are_dwarfed_by(simd, keys) {
         withdraw(parts, slot);
         return admit_large(parts, slot, &bounds);
