@@ -142,7 +142,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, item: &T) {
+    fn prefetch<T: ?Sized>(self, item: &T) {
         // SAFETY: every CPU with AVX2 has the instruction, and the address is that of a box.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(item).cast()) }
     }
@@ -339,8 +339,7 @@ impl Simd for Avx2 {
                     (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
                     (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
                 ] {
-                    let scaled =
-                        _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
+                    let scaled = _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
                     times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
                 }
             }

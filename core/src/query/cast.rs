@@ -1,7 +1,7 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::{is_current, prefetch_item, prefetch_leaf, prefetch_members};
 use super::line::{Line, Walk};
+use super::{is_current, prefetch_item, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{EIGHT, Phase, Simd};
@@ -180,8 +180,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             while here.from <= until && here.node < first {
                 let Waiting { node, low, .. } = here;
                 let plane = parts.tree.planes.at(node as usize);
-                let ([left, right], above) =
-                    simd.enter(&walk, low, plane, &reaches.at(node as usize), until);
+                let ([left, right], above) = simd.enter(&walk, low, plane, &reaches.at(node as usize), until);
                 let left = Waiting { low, from: left, node: 2 * node };
                 let right = Waiting { low: above, from: right, node: 2 * node + 1 };
                 let swap = right.from < left.from || left.from.is_nan();
