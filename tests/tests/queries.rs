@@ -332,3 +332,42 @@ fn batches_are_the_same_under_every_executor() {
         }
     }
 }
+
+/// Calm worlds divide their leaves some in each step: answers, pairs and snapshots are right all the way, and back.
+#[test]
+fn leaves_are_divided_step_by_step() {
+    let count = 5000;
+    for setup in Setup::each(&Jobs::USUAL).into_iter().step_by(3) {
+        for margin in [None, Some(Margin::length(0.1))] {
+            let config = Config { margin, ..Config::new(ample(count, 12 * count)).with_events() };
+            let config = setup.configure(config);
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = Checked::<u32>::new(slab.world(&config));
+            let ids = world.insert_many(&scene(count, 4));
+            let rng = &mut Rng::new(8);
+            let mut leaves = Vec::new();
+            for frame in 0..10 {
+                if frame == 5 {
+                    let saved = world.save();
+                    world.load(&saved);
+                }
+                for _ in 0..frame * 2 {
+                    let id = ids[rng.below(ids.len())];
+                    let aabb = world.model().boxes()[id.slot() as usize].expect("alive");
+                    world.set(id, shifted(&aabb, rng.point(-9.0, 9.0)));
+                }
+                world.step(setup);
+                ask(&world, rng, setup);
+                leaves.push(world.world().leaves().filter(|leaf| leaf.objects > 0).count());
+            }
+            assert!(leaves[1] < leaves[3] && leaves[3] < leaves[5], "some in each step: {leaves:?}");
+            assert!(leaves[9] > 6 * leaves[1], "all in the end: {leaves:?}");
+            let mut boxes = scene(count, 4);
+            scenes::walk(&mut boxes, 1000, 1.0, rng);
+            world.step_over(&boxes, setup);
+            ask(&world, rng, setup);
+            let few = world.world().leaves().filter(|leaf| leaf.objects > 0).count();
+            assert!(few < 2 * leaves[0], "{few} after {leaves:?}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The tree to look at, and what becomes of it when many objects come or go at once.
 
-use trisap_core::{Aabb, Config, Index, Margin, Path, World};
+use trisap_core::{Aabb, Config, Index, Margin, Path, PlaneView, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Brownian, Rng, shifted};
@@ -51,6 +51,21 @@ fn look<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>]) {
                 leaf.cell.min[plane.axis] < plane.position && plane.position < leaf.cell.max[plane.axis];
             assert!(!inside || !cut, "a plane cuts a leaf: {plane:?} {leaf:?}");
         }
+    }
+    // The leaves in a plane's cell fill it: on each side of it is one of theirs.
+    for PlaneView { cell, .. } in &planes {
+        let inside = leaves
+            .iter()
+            .map(|leaf| leaf.cell)
+            .filter(|leaf| (0..3).all(|k| cell.min[k] <= leaf.min[k] && leaf.max[k] <= cell.max[k]));
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for leaf in inside {
+            for k in 0..3 {
+                low[k] = low[k].min(leaf.min[k]);
+                high[k] = high[k].max(leaf.max[k]);
+            }
+        }
+        assert_eq!((low, high), (cell.min, cell.max), "leaves fill a plane's cell");
     }
     // Every inner side of a leaf is a plane.
     for leaf in leaves.iter().filter(|leaf| leaf.objects > 0) {

@@ -142,7 +142,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, item: &T) {
+    fn prefetch<T: ?Sized>(self, item: &T) {
         // SAFETY: every CPU with AVX2 has the instruction, and the address is that of a box.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(item).cast()) }
     }

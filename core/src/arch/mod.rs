@@ -59,7 +59,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
     /// Asks for a box that is needed soon.
-    fn prefetch<T>(self, item: &T);
+    fn prefetch<T: ?Sized>(self, item: &T);
 
     /// Whether all keys are the same.
     fn same(self, a: Self::Keys, b: Self::Keys) -> bool;

@@ -54,7 +54,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, _: &T) {}
+    fn prefetch<T: ?Sized>(self, _: &T) {}
 
     #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {

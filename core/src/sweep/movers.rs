@@ -34,57 +34,103 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { grove, moved, movers, ends, leaves, scratch, sink } = self;
         let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
+        let mut near = Near { grove, movers, visits: [(0, 0, 0); TOGETHER], count: 0, tested: 0 };
         let mut start = leaves.start.checked_sub(1).map_or(0, |before| ends.at(before));
-        let mut tested = 0;
         for &end in ends.span(leaves.start, leaves.len()) {
             if end > start {
-                let movers = movers.span(start as usize, (end - start) as usize);
-                tested += test(simd, grove, movers, &mut report);
+                near.visit(simd, start, end, &mut report);
             }
             start = end;
         }
+        near.test(simd, &mut report);
         report.flush();
-        scratch.bench.tested += tested;
+        scratch.bench.tested += near.tested as u64;
     }
 }
 
-/// Tests movers that are near each other against all members of the leaves around. Returns how many boxes it looked at.
-#[inline(always)]
-fn test<S: Simd, I: Index>(simd: S, grove: &Grove<'_>, movers: &[I], report: &mut Report<'_, '_, I>) -> u64 {
-    let mut around = KeyBox::EMPTY;
-    for mover in movers {
-        let bounds = grove.boxes.at(mover.at());
-        for k in 0..3 {
-            around.min[k] = around.min[k].min(bounds.min[k]);
-            around.max[k] = around.max[k].max(bounds.max[k]);
+/// Leaves that are asked for before the first of them is looked at: they are anywhere in memory.
+const TOGETHER: usize = 16;
+/// Lines of records that are asked for; the processor sees for itself that the others follow.
+const LINES: usize = 12;
+/// How many movers ahead boxes are asked for.
+const AHEAD: usize = 8;
+
+/// Leaves, and the movers that are near them.
+struct Near<'n, 'g, I> {
+    grove: &'n Grove<'g>,
+    movers: &'n [I],
+    /// The leaf, and where its movers start and end.
+    visits: [(usize, u32, u32); TOGETHER],
+    count: usize,
+    /// How many boxes were looked at.
+    tested: usize,
+}
+
+impl<I: Index> Near<'_, '_, I> {
+    /// Has movers that are near each other tested against all members of the leaves around.
+    #[inline(always)]
+    fn visit<S: Simd>(&mut self, simd: S, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
+        let grove = self.grove;
+        let movers = self.movers.span(start as usize, (end - start) as usize);
+        for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
+            simd.prefetch(KeyBox::of(grove.boxes, ahead.at()));
         }
-    }
-    let mut tested = 0;
-    let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
-    while let Some(index) = visit.next() {
-        let leaf = grove.leaves.at(index);
-        let members = grove.members(&leaf);
-        let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
-        let reach = grove.reach.at((1 << grove.depth) + index);
-        let region = KeyBox { min: cell.low(), max: reach };
+        let mut around = KeyBox::EMPTY;
         for mover in movers {
             let bounds = grove.boxes.at(mover.at());
-            if region.overlaps(&bounds) {
-                tested += members.len();
-                scan(simd, members, &frame, mover.slot(), &bounds, report);
+            for k in 0..3 {
+                around.min[k] = around.min[k].min(bounds.min[k]);
+                around.max[k] = around.max[k].max(bounds.max[k]);
+            }
+            self.tested += grove.large.len();
+            for large in grove.large {
+                if large.bounds.overlaps(&bounds) {
+                    report.pair(mover.slot(), large.slot);
+                }
+            }
+        }
+        let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
+        while let Some(index) = visit.next() {
+            if let (Some(leaf), Some(cell), Some(frame)) =
+                (grove.leaves.get(index), grove.cells.get(index), grove.frames.get(index))
+            {
+                simd.prefetch(leaf);
+                simd.prefetch(cell);
+                simd.prefetch(frame);
+            }
+            self.visits.put(self.count, (index, start, end));
+            self.count += 1;
+            if self.count == TOGETHER {
+                self.test(simd, report);
             }
         }
     }
-    for mover in movers {
-        let bounds = grove.boxes.at(mover.at());
-        tested += grove.large.len();
-        for large in grove.large {
-            if large.bounds.overlaps(&bounds) {
-                report.pair(mover.slot(), large.slot);
+
+    /// Tests what is collected.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
+        let grove = self.grove;
+        for &(index, ..) in self.visits.span(0, self.count) {
+            let members = grove.members(&grove.leaves.at(index));
+            for line in members.chunks(4).take(LINES) {
+                simd.prefetch(line);
             }
         }
+        for &(index, start, end) in self.visits.span(0, self.count) {
+            let members = grove.members(&grove.leaves.at(index));
+            let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
+            let reach = grove.reach.at((1 << grove.depth) + index);
+            let region = KeyBox { min: cell.low(), max: reach };
+            for mover in self.movers.span(start as usize, (end - start) as usize) {
+                let bounds = grove.boxes.at(mover.at());
+                if region.overlaps(&bounds) {
+                    self.tested += members.len();
+                    scan(simd, members, &frame, mover.slot(), &bounds, report);
+                }
+            }
+        }
+        self.count = 0;
     }
-    tested as u64
 }
 
 /// Tests one mover against all members of a leaf.
