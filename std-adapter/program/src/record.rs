@@ -17,7 +17,7 @@ pub(crate) fn record(args: &RecordArgs) -> Result<Outcome> {
     use crate::{progress, split};
     use trisap::scene::Setup;
 
-    let (bodies, splits) = split::bodies(args.n)?;
+    let (bodies, splits) = split::bodies(args.n, split::MOST_BODIES)?;
     let setup =
         Setup { kind: args.scene.into(), objects: args.objects.into(), count: bodies, seed: args.seed };
     let bar = progress::bar(args.skip.saturating_add(args.frames), "simulating");

@@ -6,8 +6,8 @@
 use anyhow::{Result, bail};
 use trisap::Aabb;
 
-/// The most bodies that are simulated.
-const MOST_BODIES: u32 = 32_000;
+/// The most bodies that `trisap record` simulates.
+pub(crate) const MOST_BODIES: u32 = 32_000;
 
 /// A box as an engine moves it.
 #[derive(Clone, Copy, Debug)]
@@ -19,14 +19,14 @@ pub(crate) struct Pose {
     pub(crate) axes: [[f32; 3]; 3],
 }
 
-/// How many bodies to simulate for `count` boxes, and how often to split them.
-pub(crate) fn bodies(count: u32) -> Result<(u32, u32)> {
+/// How many bodies to simulate for `count` boxes, at most `most`, and how often to split them.
+pub(crate) fn bodies(count: u32, most: u32) -> Result<(u32, u32)> {
     let (mut bodies, mut splits) = (count, 0);
-    while bodies > MOST_BODIES {
+    while bodies > most {
         if !bodies.is_multiple_of(8) {
             let unit = 8_u32.pow(splits + 1);
             bail!(
-                "{count} boxes cannot come from splitting at most {MOST_BODIES} bodies into 8 boxes each; \
+                "{count} boxes cannot come from splitting at most {most} bodies into 8 boxes each; \
                  take a multiple of {unit}, such as {}",
                 count / unit * unit
             );
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn as_few_splits_as_possible() {
-        let good = |count| bodies(count).expect("can be split");
+        let good = |count| bodies(count, MOST_BODIES).expect("can be split");
         assert_eq!(
             [1, 32_000, 128_000, 256_000, 1_024_000].map(good),
             [(1, 0), (32_000, 0), (16_000, 1), (32_000, 1), (16_000, 2)]
@@ -81,7 +81,7 @@ mod tests {
         for (count, advice) in
             [(32_001, "a multiple of 8, such as 32000"), (256_008, "a multiple of 64, such as 256000")]
         {
-            let message = bodies(count).expect_err("no multiple").to_string();
+            let message = bodies(count, MOST_BODIES).expect_err("no multiple").to_string();
             assert!(message.contains(advice), "{message}");
         }
     }

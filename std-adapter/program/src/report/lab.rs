@@ -55,7 +55,9 @@ impl Lab {
     /// Where the boxes of [`scene`](Self::scene) come from.
     pub(super) fn origin(&self) -> &'static str {
         if self.plan.recorded {
-            "The scenes are recorded rigid-body simulations."
+            "The scenes are recorded rigid-body simulations of at most 8,000 bodies. Scenes with more boxes are those of fewer \
+             bodies, each of which is made of 8 boxes, or of 64 or 512: these move as one, and neighbours among them touch in \
+             every frame."
         } else if cfg!(feature = "record") {
             "The scenes are synthetic: their boxes move without a physics engine and pass through each other. The whole \
              report has recorded simulations."

@@ -71,7 +71,7 @@ fn sections(lab: &Lab) -> Result<Vec<Section>> {
     Ok(vec![
         margins::margins(lab)?,
         scaling::scaling(lab, &sizes),
-        paper::paper(&sizes),
+        paper::paper(lab, &sizes),
         movers::movers(lab)?,
         parts::parts(lab)?,
         threads::threads(lab)?,

@@ -1,11 +1,12 @@
 //! The paper's Fig. 6, Table 1 and Table 2, with our figures beside the printed ones.
 
+use super::lab::Lab;
 use super::printed;
 use super::result::{Axis, Figure, Section, Series, Table, Value, milliseconds};
 use super::sizes::Size;
 use trisap::scene::{Kind, Objects};
 
-pub(super) fn paper(sizes: &[Size]) -> Section {
+pub(super) fn paper(lab: &Lab, sizes: &[Size]) -> Section {
     let mut section = Section {
         id: "paper",
         title: "The paper's Table 1, Table 2 and Fig. 6 beside ours",
@@ -17,6 +18,7 @@ pub(super) fn paper(sizes: &[Size]) -> Section {
             "The collision ratio (Fig. 6) is the number of pairs divided by the number of objects. All methods that are exact \
              have the same. The paper shows it as a picture, without numbers that could stand here."
                 .into(),
+            lab.origin().into(),
         ],
         ..Section::default()
     };

@@ -11,17 +11,19 @@ use trisap::{Config, Margin, Mode};
 const MARGIN: f32 = 0.05;
 
 /// The parts, each with what it is compared with.
-const PARTS: [(&str, usize); 5] = [
+const PARTS: [(&str, usize); 6] = [
     ("exact pairs alone", 0),
     ("+ events", 0),
+    ("+ filters (that let all pairs through)", 0),
     ("+ margins (fat mode)", 0),
-    ("+ exact filter (exact mode with margins)", 2),
+    ("+ exact test (exact mode with margins)", 3),
     ("+ room for a second worker", 0),
 ];
 
 fn configs(plain: Config) -> [Config; PARTS.len()] {
     let margin = plain.with_margin(Margin::share(MARGIN));
-    [plain, plain.with_events(), margin.with_mode(Mode::Fat), margin, plain.with_workers(2)]
+    let fat = margin.with_mode(Mode::Fat);
+    [plain, plain.with_events(), plain.with_filters(), fat, margin, plain.with_workers(2)]
 }
 
 pub(super) fn parts(lab: &Lab) -> Result<Section> {

@@ -15,6 +15,9 @@ use trisap::scene::{Kind, Objects, Setup};
 /// With more boxes than this half of the frames are recorded, which saves a gigabyte.
 const ALL_FRAMES: u32 = 256_000;
 
+/// The most bodies that the report simulates: more would take longer than all that is measured.
+pub(super) const MOST_BODIES: u32 = 8000;
+
 /// A simulation and what is to be recorded of it.
 struct Job {
     /// Of the bodies, before they are split.
@@ -25,7 +28,7 @@ struct Job {
 impl Lab {
     /// The recording of a scene, once it has been made.
     pub(super) fn recorded(&self, setup: Setup) -> Result<Clip> {
-        let path = self.file(&setup);
+        let path = self.file(&setup)?;
         let recording = Recording::open(&path).with_context(|| path.display().to_string())?;
         Ok(Clip::recorded(&recording))
     }
@@ -49,8 +52,8 @@ impl Lab {
             for kind in Kind::ALL {
                 let mut families: BTreeMap<u32, Vec<Output>> = BTreeMap::new();
                 for &count in sizes.iter().chain([&self.plan.objects]) {
-                    let (bodies, splits) = split::bodies(count)?;
-                    let path = self.file(&self.setup(kind, objects, count));
+                    let (bodies, splits) = split::bodies(count, MOST_BODIES)?;
+                    let path = self.file(&self.setup(kind, objects, count))?;
                     let family = families.entry(bodies).or_default();
                     if !path.exists() && family.iter().all(|output| output.path != path) {
                         family.push(Output { path, splits, frames: self.frames(count) });
@@ -79,10 +82,12 @@ impl Lab {
         Ok(())
     }
 
-    fn file(&self, setup: &Setup) -> PathBuf {
+    fn file(&self, setup: &Setup) -> Result<PathBuf> {
+        let (bodies, _) = split::bodies(setup.count, MOST_BODIES)?;
         let [kind, objects] = [setup.kind.name(), setup.objects.name()].map(str::to_lowercase);
         let (skip, frames) = (self.plan.skip, self.frames(setup.count));
-        self.recordings.join(format!("{kind}_{objects}_{}_{skip}_{frames}.aabbs", setup.count))
+        let name = format!("{kind}_{objects}_{}_of_{bodies}_{skip}_{frames}.aabbs", setup.count);
+        Ok(self.recordings.join(name))
     }
 
     fn frames(&self, count: u32) -> u32 {
