@@ -29,30 +29,38 @@ impl Objects<'_> {
         self.note_change(at);
     }
 
-    /// A new box. Returns whether the object crept: its box changed inside the fat box, which then stays.
-    #[inline(always)]
+    /// A new box. Returns whether the object crept.
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) -> bool {
-        bounds != self.now.at(at) && self.change(at, bounds)
-    }
-
-    /// A box that differs from the old one.
-    #[inline(always)]
-    pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) -> bool {
-        self.now.put(at, bounds);
-        if !self.has_margins() {
-            self.note_change(at);
-            bits::set(self.moved, at);
+        if bounds == self.now.at(at) {
             return false;
         }
-        if self.mode == Mode::Exact {
-            self.note_change(at);
+        self.now.put(at, bounds);
+        self.follow(at / 32, 1 << (at % 32))
+    }
+
+    /// Notes that some objects of a word of the bit sets have other boxes now. Returns whether one of them crept: its box
+    /// changed inside the fat box, which then stays.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, word: usize, changed: u32) -> bool {
+        let mut moved = changed;
+        if self.has_margins() {
+            for bit in bits::ones(&[changed]) {
+                let at = word * 32 + bit;
+                let bounds = self.now.at(at);
+                if self.fat.at(at).contains(&bounds) {
+                    moved &= !(1 << bit);
+                } else {
+                    self.fat.put(at, bounds.grown(self.margins.at(at)));
+                }
+            }
         }
-        let anchor = self.fat.at(at);
-        if anchor.contains(&bounds) {
-            return true;
+        let reported = if self.mode == Mode::Exact { changed } else { moved };
+        for (words, bits) in [(&mut *self.moved, moved), (self.changed, reported)] {
+            if let Some(word) = words.get_mut(word) {
+                *word |= bits;
+            }
         }
-        self.anchor(at, bounds);
-        false
+        moved != changed
     }
 
     /// Anchors the fat box at the current box anew, as after a move.

@@ -26,7 +26,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0001;
+const MAGIC: u64 = 0x7472_6973_6170_0002;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -138,6 +138,7 @@ macro_rules! walk {
         $each($bytes!($parts.order[0].$span(0, listed)));
         $each($bytes!($parts.order[1].$span(0, listed)));
         $each($bytes!($parts.order[2].$span(0, listed)));
+        $each($bytes!($parts.output.planes.$span(0, $parts.output.planes.len())));
         $each($bytes!($parts.home.$span(0, some($parts.home.len(), slots))));
         $each($bytes!($parts.place.$span(0, some($parts.place.len(), slots))));
         $each($bytes!($parts.tree.planes.$span(0, leaves)));
@@ -189,7 +190,8 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && state.slots as usize <= sizes.objects
         && state.free <= state.slots
         && (state.stale_lists != 0 || state.listed <= state.slots)
-        && state.list_axis < 3;
+        && state.list_axis < 3
+        && state.strip_axis < 3;
     let tree = state.depth <= sizes.depth
         && state.swept_depth <= sizes.depth
         && state.planted as usize <= sizes.tree
@@ -221,6 +223,7 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     for marks in [&*parts.moved, parts.resting, parts.changed, parts.awake, parts.filters.changed] {
         good &= bits::ones(marks).all(|slot| slot < slots);
     }
+    good &= parts.output.planes.iter().all(|planes| planes.is_sorted());
     good &= parts.tree.leaves.iter().all(|leaf| leaf.settled as usize <= slots);
     if state.filled == 0 {
         return good;

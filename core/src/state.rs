@@ -151,7 +151,7 @@ pub(crate) struct State {
     tied: u64,
 }
 
-const MAGIC: u32 = 0x7452_0001;
+const MAGIC: u32 = 0x7452_0002;
 
 impl Default for State {
     fn default() -> Self {

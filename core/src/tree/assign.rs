@@ -389,6 +389,7 @@ pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
         census.extent.include(&bounds.min);
         census.coarse |= bounds.is_narrow() && bounds.is_coarse();
     }
+    census.extent.make_finite();
     census
 }
 
