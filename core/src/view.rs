@@ -45,7 +45,7 @@ impl<I: Index> World<'_, I> {
     pub fn planes(&self) -> impl Iterator<Item = PlaneView> + '_ {
         let planes = &*self.parts.tree.planes;
         (1..self.leaf_count()).filter(|&node| key_of(planes.at(node)) != UNSPLIT).map(|node| {
-            let depth = node.ilog2();
+            let depth = usize::BITS - 1 - node.leading_zeros();
             let mut cell = KeyBox { min: [i32::MIN; 3], max: [i32::MAX; 3] };
             for level in (0..depth).rev() {
                 let plane = planes.at(node >> (level + 1));
