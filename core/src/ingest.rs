@@ -8,7 +8,7 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
-use crate::objects::{Motions, Objects};
+use crate::objects::{FatBoxes, Motions, Objects};
 use crate::storage::Parts;
 
 /// What the pass found in a block of slots, or in all.
@@ -36,8 +36,8 @@ pub(crate) fn ingest<I: Index>(
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let (moved, changed) = (&mut *parts.moved, &mut *parts.changed);
-        let told = Motions::default();
-        let objects = Objects { now, fat, margins, moved, changed, mode, fixed_margins, told };
+        let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
+        let objects = Objects { now, fat, moved, changed, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
@@ -57,8 +57,8 @@ pub(crate) fn ingest<I: Index>(
         while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let told = Motions::default();
-            let objects = Objects { now, fat, margins, moved, changed, mode, fixed_margins, told };
+            let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
+            let objects = Objects { now, fat, moved, changed, mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
         }
@@ -90,43 +90,49 @@ impl Phase for IngestBlock<'_, '_> {
     fn run<S: Simd>(self, simd: S) -> Intake {
         let Self { first, bounds, mut objects, resting } = self;
         let mut intake = Intake::default();
-        let slots = objects.now.len();
-        if resting.is_empty() {
-            take_in(simd, first, bounds, &mut objects, 0..slots, 0, &mut intake);
-            intake.told = objects.told;
-            return intake;
-        }
-        for (word, &resting) in resting.iter().take(slots.div_ceil(32)).enumerate() {
+        for word in 0..objects.now.len().div_ceil(32) {
+            let resting = resting.get(word).copied().unwrap_or_default();
             if resting != u32::MAX {
-                let slots = word * 32..slots.min(word * 32 + 32);
-                take_in(simd, first, bounds, &mut objects, slots, resting, &mut intake);
+                take_in(simd, first, bounds, &mut objects, word, resting, &mut intake);
             }
         }
-        intake.told = objects.told;
+        intake.told = objects.fat.told;
         intake
     }
 }
 
-/// Takes in the boxes of some slots, but for those whose bit is set in `resting`: bit `k` is every 32nd slot's.
+/// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`.
 #[inline(always)]
 fn take_in<S: Simd>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
     objects: &mut Objects<'_>,
-    slots: core::ops::Range<usize>,
+    word: usize,
     resting: u32,
     intake: &mut Intake,
 ) {
-    for at in slots {
-        let old = objects.now.at(at);
-        if old.is_empty() || resting >> (at % 32) & 1 != 0 {
+    let Objects { now, fat, .. } = objects;
+    let end = now.len().min(word * 32 + 32);
+    let now = now.get_mut(word * 32..end).unwrap_or_default();
+    // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
+    // shifted in, since it has few registers.
+    let (mut changed, mut held, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
+    for (slot, old) in (first + word * 32..).zip(now) {
+        let skipped = resting & 1 != 0 || old.is_empty();
+        (changed, resting) = (changed >> 1, resting >> 1);
+        if skipped {
             continue;
         }
-        let slot = first + at;
         match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
-            Some(keys) if simd.same(keys, simd.keys(&old)) => {}
-            Some(keys) => objects.change(at, simd.bounds(keys)),
+            Some(keys) if simd.same(keys, simd.keys(old)) => {}
+            Some(keys) => {
+                let bounds = simd.bounds(keys);
+                let at = slot - first;
+                held |= u32::from(fat.hold(at, old, &bounds)) << (at % 32);
+                *old = bounds;
+                changed |= 1 << 31;
+            }
             None => {
                 if intake.rejected == 0 {
                     intake.first_rejected = slot as u32;
@@ -135,4 +141,5 @@ fn take_in<S: Simd>(
             }
         }
     }
+    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), held);
 }

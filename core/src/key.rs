@@ -10,22 +10,24 @@ use bytemuck::{Pod, Zeroable};
 /// The key of +infinity, the largest that a box can hold.
 pub(crate) const POSITIVE_INFINITY: i32 = 0x7f80_0000;
 /// The key of -infinity, the smallest.
-pub(crate) const NEGATIVE_INFINITY: i32 = i32::MIN + 0x7f_ffff;
-/// What -0.0 would map to without care.
-const NEGATIVE_ZERO: i32 = -1;
+pub(crate) const NEGATIVE_INFINITY: i32 = -POSITIVE_INFINITY;
 
 /// The key of a float: `key(a) < key(b)` exactly if `a < b`. NaN maps beyond the infinities.
 #[inline(always)]
 pub(crate) const fn key(x: f32) -> i32 {
-    let bits = x.to_bits() as i32;
-    let key = bits ^ (((bits >> 31) as u32) >> 1) as i32;
-    key - (key == NEGATIVE_ZERO) as i32 * NEGATIVE_ZERO
+    mirrored(x.to_bits() as i32)
 }
 
 /// The float of a key.
 #[inline(always)]
 pub(crate) const fn value(key: i32) -> f32 {
-    f32::from_bits((key ^ (((key >> 31) as u32) >> 1) as i32) as u32)
+    f32::from_bits(mirrored(key) as u32)
+}
+
+/// From sign and magnitude to two's complement, and back: -0.0 and 0.0 are both zero.
+#[inline(always)]
+const fn mirrored(bits: i32) -> i32 {
+    if bits < 0 { i32::MIN.wrapping_sub(bits) } else { bits }
 }
 
 /// Lengths below this (2^-100) count as zero: so near to the denormals, hosts that flush them to zero would compute
@@ -94,11 +96,11 @@ impl KeyBox {
     /// Whether these are the keys of a box.
     #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
-        // One comparison with each infinity, as large constants cost a small processor as much as the comparison.
-        let least = self.min[0].min(self.min[1]).min(self.min[2]);
-        let most = self.max[0].max(self.max[1]).max(self.max[2]);
-        let bounded = least >= NEGATIVE_INFINITY && most <= POSITIVE_INFINITY;
-        bounded && on_all_axes(|k| self.min[k] <= self.max[k])
+        // The infinities are constants that a small processor's compare can hold, if it asks for more or less than them.
+        let wrong = |k: usize| {
+            self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
+        };
+        !(wrong(0) || wrong(1) || wrong(2))
     }
 
     pub(crate) fn to_aabb(self) -> Aabb {

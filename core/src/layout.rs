@@ -10,7 +10,7 @@ use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::state::State;
 use crate::sweep::scratch;
-use crate::sweep::small::{Member, strip_slots};
+use crate::sweep::strips::{Member, Planes};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// The memory that a world needs.
@@ -87,7 +87,7 @@ pub(crate) struct Sizes {
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects of a small world whose boxes are copied in their order before they are swept.
+    /// Objects of a world that is swept in strips.
     pub(crate) members: usize,
     /// Records in one worker's scratch.
     pub(crate) bag: usize,
@@ -148,6 +148,11 @@ impl Sizes {
         if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth - FINER) } else { 0 }
     }
 
+    /// Whether the world is swept in strips, as a count.
+    pub(crate) const fn striped(&self) -> usize {
+        (self.members > 0) as usize
+    }
+
     const fn bytes<I: Index>(&self) -> Option<usize> {
         let objects = self.objects;
         let mut plan = Plan::new();
@@ -178,7 +183,7 @@ impl Sizes {
         plan.add::<Pair<I>>(self.staged * CHUNK);
         plan.add::<[u32; 3]>(self.staged);
         plan.add::<Member>(self.members);
-        plan.add::<I>(strip_slots(self.members));
+        plan.add::<Planes>(self.striped());
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
         plan.bytes
     }

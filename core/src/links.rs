@@ -15,7 +15,7 @@ use crate::sort::heapsort;
 use crate::storage::Parts;
 
 /// Overtakings per object beyond which a radix sort is cheaper.
-const INVERSIONS_PER_OBJECT: usize = 4;
+pub(crate) const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
 #[inline(always)]

@@ -7,11 +7,16 @@ use crate::key::KeyBox;
 /// The arrays of some consecutive slots; positions count from the first of them.
 pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
-    pub(crate) fat: &'o mut [KeyBox],
-    pub(crate) margins: &'o [f32],
+    pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: &'o mut [u32],
     pub(crate) changed: &'o mut [u32],
     pub(crate) mode: Mode,
+}
+
+/// The fat boxes of some consecutive slots; none in a world without margins.
+pub(crate) struct FatBoxes<'o> {
+    pub(crate) boxes: &'o mut [KeyBox],
+    pub(crate) margins: &'o [f32],
     pub(crate) fixed_margins: bool,
     pub(crate) told: Motions,
 }
@@ -25,57 +30,62 @@ pub(crate) struct Motions {
     pub(crate) outran: u32,
 }
 
+impl FatBoxes<'_> {
+    /// Follows an object from one box to another one. Returns whether it stays in its fat box, as no object without a
+    /// margin does.
+    #[inline(always)]
+    pub(crate) fn hold(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        if self.boxes.is_empty() {
+            return false;
+        }
+        let (fat, margin) = (self.boxes.at(at), self.margins.at(at));
+        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
+            self.told.crept = true;
+            return true;
+        }
+        // The last box says how fast the object is: a margin around it would not have held this one either.
+        let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
+        self.told.outran += u32::from(outran);
+        self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
+        false
+    }
+}
+
 impl Objects<'_> {
     fn has_margins(&self) -> bool {
-        !self.fat.is_empty()
+        !self.fat.boxes.is_empty()
     }
 
     /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before.
     pub(crate) fn enter(&mut self, at: usize, bounds: KeyBox) {
         self.now.put(at, bounds);
         if self.has_margins() {
-            self.fat.put(at, bounds.grown(self.margins.at(at)));
+            self.fat.boxes.put(at, bounds.grown(self.fat.margins.at(at)));
         }
         bits::set(self.moved, at);
         self.note_change(at);
     }
 
     /// A new box.
-    #[inline(always)]
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
-        if bounds != self.now.at(at) {
-            self.change(at, bounds);
-        }
-    }
-
-    /// A box that differs from the old one.
-    #[inline(always)]
-    pub(crate) fn change(&mut self, at: usize, bounds: KeyBox) {
-        if self.has_margins() {
-            return self.follow(at, bounds);
-        }
-        self.now.put(at, bounds);
-        self.note_change(at);
-        bits::set(self.moved, at);
-    }
-
-    /// The same, with the fat box around it.
-    #[inline(always)]
-    fn follow(&mut self, at: usize, bounds: KeyBox) {
         let old = self.now.at(at);
-        self.now.put(at, bounds);
-        if self.mode == Mode::Exact {
-            self.note_change(at);
+        if bounds != old {
+            self.now.put(at, bounds);
+            let held = self.fat.hold(at, &old, &bounds);
+            self.note(at / 32, 1 << (at % 32), u32::from(held) << (at % 32));
         }
-        let (fat, margin) = (self.fat.at(at), self.margins.at(at));
-        if fat.contains(&bounds) && (self.fixed_margins || !fat.dwarfs(&bounds, margin)) {
-            self.told.crept = true;
-            return;
+    }
+
+    /// Notes that some objects of a word of the bit sets have other boxes now, and that fat boxes have held some of them.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, word: usize, changed: u32, held: u32) {
+        let moved = changed & !held;
+        let reported = if self.mode == Mode::Exact { changed } else { moved };
+        for (words, bits) in [(&mut *self.moved, moved), (self.changed, reported)] {
+            if let Some(word) = words.get_mut(word) {
+                *word |= bits;
+            }
         }
-        // The last box says how fast the object is: a margin around it would not have held this one either.
-        let outran = !self.fixed_margins && !old.grown(margin).contains(&bounds);
-        self.told.outran += u32::from(outran);
-        self.anchor(at, bounds, if outran { 0.0 } else { margin });
     }
 
     /// Anchors the fat box at the current box anew, as after a move.
@@ -83,7 +93,7 @@ impl Objects<'_> {
         if self.mode == Mode::Fat {
             self.note_change(at);
         }
-        self.fat.put(at, bounds.grown(margin));
+        self.fat.boxes.put(at, bounds.grown(margin));
         bits::set(self.moved, at);
     }
 
@@ -92,7 +102,7 @@ impl Objects<'_> {
         self.note_change(at);
         self.now.put(at, KeyBox::free(next));
         if self.has_margins() {
-            self.fat.put(at, KeyBox::EMPTY);
+            self.fat.boxes.put(at, KeyBox::EMPTY);
         }
         bits::set(self.moved, at);
     }

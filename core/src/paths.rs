@@ -20,6 +20,7 @@ use crate::sweep::list::SweepList;
 use crate::sweep::movers::SweepMovers;
 use crate::sweep::scratch::Work;
 use crate::sweep::small;
+use crate::sweep::strips::Striped;
 use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
 use crate::tree::refine::{Refine, coarsen};
@@ -132,13 +133,24 @@ fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
     let boxes = boxes.swept();
-    let coarse = choose_axes(order[0], state, boxes);
-    let (axis, across) = (state.list_axis as usize, state.strip_axis as usize);
-    let order = repair_list(order, axis, state, boxes, &mut []);
-    means.executor.enter(Stage::Sweep);
-    let room = small::Room { members: output.members, strips: output.strips };
+    let coarse = choose_axes(order[0].span(0, state.live as usize), state, boxes);
+    let axis = state.list_axis as usize;
+    let order = list_of(order, axis, state);
     let gate = Gate::new(&parts.filters, means.rule);
-    let found = small::sweep(order, boxes, [axis, across], room, gate, output.pairs);
+    let found = if let Some(planes) = output.planes.first_mut() {
+        let axes = [axis, state.strip_axis as usize];
+        let mut striped = Striped { order, boxes, axes, planes, members: output.members };
+        if coarse.is_some() {
+            striped.divide();
+        }
+        striped.arrange();
+        means.executor.enter(Stage::Sweep);
+        striped.sweep(gate, output.pairs)
+    } else {
+        links::repair(order, boxes, axis, &mut []);
+        means.executor.enter(Stage::Sweep);
+        small::sweep(order, boxes, axis, gate, output.pairs)
+    };
     let work = Work { candidates: found.candidates as u64, ..Work::default() };
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
@@ -200,36 +212,29 @@ fn sort_list<'o, I: Index>(
     boxes: &[KeyBox],
     spare: &mut [u32],
 ) -> Sorted<'o, I> {
-    let census = survey(order[0], state, boxes);
+    let census = survey(order[0].span(0, state.live as usize), state, boxes);
     let axis = state.list_axis as usize;
-    Sorted { order: repair_list(order, axis, state, boxes, spare), axis, census }
+    let order = list_of(order, axis, state);
+    links::repair(order, boxes, axis, spare);
+    Sorted { order, axis, census }
 }
 
 /// Looks at all boxes and chooses the axis of the list.
 fn survey<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Census {
-    let slots = slots.span(0, state.live as usize);
     let census = assign::survey(slots.iter().filter_map(|slot| boxes.get(slot.at())));
     state.list_axis = longest_axis(&census.extent, state.list_axis as usize) as u32;
     census
 }
 
-/// Puts the list of an axis in order.
-fn repair_list<'o, I: Index>(
-    order: &'o mut [&mut [I]; 3],
-    axis: usize,
-    state: &State,
-    boxes: &[KeyBox],
-    spare: &mut [u32],
-) -> &'o [I] {
+/// The list of an axis.
+fn list_of<'o, I: Index>(order: &'o mut [&mut [I]; 3], axis: usize, state: &State) -> &'o mut [I] {
     let [x, y, z] = order;
-    let order = match axis {
+    match axis {
         0 => x,
         1 => y,
         _ => z,
     }
-    .span_mut(0, state.live as usize);
-    links::repair(order, boxes, axis, spare);
-    order
+    .span_mut(0, state.live as usize)
 }
 
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.

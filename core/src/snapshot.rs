@@ -139,6 +139,7 @@ macro_rules! walk {
         $each($bytes!($parts.order[0].$span(0, listed)));
         $each($bytes!($parts.order[1].$span(0, listed)));
         $each($bytes!($parts.order[2].$span(0, listed)));
+        $each($bytes!($parts.output.planes.$span(0, $parts.output.planes.len())));
         $each($bytes!($parts.home.$span(0, some($parts.home.len(), slots))));
         $each($bytes!($parts.place.$span(0, some($parts.place.len(), slots))));
         $each($bytes!($parts.tree.planes.$span(0, leaves)));
@@ -190,7 +191,8 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && state.slots as usize <= sizes.objects
         && state.free <= state.slots
         && (state.stale_lists != 0 || state.listed <= state.slots)
-        && state.list_axis < 3;
+        && state.list_axis < 3
+        && state.strip_axis < 3;
     let tree = state.depth <= sizes.depth
         && (state.refined == 0
             || u64::from(state.swept_depth) + u64::from(FINER) == u64::from(state.depth)
@@ -224,6 +226,7 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     for marks in [&*parts.moved, parts.resting, parts.changed, parts.awake, parts.filters.changed] {
         good &= bits::ones(marks).all(|slot| slot < slots);
     }
+    good &= parts.output.planes.iter().all(|planes| planes.is_sorted());
     good &= parts.tree.leaves.iter().all(|leaf| leaf.settled as usize <= slots);
     if state.filled == 0 {
         return good;

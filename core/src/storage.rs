@@ -7,10 +7,10 @@ use crate::filter::Filter;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
-use crate::objects::{Motions, Objects};
+use crate::objects::{FatBoxes, Motions, Objects};
 use crate::state::State;
 use crate::sweep::scratch;
-use crate::sweep::small::{Member, strip_slots};
+use crate::sweep::strips::{Member, Planes};
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
@@ -107,9 +107,9 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a small world: what it is swept in.
+    /// In a world that is swept in strips: the room for that, and where the strips begin.
     pub(crate) members: &'m mut [Member],
-    pub(crate) strips: &'m mut [I],
+    pub(crate) planes: &'m mut [Planes],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -178,7 +178,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
                 members: slab.take(sizes.members)?,
-                strips: slab.take(strip_slots(sizes.members))?,
+                planes: slab.take(sizes.striped())?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
             },
             sizes,
@@ -220,6 +220,7 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.frames.fill(Frame::default());
         tree.leaves.fill(Leaf::default());
         tree.reach.fill([0; 3]);
+        self.output.planes.fill(Planes::default());
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);
         }
@@ -244,15 +245,18 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// What all slots' arrays say about one object.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
+        let fat = FatBoxes {
+            boxes: self.boxes.fat,
+            margins: self.boxes.margins,
+            fixed_margins: self.state.has_fixed_margins(),
+            told: Motions::default(),
+        };
         Objects {
             now: self.boxes.now,
-            fat: self.boxes.fat,
-            margins: self.boxes.margins,
+            fat,
             moved: self.moved,
             changed: self.changed,
             mode: self.state.mode(),
-            fixed_margins: self.state.has_fixed_margins(),
-            told: Motions::default(),
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::links;
 use crate::resting::is_clear_of;
 use crate::state::Path;
 use crate::storage::Parts;
+use crate::sweep::strips;
 use crate::tree::cells::cut;
 use crate::tree::{Cell, home_of};
 use crate::world::World;
@@ -104,7 +105,15 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let axis = parts.state.list_axis as usize;
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
         for (at, two) in order.windows(2).enumerate() {
-            let ascends = links::precedes(parts.boxes.swept(), axis, two.at(0), two.at(1));
+            let boxes = parts.boxes.swept();
+            let ascends = match parts.output.planes.first() {
+                Some(planes) => {
+                    let axes = [axis, parts.state.strip_axis as usize];
+                    let place = |slot: I| strips::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
+                    place(two.at(0)) < place(two.at(1))
+                }
+                None => links::precedes(boxes, axis, two.at(0), two.at(1)),
+            };
             check(ascends, "the swept list is not in order", at)?;
         }
     }

@@ -47,12 +47,14 @@ impl<I: Index> World<'_, I> {
         let state = &*self.parts.state;
         let divides = move |node: usize| {
             // The planes in a leaf that is still whole divide nothing yet.
-            let levels = node.ilog2().checked_sub(state.swept_depth).filter(|_| state.refined != 0);
+            let levels = (usize::BITS - 1 - node.leading_zeros())
+                .checked_sub(state.swept_depth)
+                .filter(|_| state.refined != 0);
             let whole = |levels| !state.is_refined((node >> levels) - (1 << state.swept_depth));
             key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
         };
         (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {
-            let depth = node.ilog2();
+            let depth = usize::BITS - 1 - node.leading_zeros();
             let mut cell = KeyBox { min: [i32::MIN; 3], max: [i32::MAX; 3] };
             for level in (0..depth).rev() {
                 let plane = planes.at(node >> (level + 1));

@@ -319,7 +319,7 @@ impl<I: Index> World<'_, I> {
         bits::clear(self.parts.resting, slot);
         let mut objects = self.parts.objects();
         objects.accept(slot, bounds);
-        let told = objects.told;
+        let told = objects.fat.told;
         self.parts.state.note(told);
     }
 

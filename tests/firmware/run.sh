@@ -50,7 +50,7 @@ expected=$("$tools/replay")
 echo "the host's hash of all pairs: $expected"
 
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
-    programs=(--bin replay --bin calls)
+    programs=(--bin replay --bin calls --bin around)
     [ $target != thumbv7em-none-eabihf ] || programs+=(--bin measure)
     build boards $target "${programs[@]}"
     release=$CARGO_TARGET_DIR/boards/$target/release
@@ -60,6 +60,7 @@ for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-
         # The comparison can fail.
         [ "$(failure run "$release/replay" "x$expected")" = 1 ]
         run "$release/calls" "" >/dev/null
+        run "$release/around" "" >/dev/null
         echo "$target: runs, and all pairs are the host's"
     else
         echo "$target: built, not run: that needs the package qemu-system-misc"
@@ -70,13 +71,24 @@ boards=$CARGO_TARGET_DIR/boards
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     "$tools/inspect" "$boards/$target/release/replay" --sizes sizes.txt
 done
+# The text and the stack of `calls` are those of the exact path; `around` has the rest.
+stack() {
+    local binary=$1 limit=$2
+    run "$binary" "" >"$CARGO_TARGET_DIR/stack.txt"
+    "$tools/inspect" "$binary" --sizes sizes.txt --stack "$limit" --measured "$CARGO_TARGET_DIR/stack.txt"
+}
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi; do
-    run "$boards/$target/release/calls" "" >"$CARGO_TARGET_DIR/stack.txt"
-    "$tools/inspect" "$boards/$target/release/calls" --sizes sizes.txt --stack 1536 --measured "$CARGO_TARGET_DIR/stack.txt"
+    stack "$boards/$target/release/calls" 1536
+    stack "$boards/$target/release/around" 2560
 done
-# Nor does the tree panic, which is in no program for so few objects but by this feature.
-build large thumbv7em-none-eabihf --bin calls --features large
-"$tools/inspect" "$CARGO_TARGET_DIR/large/thumbv7em-none-eabihf/release/calls"
+"$tools/inspect" "$boards/riscv32imac-unknown-none-elf/release/around"
+# Nor does the tree panic, which is in no program for so few objects but by this feature; nor do filters, which need it, and
+# all that is around the exact path. The stack is that of any world, however large.
+build large thumbv7em-none-eabihf --bin calls --bin around --features large
+large=$CARGO_TARGET_DIR/large/thumbv7em-none-eabihf/release
+"$tools/inspect" "$large/calls"
+run "$large/around" "" >"$CARGO_TARGET_DIR/stack.txt"
+"$tools/inspect" "$large/around" --stack 4608 --measured "$CARGO_TARGET_DIR/stack.txt"
 # Fixed point takes no soft-float; a margin does, which shows that the search finds it.
 calls=$boards/thumbv6m-none-eabi/release/calls
 "$tools/inspect" "$calls" --integers from_fixed

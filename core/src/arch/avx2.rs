@@ -58,8 +58,8 @@ fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
 fn values(_: Avx2, keys: __m128i) -> __m256d {
     // SAFETY: the token proves AVX2.
     unsafe {
-        let sign = _mm_srli_epi32::<1>(_mm_srai_epi32::<31>(keys));
-        _mm256_cvtps_pd(_mm_castsi128_ps(_mm_xor_si128(keys, sign)))
+        let sign = _mm_and_si128(keys, _mm_set1_epi32(i32::MIN));
+        _mm256_cvtps_pd(_mm_castsi128_ps(_mm_or_si128(_mm_abs_epi32(keys), sign)))
     }
 }
 
@@ -108,9 +108,8 @@ impl Simd for Avx2 {
             let first = _mm_loadl_epi64(min.as_ptr().cast());
             let first = _mm_insert_epi32::<3>(_mm_insert_epi32::<2>(first, z), x);
             let bits = _mm256_set_m128i(_mm_loadl_epi64(max.as_ptr().add(4).cast()), first);
-            let keys = _mm256_xor_si256(bits, _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(bits)));
-            // -0.0 becomes 0.0: equality is -1, as is the key.
-            let keys = _mm256_sub_epi32(keys, _mm256_cmpeq_epi32(keys, _mm256_set1_epi32(-1)));
+            // The magnitude with the sign, which turns -0.0 into zero.
+            let keys = _mm256_sign_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX)), bits);
             // Minima from -infinity to the maxima, maxima to +infinity.
             let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
             let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
@@ -355,8 +354,8 @@ impl Simd for Avx2 {
     fn record(self, frame: &Frame, keys: __m256i, tag: u32) -> Record {
         // SAFETY: `self` proves AVX2; the frame's rows are eight floats each.
         unsafe {
-            let sign = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(keys));
-            let x = _mm256_castsi256_ps(_mm256_xor_si256(keys, sign));
+            let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
+            let x = _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign));
             let at = _mm256_sub_ps(x, _mm256_loadu_ps(frame.origin.as_ptr()));
             let at = _mm256_mul_ps(at, _mm256_loadu_ps(frame.scale.as_ptr()));
             // NaN falls to the second operand: zero.

@@ -9,6 +9,7 @@ pub(crate) mod list;
 pub(crate) mod movers;
 pub(crate) mod scratch;
 pub(crate) mod small;
+pub(crate) mod strips;
 
 use crate::access::Access;
 use crate::arch::claim::{Chunks, Claims, Indices, Pool};

@@ -370,6 +370,7 @@ pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
             census.examine(bounds);
         }
     }
+    census.extent.make_finite();
     census
 }
 

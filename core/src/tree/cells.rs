@@ -20,16 +20,24 @@ impl Extent {
     /// The least and the most that coordinates of a frame can be.
     pub(crate) const FINITE: Self = Self { low: [key(f32::MIN); 3], high: [key(f32::MAX); 3] };
 
-    /// Takes in one minimum corner; unbounded coordinates would only blur the frames.
+    /// Takes in one minimum corner, unbounded or not.
     #[inline(always)]
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
         let mut include = |k: usize| {
-            self.low[k] = self.low[k].min(min[k].max(Self::FINITE.low[k]));
-            self.high[k] = self.high[k].max(min[k].min(Self::FINITE.high[k]));
+            self.low[k] = self.low[k].min(min[k]);
+            self.high[k] = self.high[k].max(min[k]);
         };
         include(0);
         include(1);
         include(2);
+    }
+
+    /// Without unbounded coordinates, which would only blur the frames: once for many corners.
+    pub(crate) fn make_finite(&mut self) {
+        for k in 0..3 {
+            self.low[k] = self.low[k].max(Self::FINITE.low[k]);
+            self.high[k] = self.high[k].min(Self::FINITE.high[k]);
+        }
     }
 
     pub(crate) fn union(&mut self, other: &Self) {

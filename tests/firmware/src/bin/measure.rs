@@ -16,17 +16,17 @@ const FRAMES: usize = recording::FRAMES;
 
 /// The most instructions that a recorded step of 64 objects may take.
 const TYPICAL: u32 = 60_000;
-/// The same for 256: a third of what brute force took before its loop was as tight as that of the sweep.
-const TYPICAL_OF_256: u32 = 168_000;
-/// How many times as many brute force must take for 256, in tenths.
-const ADVANTAGE: u32 = 24;
+/// The same for 256.
+const TYPICAL_OF_256: u32 = 134_000;
+/// How many times as many brute force must take for 256.
+const ADVANTAGE: u32 = 3;
 
 /// The most instructions that any step may take: a function of the number of objects and of the pairs of this step or the
 /// last one, whichever has more. See the README.
 fn bound(objects: usize, pairs: usize, events: bool) -> u32 {
     let digits = usize::BITS - objects.leading_zeros();
     let per_object = 320 + 50 * digits as usize + if events { 80 } else { 0 };
-    let per_pair = if events { 170 } else { 40 };
+    let per_pair = if events { 164 } else { 34 };
     (2000 + per_object * objects + 12 * objects * objects + per_pair * pairs) as u32
 }
 
@@ -172,7 +172,7 @@ fn measure(memory: &mut Memory) -> Result<u8, Error> {
                 // The first scene is the recording.
                 fast &= match (index, events, objects) {
                     (0, false, 64) => row.ours <= TYPICAL,
-                    (0, false, 256) => row.ours <= TYPICAL_OF_256 && row.ours * ADVANTAGE <= row.theirs * 10,
+                    (0, false, 256) => row.ours <= TYPICAL_OF_256 && row.ours * ADVANTAGE <= row.theirs,
                     _ => true,
                 };
             }

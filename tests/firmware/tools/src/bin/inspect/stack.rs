@@ -11,15 +11,26 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 7] = [
-    ("in_parallel::{closure", &["paths::"]),
-    ("Collector", &["paths::", "in_parallel::{closure", "Executor>::"]),
+const HOOKS: [(&str, &[&str]); 15] = [
+    ("in_parallel::{closure", &["paths::", "collect::{closure"]),
+    ("collect::{closure", &["paths::"]),
+    ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
+    ("Gated<u16>", &["Ordered<u16>", "Staged<u16>", RULE]),
+    ("Alone as", &["Serial as"]),
+    ("SweepLeaves", &["Sink<u16>>::take"]),
     ("paths::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
     ("ingest::", &["ingest::", "Executor>::"]),
     ("assign::", &["assign::", "Executor>::"]),
-    ("World<u16>>::", &["Executor>::"]),
+    ("results::", &["Executor>::"]),
+    ("sweep::s", &[RULE]),
+    ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
+    ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
+    ("World<u16>>::", &["Executor>::", "results::", RULE]),
     ("api::step", &["Executor>::"]),
 ];
+
+/// The filter rule of the program `around`.
+const RULE: &str = "api::step_with_rule::{closure";
 
 /// Frames of functions that are written by hand, of which no compiler tells: division, in `compiler_builtins`.
 const BY_HAND: [(&str, u32); 1] = [("__aeabi_uidivmod", 8)];
@@ -114,12 +125,14 @@ impl<'b> Bounds<'b> {
         called
     }
 
-    /// What a function may call through registers.
+    /// What a function may call through registers: of the functions whose addresses stand in the data, or, where there is
+    /// none, since the compiler has put the address into the code, of all.
     fn hooked(&self, function: &Function) -> Vec<&'b Function> {
         let Some((_, parts)) = HOOKS.iter().find(|(caller, _)| function.name.contains(caller)) else {
             return Vec::new();
         };
-        let fits = |called: &&&Function| parts.iter().any(|part| called.name.contains(part));
-        self.pointed.iter().filter(fits).copied().collect()
+        let fits = |called: &&Function| parts.iter().any(|part| called.name.contains(part));
+        let pointed: Vec<_> = self.pointed.iter().copied().filter(fits).collect();
+        if pointed.is_empty() { self.binary.functions.iter().filter(fits).collect() } else { pointed }
     }
 }

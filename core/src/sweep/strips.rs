@@ -1,0 +1,333 @@
+//! Sweeps a small world for which there is room to copy its boxes. Planes across a second axis cut it into strips; a box
+//! lives in the strip of its minimum, and the copies stand strip by strip in ascending order along the first axis, which
+//! is also the order of the list from step to step. A box meets those of its own strip behind it, and of each upper strip
+//! that it reaches those that overlap it along the first axis: so no two boxes meet twice.
+
+use crate::access::Access;
+use crate::filter::Gate;
+use crate::id::{Index, Pair, pair};
+use crate::key::KeyBox;
+use crate::sort::heapsort;
+use crate::sweep::small::Found;
+use bytemuck::{Pod, Zeroable};
+
+/// A box that is swept, and whose it is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct Member {
+    /// Along the axis of the sweep, across the strips, and along the third axis.
+    min: [i32; 3],
+    max: [i32; 3],
+    /// The slot, and above it the strip.
+    tag: u32,
+}
+
+/// The places of coordinates in a member.
+const W: usize = 0;
+const U: usize = 1;
+const V: usize = 2;
+
+/// Bits of the slot in a tag.
+const SLOT_BITS: u32 = 16;
+
+impl Member {
+    #[inline(always)]
+    fn new(bounds: &KeyBox, [w, u, v]: [usize; 3], strip: usize, slot: u32) -> Self {
+        let KeyBox { min, max } = bounds;
+        let tag = (strip as u32) << SLOT_BITS | slot;
+        Self { min: [min[w], min[u], min[v]], max: [max[w], max[u], max[v]], tag }
+    }
+
+    #[inline(always)]
+    fn slot(&self) -> u32 {
+        self.tag & ((1 << SLOT_BITS) - 1)
+    }
+
+    #[inline(always)]
+    fn strip(&self) -> usize {
+        (self.tag >> SLOT_BITS) as usize
+    }
+}
+
+/// Strips that a world is cut into.
+const STRIPS: usize = 8;
+/// Minima that are looked at to place them.
+const SAMPLE: usize = 4 * STRIPS;
+/// Samples in a strip for which the planes are chosen anew.
+const CROWDED: usize = SAMPLE / 4;
+
+/// Where the strips begin, in ascending order.
+pub(crate) type Planes = [i32; STRIPS];
+
+/// A world that is swept in strips.
+pub(crate) struct Striped<'m, I> {
+    /// The living objects' slots.
+    pub(crate) order: &'m mut [I],
+    pub(crate) boxes: &'m [KeyBox],
+    /// The axis along which the strips are swept, and the one across which they lie.
+    pub(crate) axes: [usize; 2],
+    pub(crate) planes: &'m mut Planes,
+    /// As many as there are slots.
+    pub(crate) members: &'m mut [Member],
+}
+
+/// The strip of a minimum.
+#[inline(always)]
+fn strip_of(planes: &Planes, min: i32) -> usize {
+    // By halves, written out: loops are dear where code is made small.
+    let half = usize::from(min >= planes[STRIPS / 2]) * (STRIPS / 2);
+    let quarter = half + usize::from(min >= planes.at(half + STRIPS / 4)) * (STRIPS / 4);
+    quarter + usize::from(min >= planes.at(quarter + 1))
+}
+const _: () = assert!(STRIPS == 8);
+
+/// The total order of the list: by strip, then by minimum, then by slot.
+pub(crate) fn place(bounds: &KeyBox, slot: u32, axes: [usize; 2], planes: &Planes) -> u64 {
+    let [along, across] = axes.map(|axis| bounds.min.at(axis));
+    // Flipping the sign makes the keys' order that of unsigned integers.
+    let key = u64::from(along as u32 ^ 1 << 31);
+    (strip_of(planes, across) as u64) << (32 + SLOT_BITS) | key << SLOT_BITS | u64::from(slot)
+}
+
+impl<I: Index> Striped<'_, I> {
+    /// Keeps the planes where they divide the minima well, and puts them at the quantiles of some where not. O(1).
+    #[inline(never)]
+    pub(crate) fn divide(&mut self) {
+        let mut sample = [i32::MAX; SAMPLE];
+        let mut counts = [0usize; STRIPS];
+        let mut count = 0;
+        for slot in self.order.iter().step_by(self.order.len().div_ceil(SAMPLE).max(1)) {
+            let key = KeyBox::of(self.boxes, slot.at()).min.at(self.axes[1]);
+            let strip = strip_of(self.planes, key);
+            let known = counts.at(strip);
+            counts.put(strip, known + 1);
+            let mut to = count;
+            while to > 0 {
+                let below = sample.at(to - 1);
+                if below <= key {
+                    break;
+                }
+                sample.put(to, below);
+                to -= 1;
+            }
+            sample.put(to, key);
+            count += 1;
+        }
+        if counts.iter().any(|count| *count > CROWDED) {
+            for (strip, plane) in self.planes.iter_mut().enumerate() {
+                *plane = if strip == 0 { i32::MIN } else { sample.at(strip * count / STRIPS) };
+            }
+        }
+    }
+
+    /// Copies the boxes to where they belong, and brings the list into the same order: by insertion as long as that is
+    /// cheap, else after a sort. O(n) at best, O(n log n) else.
+    pub(crate) fn arrange(&mut self) {
+        if !self.insert() {
+            self.sort();
+            self.insert();
+        }
+    }
+
+    /// As [`arrange`](Self::arrange), or false where too many objects have overtaken each other.
+    #[inline(never)]
+    fn insert(&mut self) -> bool {
+        let Self { order, boxes, axes, planes, members } = self;
+        let (w, u) = (axes[0].min(2), axes[1].min(2));
+        let axes = [w, u, (3 - w).saturating_sub(u).min(2)];
+        let Some(members) = members.get_mut(..order.len()) else { return true };
+        let mut budget = crate::links::INVERSIONS_PER_OBJECT * order.len() + 64;
+        // The last member that is in order, and the bounds of its strip: none yet.
+        let (mut last, mut strip, mut low, mut high) = (i32::MIN, 0, i32::MAX, i32::MIN);
+        for at in 0..order.len() {
+            let slot = order.at(at);
+            let Some(bounds) = boxes.get(slot.at()) else { continue };
+            let (key, side) = (bounds.min[w], bounds.min[u]);
+            if side >= low && side < high && key > last {
+                last = key;
+                members.put(at, Member::new(bounds, axes, strip, slot.slot()));
+                continue;
+            }
+            let own = strip_of(planes, side);
+            let mut to = at;
+            while to > 0 {
+                let Some([below, above]) =
+                    members.get_mut(to - 1..).and_then(|tail| tail.first_chunk_mut::<2>())
+                else {
+                    break;
+                };
+                if (below.strip(), below.min[W], below.slot()) < (own, key, slot.slot()) {
+                    break;
+                }
+                *above = *below;
+                order.put(to, I::from_slot(below.slot()));
+                to -= 1;
+            }
+            members.put(to, Member::new(bounds, axes, own, slot.slot()));
+            order.put(to, slot);
+            if to == at {
+                (last, strip, low) = (key, own, planes.at(own));
+                high = planes.get(own + 1).copied().unwrap_or(i32::MAX);
+            }
+            match budget.checked_sub(at - to) {
+                Some(left) => budget = left,
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// Puts the list in order, where the members will be.
+    #[inline(never)]
+    fn sort(&mut self) {
+        let (_, places, _) = bytemuck::pod_align_to_mut::<Member, u64>(self.members);
+        let places = places.span_mut(0, self.order.len());
+        for (to, slot) in places.iter_mut().zip(&*self.order) {
+            *to = place(KeyBox::of(self.boxes, slot.at()), slot.slot(), self.axes, self.planes);
+        }
+        heapsort(places, |a, b| a < b);
+        for (slot, place) in self.order.iter_mut().zip(places) {
+            *slot = I::from_slot(*place as u32 & ((1 << SLOT_BITS) - 1));
+        }
+    }
+
+    /// Writes the pairs of overlapping members that fit. O(n + candidates), of which there are at most n²/2.
+    pub(crate) fn sweep(&self, gate: Option<Gate<'_>>, pairs: &mut [Pair<I>]) -> Found {
+        sweep(self.members.span(0, self.order.len()), self.planes, gate, pairs)
+    }
+}
+
+/// In a function of its own, so that the inner loop keeps to the registers.
+#[inline(never)]
+fn sweep<I: Index>(
+    members: &[Member],
+    planes: &Planes,
+    gate: Option<Gate<'_>>,
+    pairs: &mut [Pair<I>],
+) -> Found {
+    let mut found = Found::default();
+    let mut strips: [&[Member]; STRIPS] = [&[]; STRIPS];
+    let mut rest = members;
+    for (index, strip) in strips.iter_mut().enumerate() {
+        (*strip, rest) = rest.split_at(rest.partition_point(|member| member.strip() <= index));
+    }
+    for index in 0..STRIPS {
+        // Of the upper strips those that the next member may still meet.
+        let mut ahead = strips;
+        let mut own = strips[index];
+        while let Some((a, others)) = own.split_first() {
+            own = others;
+            let Member { min, max, .. } = *a;
+            let mut met = others;
+            let mut upper = index;
+            loop {
+                let mut rest = met;
+                while let Some((b, others)) = rest.split_first() {
+                    let Member { min: low, max: high, .. } = b;
+                    if low[W] > max[W] {
+                        break;
+                    }
+                    rest = others;
+                    let apart = low[U] > max[U]
+                        || low[V] > max[V]
+                        || min[V] > high[V]
+                        || min[U] > high[U]
+                        || min[W] > high[W];
+                    if !apart {
+                        let pair = pair(a.slot(), b.slot());
+                        if gate.is_none_or(|gate| gate.lets_through(&pair)) {
+                            if let Some(place) = pairs.get_mut(found.pairs) {
+                                *place = pair;
+                            }
+                            found.pairs += 1;
+                        }
+                    }
+                }
+                found.candidates += met.len() - rest.len();
+                upper += 1;
+                let Some(strip) = ahead.get_mut(upper) else { break };
+                if max[U] < planes.at(upper) {
+                    break;
+                }
+                while let Some((first, others)) = strip.split_first() {
+                    if first.max[W] >= min[W] {
+                        break;
+                    }
+                    *strip = others;
+                }
+                met = strip;
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::small::tests::{boxes, check};
+    use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn each_pair_is_found_once(
+            frames in prop::collection::vec(boxes(), 1..4),
+            few in 0usize..8,
+            axes in (0usize..3, 1usize..3, any::<bool>()),
+            full in any::<bool>(),
+        ) {
+            let axes = [axes.0, (axes.0 + axes.1) % 3];
+            let n = frames.iter().map(Vec::len).min().unwrap_or_default();
+            let mut order: Vec<u16> = (0..n as u16).collect();
+            let mut planes = [0; STRIPS];
+            let mut members = vec![Member::default(); 256];
+            let mut boxes = frames[0][..n].to_vec();
+            for (index, frame) in frames.iter().enumerate() {
+                // All boxes are other ones, or some.
+                for slot in (0..n).step_by(few + 1) {
+                    boxes[slot] = frame[slot];
+                }
+                let mut striped =
+                    Striped { order: &mut order, boxes: &boxes, axes, planes: &mut planes, members: &mut members };
+                if index != 1 {
+                    striped.divide();
+                }
+                striped.arrange();
+                prop_assert!(striped.planes.is_sorted());
+                check(&boxes, full, |pairs| striped.sweep(None, pairs));
+                let places = order.iter().map(|&slot| place(&boxes[slot as usize], slot.into(), axes, &planes));
+                prop_assert!(places.is_sorted_by(|a, b| a < b));
+            }
+        }
+    }
+
+    #[test]
+    fn planes_divide_boxes_evenly_and_stay() {
+        let n = 200i32;
+        let scattered = |index: i32| index.wrapping_mul(0x9e37_79b1_u32 as i32);
+        let boxes: Vec<_> = (0..n).map(|index| KeyBox::at([index, scattered(index), 0])).collect();
+        let mut order: Vec<u16> = (0..n as u16).collect();
+        let mut planes = [0; STRIPS];
+        let mut members = vec![Member::default(); boxes.len()];
+        let mut striped = Striped {
+            order: &mut order,
+            boxes: &boxes,
+            axes: [0, 1],
+            planes: &mut planes,
+            members: &mut members,
+        };
+        striped.divide();
+        striped.arrange();
+        let chosen = *striped.planes;
+        for strip in 0..STRIPS {
+            let count = striped.members.iter().filter(|member| member.strip() == strip).count();
+            assert!(count > 0 && count < boxes.len() / 3, "{count} of {} in a strip", boxes.len());
+        }
+        striped.divide();
+        assert_eq!(*striped.planes, chosen);
+    }
+}
