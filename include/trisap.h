@@ -829,7 +829,7 @@ TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
 /// The version of the linked library, as "1.2.3".
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2". It changes the speed and nothing else.
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
 TRISAP_NODISCARD const char *trisap_instruction_set(void) TRISAP_NOEXCEPT;
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.

@@ -17,6 +17,7 @@ RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 cargo check -p trisap-core --features glam
 cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
 (cd tests/firmware && cargo fmt --all --check && cargo clippy --workspace --all-targets -- -D warnings)
+(cd tests/emulated && cargo fmt --check && cargo clippy --release -- -D warnings)
 cargo test --workspace
 
 if $all; then

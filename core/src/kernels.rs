@@ -3,7 +3,7 @@
 use crate::arch::{Phase, scalar::Scalar};
 
 #[cfg(target_arch = "x86_64")]
-use crate::arch::avx2::Avx2;
+use crate::arch::{avx2::Avx2, avx512::Avx512};
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
 /// Every level gives the same bytes; they differ in speed alone.
@@ -15,6 +15,8 @@ enum Level {
     Scalar(Scalar),
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
 }
 
 impl Kernels {
@@ -27,7 +29,7 @@ impl Kernels {
     /// The best level of this CPU. Asks the CPU once and remembers.
     #[must_use]
     pub fn detect() -> Self {
-        Self::avx2().unwrap_or(Self::BASELINE)
+        Self::avx512().or_else(Self::avx2).unwrap_or(Self::BASELINE)
     }
 
     /// AVX2 of x86-64, where this CPU has it.
@@ -39,9 +41,18 @@ impl Kernels {
         return None;
     }
 
+    /// AVX-512 of x86-64 with the parts F, BW, DQ and VL, where this CPU has it: Skylake-X, Zen 4 and later.
+    #[must_use]
+    pub fn avx512() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return Avx512::detect().map(|token| Self(Level::Avx512(token)));
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
+    }
+
     /// Every level of this CPU, the plainest first.
     pub fn all() -> impl Iterator<Item = Self> {
-        [Some(Self::SCALAR), Self::avx2()].into_iter().flatten()
+        [Some(Self::SCALAR), Self::avx2(), Self::avx512()].into_iter().flatten()
     }
 
     /// The name of the level, as the program's `--kernels` takes it.
@@ -51,6 +62,8 @@ impl Kernels {
             Level::Scalar(_) => "scalar",
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(_) => "avx512",
         }
     }
 
@@ -67,6 +80,8 @@ impl Kernels {
             Level::Scalar(simd) => phase.run(simd),
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(simd) => simd.run(phase),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(simd) => simd.run(phase),
         }
     }
 }
@@ -75,5 +90,28 @@ impl Default for Kernels {
     /// The detected level.
     fn default() -> Self {
         Self::detect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_level_of_the_cpu_is_detected() {
+        let mut levels = std::vec!["scalar"];
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
+                levels.push("avx2");
+                if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
+                    levels.push("avx512");
+                }
+            }
+        }
+        assert!(Kernels::all().map(Kernels::name).eq(levels.iter().copied()), "{levels:?}");
+        assert_eq!(Some(&Kernels::detect().name()), levels.last());
+        assert!(levels.iter().all(|name| Kernels::by_name(name).is_some_and(|level| level.name() == *name)));
     }
 }

@@ -44,13 +44,14 @@ pub extern "C" fn trisap_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2". It changes the speed and nothing else.
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_instruction_set() -> *const c_char {
     let name = match Kernels::detect().name() {
         "scalar" => c"scalar",
         "avx2" => c"avx2",
+        "avx512" => c"avx512",
         _ => c"other",
     };
     name.as_ptr()

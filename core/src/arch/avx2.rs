@@ -30,6 +30,9 @@ impl Avx2 {
     }
 }
 
+/// The bytes of a record with the halves of its six lanes changed, and nothing of its tag.
+pub(super) const HALVES: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -1, -1, -1];
+
 /// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]
 fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
@@ -218,8 +221,7 @@ impl Simd for Avx2 {
         // SAFETY: `self` proves AVX2, which includes SSE4.1.
         unsafe {
             // Change the halves of b's six lanes and complement them: its maxima, then its complemented minima.
-            let halves = _mm_setr_epi8(6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -1, -1, -1);
-            let limit = _mm_xor_si128(_mm_shuffle_epi8(b, halves), _mm_set1_epi8(-1));
+            let limit = _mm_xor_si128(_mm_shuffle_epi8(b, bytemuck::cast(HALVES)), _mm_set1_epi8(-1));
             let zero = _mm_setzero_si128();
             let inside = _mm_cmpeq_epi16(_mm_subs_epu16(a, limit), zero);
             let equal = _mm_cmpeq_epi16(a, limit);

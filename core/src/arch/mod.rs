@@ -4,12 +4,18 @@
 //! compiled for one level. A level is a handful of operations on bytes, records and boxes, so that another CPU
 //! costs one small file. All levels give the same bytes.
 
+#[cfg(any(test, feature = "agreement"))]
+mod agreement;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod avx512;
 pub(crate) mod claim;
 pub(crate) mod scalar;
 pub(crate) mod shared;
 
+use crate::access::Access;
+use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
 use crate::query::line::{Crossing, Slabs, Walk};
 use crate::tree::{Frame, Record};
@@ -31,6 +37,40 @@ pub(crate) const WINDOW: usize = 64;
 
 /// Records that are tested against a cast at a time.
 pub(crate) const EIGHT: usize = 8;
+
+/// What has become of candidates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sifted {
+    /// Pairs.
+    pub(crate) found: usize,
+    /// Candidates that only the keys can tell apart.
+    pub(crate) tied: usize,
+}
+
+impl Sifted {
+    /// Adds the candidate at an index: see [`Simd::sift`].
+    #[inline(always)]
+    pub(crate) fn add<S: Simd, I: Index>(
+        &mut self,
+        simd: S,
+        sorted: &[Record],
+        candidates: &mut [u32],
+        index: usize,
+        pairs: &mut [Pair<I>],
+    ) {
+        let candidate = candidates.at(index);
+        let a = sorted.at((candidate >> 16) as usize);
+        let b = sorted.at((candidate & 0xffff) as usize);
+        let contact = simd.contact(&a, &b);
+        // Records that share a mark belong to another leaf's report (erratum E9).
+        let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
+        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        pairs.put(self.found, pair::<I>(a.slot(), b.slot()));
+        self.found += usize::from(ours & !contact.tied);
+        candidates.put(self.tied, candidate);
+        self.tied += usize::from(ours & contact.tied);
+    }
+}
 
 /// The operations of one instruction set. A value of the type is the proof that the CPU has it.
 pub(crate) trait Simd: Copy + Send + Sync {
@@ -85,6 +125,18 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The rows from `at` on, at most `count` and [`WINDOW`] of them, whose bytes are all at most the query's: bit `i`
     /// for row `at + i`. Behind the rows there is room for a window; without that there are none.
     fn window(self, rows: &[Row], at: usize, count: usize, query: Self::Query) -> u64;
+
+    /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
+    /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can
+    /// tell apart at the start of `candidates`. What stands behind these means nothing. `pairs` has a place for each candidate.
+    #[inline(always)]
+    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
+        let mut sifted = Sifted::default();
+        for index in 0..candidates.len() {
+            sifted.add(self, sorted, candidates, index, pairs);
+        }
+        sifted
+    }
 
     /// Compares two records.
     fn contact(self, a: &Record, b: &Record) -> Contact;

@@ -10,7 +10,7 @@
 use super::Sink;
 use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::{Row, Simd, WINDOW};
+use crate::arch::{Row, Sifted, Simd, WINDOW};
 use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
 use crate::tree::{Frame, Record};
@@ -202,7 +202,7 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
     fn test(&mut self) {
         *self.tested += self.collected as u64;
         let candidates = self.candidates.span_mut(0, self.collected);
-        let Tested { found, tied } = test(self.simd, self.sorted, candidates, self.pairs, self.boxes);
+        let Sifted { found, tied } = test(self.simd, self.sorted, candidates, self.pairs, self.boxes);
         *self.tied += tied as u64;
         self.sink.take(self.pairs.span_mut(0, found));
         self.collected = 0;
@@ -231,14 +231,6 @@ fn unpack(mask: u64, base: u32, candidates: &mut [u32], from: usize) -> usize {
     }
 }
 
-/// What has become of candidates.
-struct Tested {
-    /// Pairs.
-    found: usize,
-    /// Candidates that only the keys could tell apart.
-    tied: usize,
-}
-
 #[inline(always)]
 fn test<S: Simd, I: Index>(
     simd: S,
@@ -246,22 +238,9 @@ fn test<S: Simd, I: Index>(
     candidates: &mut [u32],
     pairs: &mut [Pair<I>],
     boxes: &[KeyBox],
-) -> Tested {
+) -> Sifted {
     let pairs = pairs.span_mut(0, candidates.len());
-    let (mut found, mut tied) = (0, 0);
-    for index in 0..candidates.len() {
-        let candidate = candidates.at(index);
-        let a = sorted.at((candidate >> 16) as usize);
-        let b = sorted.at((candidate & 0xffff) as usize);
-        let contact = simd.contact(&a, &b);
-        // Records that share a mark belong to another leaf's report (erratum E9).
-        let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
-        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
-        pairs.put(found, pair::<I>(a.slot(), b.slot()));
-        found += usize::from(ours & !contact.tied);
-        candidates.put(tied, candidate);
-        tied += usize::from(ours & contact.tied);
-    }
+    let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
     // Of boxes that share a step of the grid only the keys can tell.
     for &candidate in candidates.span(0, tied) {
         let a = sorted.at((candidate >> 16) as usize).slot();
@@ -269,5 +248,5 @@ fn test<S: Simd, I: Index>(
         pairs.put(found, pair::<I>(a, b));
         found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
     }
-    Tested { found, tied }
+    Sifted { found, tied }
 }

@@ -1,0 +1,265 @@
+//! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
+//! shorter is left to [`Avx2`].
+
+use super::avx2::{Avx2, HALVES};
+use super::{Contact, EIGHT, Phase, Row, Sifted, Simd, WINDOW};
+use crate::id::{Index, Pair};
+use crate::key::KeyBox;
+use crate::query::line::{Crossing, Slabs, Walk};
+use crate::tree::{Frame, Record};
+use core::arch::x86_64::*;
+
+cpufeatures::new!(detected, "avx512f", "avx512bw", "avx512dq", "avx512vl");
+
+/// Proof that the CPU has these parts of AVX-512 and what [`Avx2`] proves, and that the operating system keeps the wide
+/// registers and the masks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx512(Avx2);
+
+impl Avx512 {
+    /// Asks the CPU.
+    pub(crate) fn detect() -> Option<Self> {
+        if detected::get() { Avx2::detect().map(Self) } else { None }
+    }
+
+    /// Runs a phase compiled for this level.
+    #[inline]
+    pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt")]
+        fn compiled<P: Phase>(simd: Avx512, phase: P) -> P::Output {
+            phase.run(simd)
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(self, phase) }
+    }
+}
+
+/// The lanes of four records but for their tags, and the tags alone.
+const LANES: __mmask32 = 0x3f3f_3f3f;
+const TAGS: __mmask16 = 0x8888;
+
+/// One bit for each of 16 rows. A plain function, since a closure would not share the instruction set of its function.
+#[inline(always)]
+fn quarter(_: Avx512, rows: &[u8; 64], query: __m512i) -> __mmask16 {
+    // SAFETY: the token proves AVX-512 BW; the load reads the 64 bytes.
+    unsafe {
+        // The upper of each two bytes is the query's exactly where a row's byte is at most the query's.
+        let upper = _mm512_max_epu8(query, _mm512_loadu_si512(rows.as_ptr().cast()));
+        _mm512_cmpeq_epi32_mask(upper, query)
+    }
+}
+
+/// Bit `2 i` and bit `2 i + 1` are set where all bytes of record `i` are zero.
+#[inline(always)]
+fn zero(_: Avx512, records: __m512i) -> __mmask8 {
+    // SAFETY: the token proves AVX-512 F.
+    unsafe {
+        let any = _mm512_or_si512(records, _mm512_shuffle_epi32::<0b01_00_11_10>(records));
+        _mm512_testn_epi64_mask(any, any)
+    }
+}
+
+/// The records at four positions.
+///
+/// # Safety
+/// The positions must be in the slice.
+#[inline(always)]
+unsafe fn pick(_: Avx512, records: &[Record], [a, b, c, d]: [u32; 4]) -> __m512i {
+    let start: *const __m128i = records.as_ptr().cast();
+    // SAFETY: the caller vouches for the positions; the token proves AVX-512 F.
+    unsafe {
+        let low = _mm256_loadu2_m128i(start.add(b as usize), start.add(a as usize));
+        let high = _mm256_loadu2_m128i(start.add(d as usize), start.add(c as usize));
+        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+    }
+}
+
+/// The pairs of those of four candidates that touch and share no mark, at the start of the slots of four pairs, and how many
+/// there are. `None` where coordinates of one share a step of the grid, or a position is not in the slice.
+#[inline(always)]
+fn pairs_of(simd: Avx512, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
+    let positions: __m128i = bytemuck::cast(*candidates);
+    let end = sorted.len().min(usize::from(u16::MAX)) as i16;
+    // SAFETY: `simd` proves AVX-512 F, BW and VL; all halves of the candidates are compared with the length before they are
+    // taken for positions.
+    unsafe {
+        if _mm_cmpge_epu16_mask(positions, _mm_set1_epi16(end)) != 0 {
+            return None;
+        }
+        let [p, q, r, s] = *candidates;
+        let a = pick(simd, sorted, [p >> 16, q >> 16, r >> 16, s >> 16]);
+        let b = pick(simd, sorted, [p & 0xffff, q & 0xffff, r & 0xffff, s & 0xffff]);
+        // As in `contact`; the tag's lanes exclude nothing.
+        let halves = _mm512_broadcast_i32x4(bytemuck::cast(HALVES));
+        let limit = _mm512_xor_si512(_mm512_shuffle_epi8(b, halves), _mm512_set1_epi8(-1));
+        if _mm512_mask_cmpeq_epu16_mask(LANES, a, limit) != 0 {
+            return None;
+        }
+        let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
+        let shared = _mm512_and_si512(_mm512_and_si512(a, b), marks);
+        let apart = _mm512_or_si512(_mm512_subs_epu16(a, limit), shared);
+        // The tags of both records stand in the second half of their place now.
+        let slots = _mm512_and_si512(_mm512_unpackhi_epi32(a, b), _mm512_set1_epi32(Record::SLOT as i32));
+        let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
+        let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
+        let kept = zero(simd, apart) & 0b1010_1010;
+        let pairs = _mm512_maskz_compress_epi64(kept, lower_first);
+        Some((bytemuck::cast(_mm512_castsi512_si256(pairs)), kept.count_ones() as usize))
+    }
+}
+
+impl Simd for Avx512 {
+    type Keys = <Avx2 as Simd>::Keys;
+
+    type Axis = <Avx2 as Simd>::Axis;
+
+    type Query = __m512i;
+
+    #[inline(always)]
+    fn keys(self, bounds: &KeyBox) -> Self::Keys {
+        self.0.keys(bounds)
+    }
+
+    #[inline(always)]
+    fn bounds(self, keys: Self::Keys) -> KeyBox {
+        self.0.bounds(keys)
+    }
+
+    #[inline(always)]
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys> {
+        self.0.encode(min, max)
+    }
+
+    #[inline(always)]
+    fn above(self, a: Self::Keys, b: Self::Keys) -> u32 {
+        self.0.above(a, b)
+    }
+
+    #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        self.0.overlap(a, b)
+    }
+
+    #[inline(always)]
+    fn prefetch<T: ?Sized>(self, item: &T) {
+        self.0.prefetch(item);
+    }
+
+    #[inline(always)]
+    fn same(self, a: Self::Keys, b: Self::Keys) -> bool {
+        self.0.same(a, b)
+    }
+
+    #[inline(always)]
+    fn lower(self, a: Self::Keys, b: Self::Keys) -> Self::Keys {
+        self.0.lower(a, b)
+    }
+
+    #[inline(always)]
+    fn upper(self, a: Self::Keys, b: Self::Keys) -> Self::Keys {
+        self.0.upper(a, b)
+    }
+
+    #[inline(always)]
+    fn narrow(self, keys: Self::Keys) -> bool {
+        self.0.narrow(keys)
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> Self::Axis {
+        self.0.axis(axis)
+    }
+
+    #[inline(always)]
+    fn row(self, axis: Self::Axis, record: &Record) -> Row {
+        self.0.row(axis, record)
+    }
+
+    #[inline(always)]
+    fn query(self, row: Row) -> __m512i {
+        // SAFETY: `self` proves AVX-512 F and BW.
+        unsafe {
+            let bytes = _mm512_set1_epi32(i32::from_le_bytes(row));
+            // All groups of four bytes are the same, so the first can serve them all.
+            let swap = _mm512_set1_epi32(0x0203_0001);
+            _mm512_xor_si512(_mm512_shuffle_epi8(bytes, swap), _mm512_set1_epi8(-1))
+        }
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row], at: usize, count: usize, query: __m512i) -> u64 {
+        let Some(rows) = rows.get(at..).and_then(|rows| rows.first_chunk::<WINDOW>()) else { return 0 };
+        let [a, b, c, d]: &[[u8; 64]; 4] = bytemuck::cast_ref(rows);
+        // SAFETY: `self` proves AVX-512 BW and BMI2.
+        unsafe {
+            let first = _mm512_kunpackw(quarter(self, b, query).into(), quarter(self, a, query).into());
+            let second = _mm512_kunpackw(quarter(self, d, query).into(), quarter(self, c, query).into());
+            _bzhi_u64(_mm512_kunpackd(second.into(), first.into()), count.min(WINDOW) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
+        let mut sifted = Sifted::default();
+        let mut from = 0;
+        while let Some(&four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
+            let room = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>());
+            match (pairs_of(self, sorted, &four), room) {
+                (Some((slots, found)), Some(room)) => {
+                    for (pair, slots) in room.iter_mut().zip(slots.as_chunks::<2>().0) {
+                        *pair = [I::from_slot(slots[0]), I::from_slot(slots[1])];
+                    }
+                    sifted.found += found;
+                }
+                _ => (from..from + 4).for_each(|at| sifted.add(self, sorted, candidates, at, pairs)),
+            }
+            from += 4;
+        }
+        for at in from..candidates.len() {
+            sifted.add(self, sorted, candidates, at, pairs);
+        }
+        sifted
+    }
+
+    #[inline(always)]
+    fn contact(self, a: &Record, b: &Record) -> Contact {
+        self.0.contact(a, b)
+    }
+
+    #[inline(always)]
+    fn touching(self, records: &[Record; 4], limit: Record) -> u32 {
+        // SAFETY: `self` proves AVX-512 BW and BMI2; the load reads the four records.
+        unsafe {
+            let limit = _mm512_broadcast_i32x4(bytemuck::cast(limit));
+            let over = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().cast()), limit);
+            _pext_u32(zero(self, over).into(), 0b0101_0101)
+        }
+    }
+
+    #[inline(always)]
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+        self.0.span(slabs, min, max, far)
+    }
+
+    #[inline(always)]
+    fn enter(
+        self,
+        walk: &Walk,
+        low: [f32; 4],
+        plane: i32,
+        reaches: &KeyBox,
+        until: f32,
+    ) -> ([f32; 2], [f32; 4]) {
+        self.0.enter(walk, low, plane, reaches, until)
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        self.0.crossed(records, crossing)
+    }
+
+    #[inline(always)]
+    fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record {
+        self.0.record(frame, keys, tag)
+    }
+}

@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# Runs the kernels on CPUs that Bochs emulates: all of them must give the same bytes. Also shows that AVX-512 is taken only
+# where the CPU has it and its registers are kept, and that wrong operations are found. From anywhere; needs the packages
+# below, and installs them where it may.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+packages=(binutils bochs)
+if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
+    [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
+    apt-get update -qq
+    apt-get install -y -qq --no-install-recommends "${packages[@]}"
+fi
+
+target=${CARGO_TARGET_DIR:-$PWD/target}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Makes a ROM of the program in a directory: rom FOLDER TARGET NAME
+rom() {
+    (cd "$1" && CARGO_TARGET_DIR="$2" cargo build --quiet --release)
+    objcopy -O binary "$2/release/trisap-emulated" "$work/$3"
+}
+
+# Changes a number at the end of a ROM: poke NAME BYTES_FROM_THE_END ESCAPED_BYTE
+poke() {
+    printf "$3" | dd of="$work/$1" bs=1 seek=$((2 * 1024 * 1024 - $2)) conv=notrunc status=none
+}
+
+# Prints what the program says on a CPU: boot CPU ROM
+boot() {
+    # There is no display; the one that waits for nobody is the remote one. No video BIOS either, but a file must be named.
+    head -c 512 /dev/zero >"$work/none"
+    cat >"$work/configuration" <<CONFIGURATION
+config_interface: textconfig
+display_library: rfb, options="timeout=0"
+plugin_ctrl: unmapped=1, biosdev=0, speaker=0, extfpuirq=0, parallel=0, serial=0, gameport=0, iodebug=0
+cpu: model=$1, count=1, ips=1000000000, reset_on_triple_fault=0
+memory: guest=64, host=64
+romimage: file=$work/$2
+vgaromimage: file=$work/none
+vga: extension=none
+pci: enabled=0
+port_e9_hack: enabled=1
+panic: action=fatal
+error: action=report
+info: action=ignore
+log: $work/log
+CONFIGURATION
+    # For builds of Bochs that start in its debugger, as Debian's does.
+    printf 'continue\nquit\n' >"$work/commands"
+    # It ends by a panic, and so with a failure.
+    timeout 1200 bochs -q -f "$work/configuration" -rc "$work/commands" </dev/null 2>&1 \
+        | tee "$work/output" | grep -aE '^(levels|operations|\||all levels|the levels|a world|panicked)' || true
+}
+
+# Stops unless the last boot has said a line.
+said() {
+    grep -aqxF "$1" "$work/output" || { echo "not said: $1" >&2 && tail -5 "$work/log" >&2 && exit 1; }
+}
+
+rom . "$target" rom
+
+# CPUs with AVX-512 and without, and one whose operating system does not keep the wide registers.
+cp "$work/rom" "$work/levels"
+poke levels 4 '\001'
+for cpu in corei7_icelake_u corei7_skylake_x; do
+    boot $cpu levels
+    said "levels: scalar avx2 avx512; detected: avx512"
+done
+poke levels 8 '\007'
+for cpu in corei7_icelake_u corei7_haswell_4770; do
+    boot $cpu levels
+    said "levels: scalar avx2; detected: avx2"
+done
+
+# Wrong operations are found: bytes compared as signed ones, a record left out, slots in the wrong order.
+mkdir "$work/copy" "$work/copy/tests"
+cp -r ../../Cargo.toml ../../core "$work/copy"
+cp -r ../recordings "$work/copy/tests"
+mkdir "$work/copy/tests/emulated"
+cp -r Cargo.toml Cargo.lock build.rs machine.ld src "$work/copy/tests/emulated"
+kernel=$work/copy/core/src/arch/avx512.rs
+sed -i -e 's/_mm512_max_epu8/_mm512_max_epi8/' -e 's/0b0101_0101/0b0001_0101/' -e 's/0xaaaa/0xa8aa/' "$kernel"
+[ "$(diff ../../core/src/arch/avx512.rs "$kernel" | grep -c '^>')" = 3 ]
+rom "$work/copy/tests/emulated" "$target/wrong" wrong
+boot corei7_icelake_u wrong
+said "operations of avx512 that differ from scalar ones: window touching sift."
+said "the levels differ"
+
+# All the rest.
+boot corei7_icelake_u rom
+said "all levels give the same bytes"
