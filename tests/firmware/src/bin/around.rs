@@ -150,6 +150,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     let first = recording::frame(0, OBJECTS)?;
     let lone = first.get(0)?;
     let (region, cast) = (Region::Aabb(lone), Cast::ray(lone.min, [1.0, 0.5, 0.25], f32::INFINITY));
+    let regions = [region, Region::Sphere { center: lone.max, radius: 1.0 }];
     let mut counts = [0; 2];
 
     let mut world = world.init::<u16>(&CONFIG).ok()?;
@@ -160,8 +161,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     seen("is_resting", || api::is_resting(&world, id).then_some(()))?;
     seen("wake", || api::wake(&mut world, &[id]).ok())?;
     seen("overlaps", || api::overlaps(&world, &region, ids).ok())?;
-    let ball = Region::Sphere { center: lone.max, radius: 1.0 };
-    seen("overlaps_many", || api::overlaps_many(&world, &[region, ball], ids, &mut counts).ok())?;
+    seen("overlaps_many", || api::overlaps_many(&world, &regions, ids, &mut counts).ok())?;
     seen("first_hit", || api::first_hit(&world, &cast).ok().flatten().map(drop))?;
     seen("first_hits", || api::first_hits(&world, &[cast, cast], hits).ok())?;
     seen("hits", || api::hits(&world, &cast, hits).ok())?;
