@@ -194,9 +194,14 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && state.list_axis < 3
         && state.strip_axis < 3;
     let tree = state.depth <= sizes.depth
-        && (state.refined == 0
-            || u64::from(state.swept_depth) + u64::from(FINER) == u64::from(state.depth)
-                && u64::from(state.refined) <= (1 << state.swept_depth) + 1)
+        && match state.refined {
+            // Planes go that much deeper than full steps do.
+            0 => sizes.tree == 0 || state.depth <= sizes.depth - FINER,
+            refined => {
+                state.depth.checked_sub(FINER) == Some(state.swept_depth)
+                    && u64::from(refined) <= (1 << state.swept_depth) + 1
+            }
+        }
         && state.planted as usize <= sizes.tree
         && (state.filled == 0 || state.planted > 0)
         && state.settled <= u64::from(state.planted).pow(2)

@@ -9,8 +9,8 @@ use crate::resting::is_clear_of;
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::sweep::strips;
-use crate::tree::cells::cut;
-use crate::tree::{Cell, home_of};
+use crate::tree::cells::{cut, frame};
+use crate::tree::{Cell, Frame, Leaf, home_of};
 use crate::world::World;
 use core::fmt;
 
@@ -44,7 +44,7 @@ impl<I: Index> World<'_, I> {
         slots(parts)?;
         boxes(parts)?;
         lists(parts)?;
-        if parts.state.filled != 0 && bits::count(parts.moved) == 0 {
+        if parts.state.filled != 0 {
             tree(parts)?;
         }
         pairs(parts)
@@ -124,7 +124,8 @@ fn square(slot: usize) -> u64 {
     (slot as u64 + 1).pow(2)
 }
 
-/// Every object stands once where the planes say, with a record of its box, and nodes reach as far as their members.
+/// Every object that has not moved since stands once where the planes say, with a record of its box, and nodes reach as far as
+/// their members.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let depth = parts.state.depth;
     let leaves = 1usize << depth;
@@ -137,6 +138,9 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         for at in 0..leaf.len as usize {
             let record = parts.tree.records.at(leaf.start as usize + at);
             let slot = record.slot() as usize;
+            if bits::test(parts.moved, slot) {
+                continue;
+            }
             let bounds = swept.at(slot);
             check(!bounds.is_empty(), "a record has no object", slot)?;
             check(parts.home.at(slot).at() == index, "a record is not in its object's leaf", slot)?;
@@ -161,16 +165,20 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for at in 0..parts.state.large as usize {
         let front = parts.tree.fronts.at(parts.state.large_start as usize + at);
         let slot = front.slot as usize;
+        if bits::test(parts.moved, slot) {
+            continue;
+        }
         check(front.bounds == swept.at(slot), "a large object's box is not its own", slot)?;
         check(parts.home.at(slot) == I::LARGE, "a large object has a leaf", slot)?;
         check(parts.place.at(slot).at() == at, "a large object is not at its place", slot)?;
     }
     let all = members + parts.state.large as usize;
-    check(all == parts.state.live as usize, "the tree does not hold every object once", all)?;
+    let moved = bits::count(parts.moved) > 0;
+    check(moved || all == parts.state.live as usize, "the tree does not hold every object once", all)?;
     cells(parts)
 }
 
-/// The cells are those of the planes. Cut one by one, so that no room is needed.
+/// The cells are those of the planes, and the frames those of the cells. Cut one by one, so that no room is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let depth = parts.state.depth;
     for index in 0..1usize << depth {
@@ -202,6 +210,9 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             "a cell is not that of its planes",
             index,
         )?;
+        let (mut expected, mut leaf) = ([Frame::NONE], [Leaf::default()]);
+        frame(&[known], &parts.state.extent(), &mut expected, &mut leaf);
+        check(expected == [parts.tree.frames.at(index)], "a frame is not that of its cell", index)?;
     }
     Ok(())
 }

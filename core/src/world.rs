@@ -358,7 +358,7 @@ impl<I: Index> World<'_, I> {
     /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
     ///
     /// # Errors
-    /// [`Error::PairsFull`].
+    /// [`Error::PairsFull`]. It says nothing of refused boxes; a step over the same array tells of them again.
     pub fn step_over(
         &mut self,
         bounds: Boxes<'_>,

@@ -12,7 +12,7 @@ use trisap_core::{Cast, Error, Kernels, Region};
 const NAME: &CStr = c"trisap queries";
 
 /// Queries that are handed out at once. They are copied to the stack in the core's form.
-const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 512 };
+const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 128 };
 
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
 /// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
