@@ -360,6 +360,20 @@ pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
     grown
 }
 
+/// Raises the reaches of a node and of those above it to a maximum.
+#[inline(always)]
+pub(crate) fn raise(reaches: &mut [[i32; 3]], mut node: usize, max: &[i32; 3]) {
+    while node > 0 {
+        let mut reach = reaches.at(node);
+        // Nobody reaches farther than a node above.
+        if !extend(&mut reach, max) {
+            break;
+        }
+        reaches.put(node, reach);
+        node /= 2;
+    }
+}
+
 /// The bounds of the minima of some boxes, and whether one of them may be coarse.
 #[inline(never)]
 pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {

@@ -4,7 +4,7 @@
 //! While that goes on, a leaf that is still whole stands where the first one of its parts will stand: planes that nobody is
 //! above yet are as good as planes that nobody reaches. The leaves have no fronts: only a full step gathers visitors.
 
-use super::assign::extend;
+use super::assign::{extend, raise};
 use super::cells::{divide, frame};
 use super::{Cell, Frame, Leaf};
 use crate::access::Access;
@@ -134,7 +134,6 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
         bag.len += 1;
         tree.leaves.put(index, bag);
     }
-    // The node itself, and those above, may reach farther than need be.
     for level in (1..=FINER).rev() {
         for index in 0..1usize << level {
             tree.reach.put((node << level) + index, reaches.at(index));
@@ -145,6 +144,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
             reaches.put(index, reach);
         }
     }
+    // The node itself, and those above, may reach farther than need be; but no less far than an object that has moved and
+    // is here until it is brought to its leaf.
+    raise(tree.reach, node, &reaches.at(0));
 }
 
 /// Which part of a node holds a minimum corner.

@@ -1,6 +1,6 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
-use super::assign::extend;
+use super::assign::{extend, raise};
 use super::{Front, home_of};
 use crate::access::{Access, bits};
 use crate::arch::{Phase, Simd};
@@ -71,15 +71,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
     // An empty leaf reaches nowhere; its first member brings it back to its cell.
     let mut grown = bounds.max;
     extend(&mut grown, &super::assign::own_reach(&parts.tree.cells.at(leaf)));
-    let mut node = (1usize << parts.state.depth) + leaf;
-    while node > 0 {
-        let mut reach = parts.tree.reach.at(node);
-        if !extend(&mut reach, &grown) {
-            break;
-        }
-        parts.tree.reach.put(node, reach);
-        node /= 2;
-    }
+    raise(parts.tree.reach, (1usize << parts.state.depth) + leaf, &grown);
     true
 }
 

@@ -18,7 +18,7 @@ use trisap::{Aabb, Boxes, Capacity, Cast, Config, Kernels, OwnedWorld, Region, S
 const QUERIES: usize = 10_000;
 const ROUNDS: usize = 15;
 /// Steps before the queries, all but the first without a mover: the world is at rest.
-const STEPS: usize = 4;
+const STEPS: usize = 100;
 
 /// Answers a round of queries: the number of overlaps, or the sum of the distances, and how many rays hit.
 trait Side {
