@@ -38,7 +38,7 @@ pub(super) fn movers(lab: &Lab) -> Result<Section> {
         let mut lines: [Vec<(f64, f64)>; WORLDS.len()] = Default::default();
         for &share in &lab.plan.movers {
             let percent = 100.0 * share;
-            lab.next(format!("{}, {percent} % movers", kind.name()));
+            lab.next(format!("{}, {percent:.1} % movers", kind.name()));
             let clip = clip(&scene, share);
             let measured = lab.measure(&contenders(&clip))?;
             let best = measured.iter().skip(1).map(|of| of.median).fold(f64::MAX, f64::min);
@@ -50,7 +50,7 @@ pub(super) fn movers(lab: &Lab) -> Result<Section> {
                 }
                 let above = of.median / best;
                 if at == 0 && above > worst.0 {
-                    worst = (above, format!("{}, {percent} % movers", kind.name()));
+                    worst = (above, format!("{}, {percent:.1} % movers", kind.name()));
                 }
                 table.rows.push(vec![
                     kind.name().into(),
