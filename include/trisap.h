@@ -75,7 +75,7 @@
 /// Lists: there were too few objects for a tree.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
-/// Movers: at most one object in 16 had moved.
+/// Movers: at most one object in nine had moved.
 #define TRISAP_REASON_FEW_MOVERS 2
 
 /// Full: more had moved.
@@ -365,7 +365,7 @@ typedef struct trisap_config {
     /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
     uint32_t fixed_margins;
     /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
-    /// most one in 16 has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
+    /// most one in nine has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
     /// also where nothing has moved.
     uint32_t movers_only;
     /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
@@ -830,7 +830,9 @@ TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
 /// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
-TRISAP_NODISCARD const char *trisap_instruction_set(void) TRISAP_NOEXCEPT;
+TRISAP_NODISCARD
+const char *trisap_instruction_set(void)
+TRISAP_NOEXCEPT;
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
 /// O(leaves).

@@ -28,7 +28,11 @@ use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
-const MOVERS_SHARE: u32 = 16;
+const MOVERS_SHARE: u32 = 9;
+
+/// One in this many objects may have moved for a step to be calm: among more movers smaller leaves gain nothing, and are
+/// soon full.
+const CALM_SHARE: u32 = 16;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
@@ -88,17 +92,17 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
 }
 
 /// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
-pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, means: Means<'_>) {
-    let calm = matches!(path, Path::Unchanged | Path::Movers);
+pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, moved: u32, means: Means<'_>) {
+    let (few, due) = match parts.state.fine_leaves() {
+        Choice::Automatic => (moved <= parts.state.live / CALM_SHARE, CALM),
+        Choice::Always => (true, 1),
+        Choice::Never => return,
+    };
+    let calm = few && matches!(path, Path::Unchanged | Path::Movers);
     if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    let due = match parts.state.fine_leaves() {
-        Choice::Automatic => CALM,
-        Choice::Always => 1,
-        Choice::Never => return,
-    };
     let whole = parts.state.refined <= 1 << parts.state.swept_depth;
     if parts.state.calm >= due && (parts.state.refined == 0 || whole) {
         means.executor.enter(Stage::Fill);

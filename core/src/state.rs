@@ -34,7 +34,7 @@ pub enum Reason {
     NoMovers,
     /// Lists: there are too few objects for a tree.
     FewObjects,
-    /// Movers: at most one object in 16 has moved.
+    /// Movers: at most one object in nine has moved.
     FewMovers,
     /// Full: more have moved.
     ManyMovers,

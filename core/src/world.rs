@@ -42,7 +42,7 @@ impl<I: Index> World<'_, I> {
         let moved = bits::count(parts.moved);
 
         let route = paths::choose(parts, moved);
-        paths::refine_when_calm(parts, route.path, means);
+        paths::refine_when_calm(parts, route.path, moved, means);
         if route.path == Path::Unchanged && parts.state.crept == 0 {
             Self::keep(parts, shared);
         } else {

@@ -37,7 +37,7 @@ pub(super) fn movers(lab: &Lab) -> Result<Section> {
         let scene = lab.scene(kind, Objects::Cubes, lab.plan.objects)?;
         let mut lines: [Vec<(f64, f64)>; WORLDS.len()] = Default::default();
         for &share in &lab.plan.movers {
-            let percent = 100.0 * share;
+            let percent = (1e5 * share).round() / 1e3;
             lab.next(format!("{}, {percent:.1} % movers", kind.name()));
             let clip = clip(&scene, share);
             let measured = lab.measure(&contenders(&clip))?;
