@@ -70,6 +70,8 @@ private:
         }
         if (kind == 0) {
             aabb.min[below(3)] = -std::numeric_limits<float>::infinity();
+        } else if (kind == 1) {
+            aabb.max[below(3)] = std::numeric_limits<float>::infinity();
         }
         return aabb;
     }
@@ -450,7 +452,7 @@ private:
         const std::vector<trisap::Region> regions = {trisap::region(aabb), trisap::point(at),
                                                      trisap::sphere(at, within(side_ / 2))};
         std::vector<trisap::Cast> casts = {trisap::ray(at, direction, distance)};
-        if (std::isfinite(start.min[0] + start.min[1] + start.min[2])) {
+        if (std::isfinite(start.min[0] + start.min[1] + start.min[2] + start.max[0] + start.max[1] + start.max[2])) {
             casts.push_back(trisap::swept(start, direction));
         }
         for (const trisap::Region &region : regions) {

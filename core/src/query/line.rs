@@ -140,10 +140,10 @@ impl Walk {
         let child = |low: &[f32; 4], reach: &[i32; 3]| {
             let (mut from, mut to) = (0.0, until);
             for k in 0..3 {
-                let sides = [low[k], value(reach[k])];
-                let back = usize::from(self.back[k] != 0);
-                let come = (sides[back] - self.first[k]) * self.come[k];
-                let leave = (sides[1 - back] - self.last[k]) * self.leave[k];
+                let (low, high) = (low[k], value(reach[k]));
+                let (entry, exit) = if self.back[k] != 0 { (high, low) } else { (low, high) };
+                let come = (entry - self.first[k]) * self.come[k];
+                let leave = (exit - self.last[k]) * self.leave[k];
                 from = if come > from { come } else { from };
                 to = if leave < to { leave } else { to };
             }
@@ -200,7 +200,8 @@ impl Line {
     /// What it takes to find the members of a leaf that the cast may touch from one distance to another.
     #[inline(always)]
     pub(super) fn crossing(&self, frame: &Frame, from: f64, to: f64) -> Crossing {
-        let scale = [0, 1, 2].map(|k| f64::from(frame.scale[k]));
+        let [x, y, z, ..] = frame.scale;
+        let scale = [x, y, z].map(f64::from);
         // Steps of the grid in one unit of distance, on the axis where they are the most.
         let speed = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max((self.direction[k] * scale[k]).abs()));
         let mut crossing = Crossing { order: [0; 16], scale: [0.0; 6], offset: [0.0; 6], length: 0.0 };
@@ -218,13 +219,15 @@ impl Line {
             let slack = 8.0
                 + (GRID_END + first.abs() + last.abs()) * f64::from(4.0 * f32::EPSILON)
                 + spread * scale[k] * (8.0 * f64::EPSILON);
-            let sides = [(steep, -last - slack), (-steep, first - slack - GRID_END)];
-            for (side, lane) in [(usize::from(back), k), (usize::from(!back), k + 3)] {
-                let (factor, shift) = sides[side];
-                crossing.order[2 * lane] = 2 * (k + 3 * side) as u8;
-                crossing.order[2 * lane + 1] = 2 * (k + 3 * side) as u8 + 1;
-                crossing.scale[lane] = factor as f32;
-                crossing.offset[lane] = ((shift - Crossing::BASE) * factor) as f32;
+            let (low, high) = ((0, steep, -last - slack), (3, -steep, first - slack - GRID_END));
+            let (entry, exit) = if back { (high, low) } else { (low, high) };
+            // Not by index: the compiler loses sight of the lanes.
+            for (lane, (of, factor, shift)) in [(k, entry), (k + 3, exit)] {
+                let byte = 2 * (k + of) as u8;
+                crossing.order.put(2 * lane, byte);
+                crossing.order.put(2 * lane + 1, byte + 1);
+                crossing.scale.put(lane, factor as f32);
+                crossing.offset.put(lane, ((shift - Crossing::BASE) * factor) as f32);
             }
         }
         if !near {
