@@ -35,9 +35,12 @@ impl FatBoxes<'_> {
     /// margin does.
     #[inline(always)]
     pub(crate) fn hold(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        if self.boxes.is_empty() {
-            return false;
-        }
+        !self.boxes.is_empty() && self.follow(at, old, bounds)
+    }
+
+    /// As [`hold`](Self::hold), of an object with a margin. Not inline: it is as long as the rest of an intake.
+    #[inline(never)]
+    fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let (fat, margin) = (self.boxes.at(at), self.margins.at(at));
         if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
             self.told.crept = true;

@@ -103,8 +103,9 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    let whole = parts.state.refined <= 1 << parts.state.swept_depth;
-    if parts.state.calm >= due && (parts.state.refined == 0 || whole) {
+    // The depth of the last full step means nothing until a leaf is divided.
+    let whole = parts.state.refined == 0 || parts.state.refined <= 1 << parts.state.swept_depth;
+    if parts.state.calm >= due && whole {
         means.executor.enter(Stage::Fill);
         means.kernels.run(Refine(parts));
     }

@@ -44,7 +44,7 @@ impl<I: Index> World<'_, I> {
         slots(parts)?;
         boxes(parts)?;
         lists(parts)?;
-        if parts.state.filled != 0 {
+        if !parts.sizes.is_small() && parts.state.filled != 0 {
             tree(parts)?;
         }
         pairs(parts)

@@ -94,7 +94,7 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
             2..=4 => {}
             5 => movers = vec![any(rng)],
             6 | 7 => movers = (0..5).map(|_| any(rng)).collect(),
-            8 => movers = (0..count / 12).map(|_| any(rng)).collect(),
+            8 => movers = (0..count / 6).map(|_| any(rng)).collect(),
             _ => movers = vec![any(rng), movers[0]],
         }
         movers.retain(|at| *at < ids.len());

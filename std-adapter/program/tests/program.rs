@@ -216,7 +216,8 @@ fn a_report_is_a_page_and_its_data() -> Result {
         }
         ids.push(id);
     }
-    let all = ["margins", "scaling", "paper", "movers", "parts", "precision", "ties", "hard_cases"];
+    let all =
+        ["margins", "scaling", "paper", "movers", "parts", "threads", "precision", "ties", "hard_cases"];
     assert_eq!(ids, all);
     // Something was compared in every section that measures on its own, and nothing was wrong.
     let frames = |id: &str| {

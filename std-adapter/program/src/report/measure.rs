@@ -264,7 +264,7 @@ mod tests {
         let place = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let clip = Clip::new([1.5, 1.35, 1.6, 3.0].map(|x| vec![place(0.0), place(x)]).into());
         let config = Config::new(Capacity { pairs: 0, ..Capacity::for_objects(2) });
-        let fat = config.with_mode(Mode::Fat).with_margin(Margin::length(0.2));
+        let fat = config.with_mode(Mode::Fat).with_margin(Margin::length(0.2)).with_fixed_margins();
         let contender = contender(&clip, fat);
         let (mut runner, measured) = runner(&contender, fat)?;
         assert_eq!(measured.sum(|stats| stats.pairs), 0.0);
