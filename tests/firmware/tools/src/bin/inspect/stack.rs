@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 15] = [
+const HOOKS: [(&str, &[&str]); 18] = [
     ("in_parallel::{closure", &["paths::", "collect::{closure"]),
     ("collect::{closure", &["paths::"]),
     ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
@@ -22,6 +22,9 @@ const HOOKS: [(&str, &[&str]); 15] = [
     ("ingest::", &["ingest::", "Executor>::"]),
     ("assign::", &["assign::", "Executor>::"]),
     ("results::", &["Executor>::"]),
+    ("balance::", &["radix::", "build::", "Executor>::"]),
+    ("radix::", &["radix::", "Executor>::"]),
+    ("build::", &["build::", "Executor>::"]),
     ("sweep::s", &[RULE]),
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
