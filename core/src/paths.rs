@@ -28,7 +28,10 @@ use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one.
-const MOVERS_SHARE: u32 = 9;
+const fn movers_share(live: u32) -> u32 {
+    // A full step costs less an object where all boxes stay in the cache.
+    if live < 16_384 { 12 } else { 9 }
+}
 
 /// One in this many objects may have moved for a step to be calm: among more movers smaller leaves gain nothing, and are
 /// soon full.
@@ -70,7 +73,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.live / MOVERS_SHARE;
+        let few = moved <= state.live / movers_share(state.live);
         match (fixed, fixed.unwrap_or(few)) {
             (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
             (None, false) => anew(parts, Reason::ManyMovers),

@@ -34,7 +34,7 @@ pub enum Reason {
     NoMovers,
     /// Lists: there are too few objects for a tree.
     FewObjects,
-    /// Movers: at most one object in nine has moved.
+    /// Movers: few objects have moved; see [`Config::movers_only`].
     FewMovers,
     /// Full: more have moved.
     ManyMovers,

@@ -150,7 +150,7 @@ pub struct trisap_config {
     /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
     pub fixed_margins: u32,
     /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
-    /// most one in nine has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
+    /// most one in nine has (in twelve, below 16,384 objects). Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew,
     /// also where nothing has moved.
     pub movers_only: u32,
     /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
@@ -372,7 +372,7 @@ pub const TRISAP_PATH_REBUILT: u32 = 4;
 pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
 /// Lists: there were too few objects for a tree.
 pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
-/// Movers: at most one object in nine had moved.
+/// Movers: few objects had moved; see `trisap_config`.
 pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
 /// Full: more had moved.
 pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;
