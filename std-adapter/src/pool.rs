@@ -1,6 +1,7 @@
 //! The executor over rayon.
 
 use rayon::{Scope, ThreadPool, Yield};
+use std::cell::Cell;
 use std::hint::spin_loop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
@@ -10,6 +11,12 @@ use trisap_core::Executor;
 /// How long a thread looks for more after its last work: the stages of a step follow each other within microseconds,
 /// and to wake a sleeping thread takes as long as a stage of ten thousand objects.
 const LINGER: Duration = Duration::from_micros(200);
+
+thread_local! {
+    /// Whether this thread is inside `fork_join`. While it waits there it may run any task of the pool; one that looks for
+    /// work until the job has ended would keep the job from ending.
+    static FORKED: Cell<bool> = const { Cell::new(false) };
+}
 
 /// An executor over a rayon thread pool: the global one, or one of the caller's.
 ///
@@ -96,7 +103,7 @@ impl Awake {
     /// Runs what the pool has to do until there has been nothing for a while.
     fn linger(&self) {
         let mut last = Instant::now();
-        while !self.over.load(Relaxed) && last.elapsed() < LINGER {
+        while !FORKED.get() && !self.over.load(Relaxed) && last.elapsed() < LINGER {
             if rayon::yield_now() == Some(Yield::Executed) || self.busy.load(Relaxed) {
                 last = Instant::now();
             }
@@ -124,10 +131,12 @@ impl Executor for Rayon<'_> {
         let left = AtomicU32::new(others);
         let left = &left;
         let begun = Instant::now();
+        let outer = FORKED.replace(true);
         match self.pool {
             Some(pool) => pool.in_place_scope(|scope| share(scope, left, job)),
             None => rayon::in_place_scope(|scope| share(scope, left, job)),
         }
+        FORKED.set(outer);
         busy.store(false, Relaxed);
         if asleep > 0 {
             patient.store(begun.elapsed() > LINGER, Relaxed);
@@ -225,6 +234,17 @@ mod tests {
         }
         drop(executor);
         assert!(awake.over.load(Relaxed));
+    }
+
+    #[test]
+    fn a_thread_that_waits_for_its_job_does_not_linger() {
+        let awake = Awake { busy: AtomicBool::new(true), ..Awake::default() };
+        awake.threads.store(1, Relaxed);
+        FORKED.set(true);
+        // Would never end: the job is being done.
+        awake.linger();
+        FORKED.set(false);
+        assert_eq!(awake.threads.load(Relaxed), 0);
     }
 
     #[test]
