@@ -27,15 +27,8 @@ use crate::tree::refine::{Refine, coarsen};
 use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
-/// One in this many objects may have moved for the movers-only path to be the cheaper one.
-const fn movers_share(live: u32) -> u32 {
-    // A full step costs less an object where all boxes stay in the cache.
-    if live < 16_384 { 12 } else { 9 }
-}
-
-/// One in this many objects may have moved for a step to be calm: among more movers smaller leaves gain nothing, and are
-/// soon full.
-const CALM_SHARE: u32 = 16;
+/// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
+const MOVERS_SHARE: u32 = 9;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
@@ -73,7 +66,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.live / movers_share(state.live);
+        let few = moved <= state.live / MOVERS_SHARE;
         match (fixed, fixed.unwrap_or(few)) {
             (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
             (None, false) => anew(parts, Reason::ManyMovers),
@@ -97,7 +90,7 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
 /// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, moved: u32, means: Means<'_>) {
     let (few, due) = match parts.state.fine_leaves() {
-        Choice::Automatic => (moved <= parts.state.live / CALM_SHARE, CALM),
+        Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,
     };

@@ -43,7 +43,7 @@ pub enum Reason {
     /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
     /// too many pairs, or few objects, or a shift of the origin.
     NothingKept,
-    /// Full or rebuilt: few have moved, but a leaf has no room for one of them.
+    /// Full or rebuilt: few have moved, but neither a leaf nor its neighbours have room for one of them.
     NoRoom,
     /// Rebuilt: the planes were made for a much smaller or larger number of objects.
     Outgrown,

@@ -55,7 +55,7 @@ fn the_number_of_movers_chooses_the_path_or_the_caller_does() {
         let stats = stats(PLAIN.with_movers_only(choice), thousandths);
         assert_eq!(routes(&stats), [FIRST, later, later, later, later], "{choice:?}, {thousandths}");
     }
-    // With many movers a leaf is full in the end, and the leaves have to be filled anew.
+    // With many movers a leaf and its neighbours may be full in the end, and the leaves have to be filled anew.
     let many = routes(&stats(PLAIN.with_movers_only(Always), 300));
     assert!(many[1..].iter().all(|route| [MOVERS, (Path::Full, Reason::NoRoom)].contains(route)), "{many:?}");
     assert!(many.contains(&MOVERS), "{many:?}");
@@ -84,10 +84,14 @@ fn other_reasons_have_their_names() {
         .collect();
     assert_eq!(route(world.step_over(&boxes, setup)), (Path::Rebuilt, Reason::OutOfBalance));
     assert_eq!(route(world.step_over(&boxes, setup)), (Path::Unchanged, Reason::NoMovers));
-    // Two in a hundred of the objects go into one leaf.
+    // Objects go into one leaf, few in each step: its neighbours make room, but not for too many.
     let mut crowded = boxes.clone();
-    crowded[..200].fill(boxes[300]);
-    assert_eq!(route(world.step_over(&crowded, setup)), (Path::Full, Reason::NoRoom));
+    let mut crowd = |count: usize| {
+        crowded[..count].fill(boxes[3990]);
+        route(world.step_over(&crowded, setup))
+    };
+    assert_eq!([200, 500].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);
+    assert_eq!(crowd(900), (Path::Full, Reason::NoRoom));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
 use crate::links;
 use crate::paths::Means;
 use crate::radix::{self, Sharing};
+use crate::state::State;
 use crate::storage::Parts;
 use crate::tree::Record;
 
@@ -18,6 +19,16 @@ const OUT_OF_BALANCE: u64 = 4;
 const SHARE_PER_STEP: usize = 8;
 /// A leaf gets new planes when it has this many times the mean count.
 const OVERFULL: usize = 2;
+
+/// The mean count of the leaves at some depth, not less than that of new ones that are half full.
+fn mean(live: u32, depth: u32) -> usize {
+    (live as usize >> depth).max(LEAF_TARGET / 2)
+}
+
+/// The members of a leaf from which on it is overfull.
+pub(crate) fn overfull(state: &State) -> usize {
+    OVERFULL * mean(state.live, state.depth)
+}
 
 /// The depth of the tree in full steps for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians
 /// (erratum E14). `deepest` is the greatest depth of planes.
@@ -108,14 +119,15 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) ->
     let depth = parts.state.depth;
     let leaves = 1usize << depth;
     let live = parts.state.live as usize;
-    let mean = (live >> depth).max(LEAF_TARGET / 2);
+    let mean = mean(parts.state.live, depth);
     let mut budget = (live / SHARE_PER_STEP).max(16 * LEAF_TARGET);
     let mut done = 0;
     let mut index = 0;
     while index < leaves {
         let leaf = parts.tree.leaves.at(index);
         // A leaf that new planes could not divide is not tried again until it has grown by half.
-        let overfull = leaf.len as usize > OVERFULL * mean && leaf.len > leaf.settled + leaf.settled / 2;
+        let overfull =
+            leaf.len as usize > overfull(parts.state) && leaf.len > leaf.settled + leaf.settled / 2;
         if !overfull {
             index += 1;
             continue;

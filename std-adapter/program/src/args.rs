@@ -154,9 +154,26 @@ pub(crate) struct ReportArgs {
     /// The folder for report.html, report.json, the tables as CSV, and the recordings that were made.
     #[arg(long, value_name = "DIR", default_value = "trisap-report")]
     pub(crate) out: PathBuf,
+    /// Only this section; may be given more than once [default: all].
+    #[arg(long = "section", value_name = "NAME")]
+    pub(crate) sections: Vec<SectionName>,
     /// As little as possible, to see whether all experiments work.
     #[arg(long, hide = true)]
     pub(crate) least: bool,
+}
+
+/// The sections of a report, in their order on the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SectionName {
+    Margins,
+    Scaling,
+    Paper,
+    Movers,
+    Parts,
+    Threads,
+    Precision,
+    Ties,
+    HardCases,
 }
 
 /// The most objects that a world can hold.

@@ -231,6 +231,19 @@ fn a_report_is_a_page_and_its_data() -> Result {
     Ok(())
 }
 
+#[test]
+fn a_report_has_the_sections_that_were_asked_for() -> Result {
+    let folder = tempfile::tempdir()?;
+    stdout(&["report", "--least", "--section", "ties", "--section", "hard-cases", "--out", path(folder.path())?])?;
+    let report: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("report.json"))?)?;
+    let sections = report["sections"].as_array().ok_or("no sections")?;
+    let ids: Vec<_> = sections.iter().map(|section| &section["id"]).collect();
+    assert_eq!(ids, ["ties", "hard_cases"]);
+    assert!(!folder.path().join("movers.csv").exists());
+    Ok(())
+}
+
 #[cfg(not(feature = "record"))]
 #[test]
 fn recording_without_an_engine_says_how_to_get_one() -> Result {

@@ -26,9 +26,10 @@ mod threads;
 mod ties;
 
 use crate::Outcome;
-use crate::args::ReportArgs;
+use crate::args::{ReportArgs, SectionName};
 use crate::figures::grouped;
 use anyhow::{Context, Result};
+use clap::ValueEnum;
 use files::Data;
 use lab::Lab;
 use machine::Machine;
@@ -48,7 +49,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
     if lab.plan.recorded {
         lab.record_all()?;
     }
-    let sections = sections(&lab)?;
+    let sections = sections(&lab, &args.sections)?;
     lab.bar.finish_and_clear();
 
     let mut sum = Verdict::default();
@@ -66,17 +67,23 @@ pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
     Ok(if sum.is_good() { Outcome::Good } else { Outcome::CheckFailed })
 }
 
-fn sections(lab: &Lab) -> Result<Vec<Section>> {
-    let sizes = sizes::sizes(lab)?;
-    Ok(vec![
-        margins::margins(lab)?,
-        scaling::scaling(lab, &sizes),
-        paper::paper(lab, &sizes),
-        movers::movers(lab)?,
-        parts::parts(lab)?,
-        threads::threads(lab)?,
-        precision::precision(lab)?,
-        ties::ties(&sizes),
-        hard_cases::hard_cases(lab)?,
-    ])
+/// The sections that were asked for; without a wish, all.
+fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
+    let is_wanted = |name: &SectionName| wanted.is_empty() || wanted.contains(name);
+    let names: Vec<SectionName> = SectionName::value_variants().iter().copied().filter(is_wanted).collect();
+    let needs_sizes =
+        |name: &SectionName| matches!(name, SectionName::Scaling | SectionName::Paper | SectionName::Ties);
+    let sizes = if names.iter().any(needs_sizes) { sizes::sizes(lab)? } else { Vec::new() };
+    let section = |name| match name {
+        SectionName::Margins => margins::margins(lab),
+        SectionName::Scaling => Ok(scaling::scaling(lab, &sizes)),
+        SectionName::Paper => Ok(paper::paper(lab, &sizes)),
+        SectionName::Movers => movers::movers(lab),
+        SectionName::Parts => parts::parts(lab),
+        SectionName::Threads => threads::threads(lab),
+        SectionName::Precision => precision::precision(lab),
+        SectionName::Ties => Ok(ties::ties(&sizes)),
+        SectionName::HardCases => hard_cases::hard_cases(lab),
+    };
+    names.into_iter().map(section).collect()
 }
