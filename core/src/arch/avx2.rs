@@ -1,6 +1,7 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, WINDOW, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, row_lanes};
+use crate::id::{Index, Pair};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::query::line::{Crossing, Slabs, Walk};
 use crate::tree::{Frame, GRID_MAX, Record, axis_of, key_of};
@@ -56,6 +57,88 @@ fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
     }
 }
 
+/// For each mask of pairs 0, 2, 1 and 3: where the halves of those that it keeps stand, in the order of the pairs.
+const KEPT: [[u32; 8]; 16] = {
+    let mut table = [[0; 8]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        let (mut pair, mut half) = (0, 0);
+        while pair < 4 {
+            let at = [0, 2, 1, 3][pair];
+            if mask >> at & 1 != 0 {
+                table[mask][half] = 2 * at as u32;
+                table[mask][half + 1] = 2 * at as u32 + 1;
+                half += 2;
+            }
+            pair += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// An instruction set that tests four candidates at a time.
+pub(super) trait Fours: Simd {
+    /// The slots of the pairs that [`Simd::sift`] finds among four candidates, and how many pairs that are. `None` where the
+    /// keys may have to decide, and where a position is not in the slice.
+    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)>;
+}
+
+/// [`Simd::sift`].
+#[inline(always)]
+pub(super) fn sift_by_four<S: Fours, I: Index>(
+    simd: S,
+    sorted: &[Record],
+    candidates: &mut [u32],
+    pairs: &mut [Pair<I>],
+) -> Sifted {
+    let mut sifted = Sifted::default();
+    let mut from = 0;
+    while let Some(&four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
+        let room = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>());
+        match (simd.pairs_of(sorted, &four), room) {
+            (Some((slots, found)), Some(room)) => {
+                for (pair, slots) in room.iter_mut().zip(slots.as_chunks::<2>().0) {
+                    *pair = [I::from_slot(slots[0]), I::from_slot(slots[1])];
+                }
+                sifted.found += found;
+            }
+            _ => (from..from + 4).for_each(|at| sifted.add(simd, sorted, candidates, at, pairs)),
+        }
+        from += 4;
+    }
+    for at in from..candidates.len() {
+        sifted.add(simd, sorted, candidates, at, pairs);
+    }
+    sifted
+}
+
+/// Two records, side by side.
+///
+/// # Safety
+/// The positions must be in the slice.
+#[inline(always)]
+unsafe fn pick(_: Avx2, records: &[Record], a: u32, b: u32) -> __m256i {
+    let start: *const __m128i = records.as_ptr().cast();
+    // SAFETY: the caller vouches for the positions; the token proves AVX2.
+    unsafe { _mm256_loadu2_m128i(start.add(b as usize), start.add(a as usize)) }
+}
+
+/// What of two records excludes that they touch, zero in both halves if nothing does, and which of their lanes tie.
+#[inline(always)]
+fn compare(_: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        // As in `contact`; the tag's lanes exclude nothing.
+        let halves = _mm256_broadcastsi128_si256(bytemuck::cast(HALVES));
+        let limit = _mm256_xor_si256(_mm256_shuffle_epi8(b, halves), _mm256_set1_epi8(-1));
+        let marks = !Record::SLOT as i32;
+        let marks = _mm256_setr_epi32(0, 0, 0, marks, 0, 0, 0, marks);
+        let shared = _mm256_and_si256(_mm256_and_si256(a, b), marks);
+        (_mm256_or_si256(_mm256_subs_epu16(a, limit), shared), _mm256_cmpeq_epi16(a, limit))
+    }
+}
+
 /// The floats of four keys. A plain function for the same reason.
 #[inline(always)]
 fn values(_: Avx2, keys: __m128i) -> __m256d {
@@ -71,6 +154,42 @@ fn values(_: Avx2, keys: __m128i) -> __m256d {
 fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     // SAFETY: the token proves AVX2; four numbers are read.
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
+}
+
+impl Fours for Avx2 {
+    #[inline(always)]
+    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
+        let positions: __m128i = bytemuck::cast(*candidates);
+        let end = sorted.len().min(usize::from(u16::MAX)) as i16;
+        // SAFETY: `self` proves AVX2 and POPCNT; all halves of the candidates are compared with the length before they are taken for
+        // positions.
+        unsafe {
+            let beyond = _mm_cmpeq_epi16(_mm_max_epu16(positions, _mm_set1_epi16(end)), positions);
+            if _mm_testz_si128(beyond, beyond) == 0 {
+                return None;
+            }
+            let [p, q, r, s] = *candidates;
+            let (a, b) = (pick(self, sorted, p >> 16, q >> 16), pick(self, sorted, p & 0xffff, q & 0xffff));
+            let (c, d) = (pick(self, sorted, r >> 16, s >> 16), pick(self, sorted, r & 0xffff, s & 0xffff));
+            let ((first, first_ties), (second, second_ties)) = (compare(self, a, b), compare(self, c, d));
+            let ties = _mm256_or_si256(first_ties, second_ties);
+            if _mm256_testz_si256(ties, ties) == 0 {
+                return None;
+            }
+            // The halves of the vectors are packed apart, here and below: the order is 0, 2, 1, 3.
+            let apart = _mm256_packs_epi16(first, second);
+            let kept = _mm256_cmpeq_epi64(apart, _mm256_setzero_si256());
+            let kept = _mm256_movemask_pd(_mm256_castsi256_pd(kept)) as usize & 15;
+            // The tags of both records.
+            let tags = _mm256_unpackhi_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
+            let slots = _mm256_and_si256(tags, _mm256_set1_epi32(Record::SLOT as i32));
+            let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
+            let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
+            let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
+            let pairs = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT[kept]));
+            Some((bytemuck::cast(pairs), kept.count_ones() as usize))
+        }
+    }
 }
 
 impl Simd for Avx2 {
@@ -135,10 +254,10 @@ impl Simd for Avx2 {
         // SAFETY: `self` proves AVX2.
         unsafe {
             let across = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 0, 1, 2, 6, 7));
-            // a's minima above b's maxima; b's minima above a's maxima.
-            let above = _mm256_cmpgt_epi32(a, across);
-            let below = _mm256_cmpgt_epi32(across, a);
-            let apart = _mm256_blend_epi32::<0b111000>(above, below);
+            // The minima of both, and what they must not be above: the maxima of the other.
+            let minima = _mm256_blend_epi32::<0b111000>(a, across);
+            let maxima = _mm256_blend_epi32::<0b111000>(across, a);
+            let apart = _mm256_cmpgt_epi32(minima, maxima);
             _mm256_testz_si256(apart, apart) != 0
         }
     }
@@ -213,6 +332,11 @@ impl Simd for Avx2 {
         let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
         // SAFETY: `self` proves BMI2.
         unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
+    }
+
+    #[inline(always)]
+    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
+        sift_by_four(self, sorted, candidates, pairs)
     }
 
     #[inline(always)]

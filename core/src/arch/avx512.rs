@@ -1,7 +1,7 @@
 //! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
 //! shorter is left to [`Avx2`].
 
-use super::avx2::{Avx2, HALVES};
+use super::avx2::{Avx2, Fours, HALVES, sift_by_four};
 use super::{Contact, EIGHT, Phase, Row, Sifted, Simd, WINDOW};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
@@ -74,37 +74,37 @@ unsafe fn pick(_: Avx512, records: &[Record], [a, b, c, d]: [u32; 4]) -> __m512i
     }
 }
 
-/// The pairs of those of four candidates that touch and share no mark, at the start of the slots of four pairs, and how many
-/// there are. `None` where coordinates of one share a step of the grid, or a position is not in the slice.
-#[inline(always)]
-fn pairs_of(simd: Avx512, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
-    let positions: __m128i = bytemuck::cast(*candidates);
-    let end = sorted.len().min(usize::from(u16::MAX)) as i16;
-    // SAFETY: `simd` proves AVX-512 F, BW and VL; all halves of the candidates are compared with the length before they are
-    // taken for positions.
-    unsafe {
-        if _mm_cmpge_epu16_mask(positions, _mm_set1_epi16(end)) != 0 {
-            return None;
+impl Fours for Avx512 {
+    #[inline(always)]
+    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
+        let positions: __m128i = bytemuck::cast(*candidates);
+        let end = sorted.len().min(usize::from(u16::MAX)) as i16;
+        // SAFETY: `self` proves AVX-512 F, BW and VL; all halves of the candidates are compared with the length before they are
+        // taken for positions.
+        unsafe {
+            if _mm_cmpge_epu16_mask(positions, _mm_set1_epi16(end)) != 0 {
+                return None;
+            }
+            let [p, q, r, s] = *candidates;
+            let a = pick(self, sorted, [p >> 16, q >> 16, r >> 16, s >> 16]);
+            let b = pick(self, sorted, [p & 0xffff, q & 0xffff, r & 0xffff, s & 0xffff]);
+            // As in `contact`; the tag's lanes exclude nothing.
+            let halves = _mm512_broadcast_i32x4(bytemuck::cast(HALVES));
+            let limit = _mm512_xor_si512(_mm512_shuffle_epi8(b, halves), _mm512_set1_epi8(-1));
+            if _mm512_mask_cmpeq_epu16_mask(LANES, a, limit) != 0 {
+                return None;
+            }
+            let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
+            let shared = _mm512_and_si512(_mm512_and_si512(a, b), marks);
+            let apart = _mm512_or_si512(_mm512_subs_epu16(a, limit), shared);
+            // The tags of both records stand in the second half of their place now.
+            let slots = _mm512_and_si512(_mm512_unpackhi_epi32(a, b), _mm512_set1_epi32(Record::SLOT as i32));
+            let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
+            let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
+            let kept = zero(self, apart) & 0b1010_1010;
+            let pairs = _mm512_maskz_compress_epi64(kept, lower_first);
+            Some((bytemuck::cast(_mm512_castsi512_si256(pairs)), kept.count_ones() as usize))
         }
-        let [p, q, r, s] = *candidates;
-        let a = pick(simd, sorted, [p >> 16, q >> 16, r >> 16, s >> 16]);
-        let b = pick(simd, sorted, [p & 0xffff, q & 0xffff, r & 0xffff, s & 0xffff]);
-        // As in `contact`; the tag's lanes exclude nothing.
-        let halves = _mm512_broadcast_i32x4(bytemuck::cast(HALVES));
-        let limit = _mm512_xor_si512(_mm512_shuffle_epi8(b, halves), _mm512_set1_epi8(-1));
-        if _mm512_mask_cmpeq_epu16_mask(LANES, a, limit) != 0 {
-            return None;
-        }
-        let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
-        let shared = _mm512_and_si512(_mm512_and_si512(a, b), marks);
-        let apart = _mm512_or_si512(_mm512_subs_epu16(a, limit), shared);
-        // The tags of both records stand in the second half of their place now.
-        let slots = _mm512_and_si512(_mm512_unpackhi_epi32(a, b), _mm512_set1_epi32(Record::SLOT as i32));
-        let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
-        let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
-        let kept = zero(simd, apart) & 0b1010_1010;
-        let pairs = _mm512_maskz_compress_epi64(kept, lower_first);
-        Some((bytemuck::cast(_mm512_castsi512_si256(pairs)), kept.count_ones() as usize))
     }
 }
 
@@ -200,25 +200,7 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        let mut sifted = Sifted::default();
-        let mut from = 0;
-        while let Some(&four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
-            let room = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>());
-            match (pairs_of(self, sorted, &four), room) {
-                (Some((slots, found)), Some(room)) => {
-                    for (pair, slots) in room.iter_mut().zip(slots.as_chunks::<2>().0) {
-                        *pair = [I::from_slot(slots[0]), I::from_slot(slots[1])];
-                    }
-                    sifted.found += found;
-                }
-                _ => (from..from + 4).for_each(|at| sifted.add(self, sorted, candidates, at, pairs)),
-            }
-            from += 4;
-        }
-        for at in from..candidates.len() {
-            sifted.add(self, sorted, candidates, at, pairs);
-        }
-        sifted
+        sift_by_four(self, sorted, candidates, pairs)
     }
 
     #[inline(always)]

@@ -170,13 +170,13 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
     /// The sort byte of a record.
     #[inline(always)]
     fn start(&self, at: usize) -> usize {
-        high(self.sorted.at(at).lanes[self.axis]) as usize
+        self.sorted.get(at).map_or(0, |record| high(record.lanes[self.axis]) as usize)
     }
 
     /// The end of the last run that a record reaches.
     #[inline(always)]
     fn end(&self, at: usize, ends: &Ends) -> usize {
-        ends[high(!self.sorted.at(at).lanes[3 + self.axis]) as usize] as usize
+        self.sorted.get(at).map_or(0, |record| ends[high(!record.lanes[3 + self.axis]) as usize] as usize)
     }
 
     /// Collects the candidates among the rows from `first` to `end` for the record at `at`.
@@ -189,7 +189,9 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
         while first < end {
             let mask = self.simd.window(self.rows, first, end - first, query);
             let base = ((at << 16) | first) as u32;
-            self.collected += unpack(mask, base, self.candidates, self.collected);
+            if let Some(room) = self.candidates.get_mut(self.collected..) {
+                self.collected += unpack(mask, base, room);
+            }
             if self.collected + WINDOW > self.candidates.len() {
                 self.test();
             }
@@ -211,24 +213,20 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
 
 /// Writes a candidate for each set bit and returns how many there are.
 #[inline(always)]
-fn unpack(mask: u64, base: u32, candidates: &mut [u32], from: usize) -> usize {
+fn unpack(mask: u64, base: u32, room: &mut [u32]) -> usize {
     let count = mask.count_ones() as usize;
     let mut rest = mask;
-    let mut written = 0;
     // Most masks have few bits, and how many is hard to predict: four are written always.
-    loop {
-        if let Some(four) = candidates.get_mut(from + written..).and_then(|tail| tail.first_chunk_mut::<4>())
-        {
-            for candidate in four {
-                *candidate = base + rest.trailing_zeros();
-                rest &= rest.wrapping_sub(1);
-            }
+    for four in room.as_chunks_mut::<4>().0 {
+        for candidate in four {
+            *candidate = base + rest.trailing_zeros();
+            rest &= rest.wrapping_sub(1);
         }
-        written += 4;
-        if written >= count {
-            return count;
+        if rest == 0 {
+            break;
         }
     }
+    count
 }
 
 #[inline(always)]

@@ -234,7 +234,16 @@ fn a_report_is_a_page_and_its_data() -> Result {
 #[test]
 fn a_report_has_the_sections_that_were_asked_for() -> Result {
     let folder = tempfile::tempdir()?;
-    stdout(&["report", "--least", "--section", "ties", "--section", "hard-cases", "--out", path(folder.path())?])?;
+    stdout(&[
+        "report",
+        "--least",
+        "--section",
+        "ties",
+        "--section",
+        "hard-cases",
+        "--out",
+        path(folder.path())?,
+    ])?;
     let report: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.path().join("report.json"))?)?;
     let sections = report["sections"].as_array().ok_or("no sections")?;
