@@ -129,12 +129,13 @@ pub struct Config {
     /// one needs a buffer to merge their pairs.
     pub workers: u32,
     /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most
-    /// one in nine has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
-    /// anew, also where nothing has moved, so that the number of movers makes no difference. Up to 512 objects are all swept where one has moved.
+    /// one in nine has moved (one in 15, from 65,536 objects on). Always: wherever there is a complete step to go on from.
+    /// Never: every step finds all pairs anew, also where nothing has moved, so that the number of movers makes no
+    /// difference. Up to 512 objects are all swept where one has moved.
     pub movers_only: Choice,
     /// Whether the leaves become smaller, an eighth, in steps that test only the objects that have moved: such steps and
     /// queries are faster then, but the next step that finds all pairs anew has to fill the leaves again. Automatic: from
-    /// the second such step in a row on, while at most one in nine has moved. Always: from the first one on.
+    /// the second such step in a row on, while as few have moved. Always: from the first one on.
     pub fine_leaves: Choice,
     /// Whether steps are shared between the workers of the executor. Automatic: where there are 4,096 objects or more;
     /// below, to hand out the work takes longer than to do it. Worlds that are swept box by box never are.

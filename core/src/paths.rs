@@ -28,7 +28,10 @@ use crate::tree::relocate::{Relocate, list_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
-const MOVERS_SHARE: u32 = 9;
+const fn movers_share(live: u32) -> u32 {
+    // Movers are anywhere in memory, which costs more where boxes and records leave the cache.
+    if live < 65_536 { 9 } else { 15 }
+}
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
@@ -66,7 +69,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.live / MOVERS_SHARE;
+        let few = moved <= state.live / movers_share(state.live);
         match (fixed, fixed.unwrap_or(few)) {
             (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
             (None, false) => anew(parts, Reason::ManyMovers),
@@ -90,7 +93,7 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
 /// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, moved: u32, means: Means<'_>) {
     let (few, due) = match parts.state.fine_leaves() {
-        Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
+        Choice::Automatic => (moved <= parts.state.live / movers_share(parts.state.live), CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,
     };
