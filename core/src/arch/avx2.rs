@@ -161,7 +161,7 @@ impl Fours for Avx2 {
     fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
         let positions: __m128i = bytemuck::cast(*candidates);
         let end = sorted.len().min(usize::from(u16::MAX)) as i16;
-        // SAFETY: `self` proves AVX2 and POPCNT; all halves of the candidates are compared with the length before they are taken for
+        // SAFETY: `self` proves AVX2; all halves of the candidates are compared with the length before they are taken for
         // positions.
         unsafe {
             let beyond = _mm_cmpeq_epi16(_mm_max_epu16(positions, _mm_set1_epi16(end)), positions);

@@ -25,7 +25,7 @@ fn mean(live: u32, depth: u32) -> usize {
     (live as usize >> depth).max(LEAF_TARGET / 2)
 }
 
-/// The members of a leaf from which on it is overfull.
+/// The most members of a leaf that is not overfull.
 pub(crate) fn overfull(state: &State) -> usize {
     OVERFULL * mean(state.live, state.depth)
 }

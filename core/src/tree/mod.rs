@@ -16,6 +16,7 @@ pub(crate) mod assign;
 pub(crate) mod balance;
 pub(crate) mod build;
 pub(crate) mod cells;
+pub(crate) mod lend;
 pub(crate) mod refine;
 pub(crate) mod relocate;
 pub(crate) mod visit;

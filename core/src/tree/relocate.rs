@@ -1,14 +1,13 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
 use super::assign::{extend, raise};
-use super::balance::overfull;
+use super::lend::lend;
 use super::{Front, home_of};
 use crate::access::{Access, bits};
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
 use crate::key::KeyBox;
-use crate::state::State;
-use crate::storage::{Parts, TreeParts};
+use crate::storage::Parts;
 
 /// Brings every moved object's record, or its place among the large objects, to its new box. `false` where a leaf and its
 /// neighbours or the large-object list are full: all leaves must be filled anew then, and nothing is lost.
@@ -78,58 +77,6 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
     extend(&mut grown, &super::assign::own_reach(&parts.tree.cells.at(leaf)));
     raise(parts.tree.reach, (1usize << parts.state.depth) + leaf, &grown);
     true
-}
-
-/// Leaves on either side that are asked for room.
-const NEIGHBOURS: usize = 16;
-
-/// Gives a full leaf half of the room that the nearest of its neighbours can spare; the records of the leaves between move
-/// along, in their order, so that the places of their objects stay. Tells whether there was any. An
-/// overfull leaf gets none: it wants new planes.
-fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize) -> bool {
-    let leaves = 1usize << state.depth;
-    if tree.leaves.at(full).len as usize >= overfull(state) {
-        return false;
-    }
-    for distance in 1..=NEIGHBOURS {
-        for lender in [full + distance, full.wrapping_sub(distance)] {
-            let mut bag = if lender < leaves { tree.leaves.at(lender) } else { continue };
-            let given = (bag.room - bag.len).div_ceil(2);
-            if given == 0 {
-                continue;
-            }
-            bag.room -= given;
-            tree.leaves.put(lender, bag);
-            if lender > full {
-                for index in (full + 1..=lender).rev() {
-                    shift(tree, index, |start| start + given);
-                }
-            } else {
-                for index in lender + 1..=full {
-                    shift(tree, index, |start| start - given);
-                }
-            }
-            let mut bag = tree.leaves.at(full);
-            bag.room += given;
-            tree.leaves.put(full, bag);
-            return true;
-        }
-    }
-    false
-}
-
-/// Moves the records of a leaf to where nobody's are.
-fn shift(tree: &mut TreeParts<'_>, index: usize, to: impl Fn(u32) -> u32) {
-    let mut bag = tree.leaves.at(index);
-    let start = to(bag.start);
-    for record in 0..bag.len {
-        // Backwards where it moves up, so that each is read before its place is taken.
-        let record = if start > bag.start { bag.len - 1 - record } else { record };
-        let moved = tree.records.at((bag.start + record) as usize);
-        tree.records.put((start + record) as usize, moved);
-    }
-    bag.start = start;
-    tree.leaves.put(index, bag);
 }
 
 /// Takes an object out of its leaf or out of the large objects; the last one there takes its place.
