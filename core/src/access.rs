@@ -76,6 +76,7 @@ impl<T> Access<T> for [T] {
 /// One bit for each slot, in words of 32.
 pub(crate) mod bits {
     use super::Access;
+    use crate::id::Index;
 
     /// Words for `count` bits.
     pub(crate) const fn words(count: usize) -> usize {
@@ -101,9 +102,20 @@ pub(crate) mod bits {
         words.put(bit / 32, word & !(1 << (bit % 32)));
     }
 
+    /// Words that are passed over at once where no bit is set: few are, where few objects move.
+    const BLOCK: usize = 16;
+
+    /// The words that have set bits, and their numbers.
+    pub(crate) fn marked(words: &[u32]) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let blocks = words.chunks(BLOCK).enumerate().filter(|(_, block)| !is_clear(block));
+        blocks
+            .flat_map(|(index, block)| (index * BLOCK..).zip(block.iter().copied()))
+            .filter(|(_, word)| *word != 0)
+    }
+
     /// The set bits in ascending order.
     pub(crate) fn ones(words: &[u32]) -> impl Iterator<Item = usize> + '_ {
-        words.iter().enumerate().flat_map(|(index, &word)| {
+        marked(words).flat_map(|(index, word)| {
             let mut rest = word;
             core::iter::from_fn(move || {
                 let bit = rest.trailing_zeros() as usize;
@@ -113,7 +125,35 @@ pub(crate) mod bits {
         })
     }
 
+    /// Writes the set bits in ascending order to the front of `list` and returns how many there are.
+    pub(crate) fn list<I: Index>(words: &[u32], list: &mut [I]) -> usize {
+        let mut count = 0;
+        for (index, word) in marked(words) {
+            let mut rest = word;
+            while rest != 0 {
+                list.put(count, I::from_slot(index as u32 * 32 + rest.trailing_zeros()));
+                count += 1;
+                rest &= rest - 1;
+            }
+        }
+        count
+    }
+
+    /// Whether no bit of some words is set.
+    fn is_clear(words: &[u32]) -> bool {
+        words.iter().fold(0, |any, word| any | word) == 0
+    }
+
+    /// Whether one set has a bit that the other does not.
+    pub(crate) fn exceeds(words: &[u32], others: &[u32]) -> bool {
+        let beyond = |(words, others): (&[u32], &[u32])| {
+            words.iter().zip(others).fold(0, |any, (word, other)| any | (word & !other)) != 0
+        };
+        words.chunks(BLOCK).zip(others.chunks(BLOCK)).any(beyond)
+    }
+
     pub(crate) fn count(words: &[u32]) -> u32 {
-        words.iter().map(|word| word.count_ones()).sum()
+        let set = |block: &[u32]| block.iter().map(|word| word.count_ones()).sum::<u32>();
+        words.chunks(BLOCK).filter(|block| !is_clear(block)).map(set).sum()
     }
 }

@@ -9,7 +9,7 @@ use crate::filter::{Gate, Rule};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, length};
-use crate::layout::{FINER, LEAVES_PER_BLOCK, ONE_LEAF};
+use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
 use crate::resting;
 use crate::state::{Path, Progress, Reason, Route, State};
@@ -24,17 +24,17 @@ use crate::sweep::strips::Striped;
 use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
 use crate::tree::refine::{Refine, coarsen};
-use crate::tree::relocate::{Relocate, list_movers};
+use crate::tree::relocate::{Relocate, order_movers};
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
-const fn movers_share(live: u32) -> u32 {
-    // Movers are anywhere in memory, which costs more where boxes and records leave the cache.
-    if live < 65_536 { 9 } else { 15 }
-}
+const MOVERS_SHARE: u32 = 9;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
+
+/// The fewest movers in a block of work: to hand out a block takes as long as to test some movers.
+const MOVERS_PER_BLOCK: usize = 64;
 
 /// Steps of a small world from one choice of its axes to the next.
 const SURVEY_EVERY: u32 = 8;
@@ -69,7 +69,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.live / movers_share(state.live);
+        let few = moved <= state.live / MOVERS_SHARE;
         match (fixed, fixed.unwrap_or(few)) {
             (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
             (None, false) => anew(parts, Reason::ManyMovers),
@@ -93,7 +93,7 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
 /// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
 pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, moved: u32, means: Means<'_>) {
     let (few, due) = match parts.state.fine_leaves() {
-        Choice::Automatic => (moved <= parts.state.live / movers_share(parts.state.live), CALM),
+        Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,
     };
@@ -244,25 +244,24 @@ fn list_of<'o, I: Index>(order: &'o mut [&mut [I]; 3], axis: usize, state: &Stat
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
 fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progress> {
     means.executor.enter(Stage::Fill);
-    if !means.kernels.run(Relocate(parts)) {
-        return None;
-    }
-    list_movers(parts);
+    let moved = means.kernels.run(Relocate(parts))?;
+    let count = order_movers(parts, moved);
     let kept = resting::carry(parts);
     means.executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
-    // The large objects follow as one more leaf.
-    let lists = leaf_count + 1;
-    let per_block = LEAVES_PER_BLOCK << FINER;
-    let (moved, movers, ends) = (&*parts.moved, &*parts.order[0], parts.tree.tally.span(0, lists));
+    let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
+    let [movers, _, homes] = &parts.order;
+    let (movers, homes) = (movers.span(0, count), homes.span(0, count));
+    let moved = &*parts.moved;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let gate = Gate::new(&parts.filters, means.rule);
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, gate);
-    let blocks = lists.div_ceil(per_block);
+    let blocks = count.div_ceil(per_block);
     let (pairs, work) = collector.collect(means.executor, kept, blocks, &|block, scratch, sink| {
-        let first = block * per_block;
-        let leaves = first..(first + per_block).min(lists);
-        means.kernels.run(SweepMovers { grove: &grove, moved, movers, ends, leaves, scratch, sink });
+        let start = block * per_block;
+        let len = per_block.min(count - start);
+        let (movers, homes) = (movers.span(start, len), homes.span(start, len));
+        means.kernels.run(SweepMovers { grove: &grove, moved, movers, homes, scratch, sink });
     });
     Some(Progress { pairs, work, leaves: leaf_count as u32, ..Progress::default() })
 }

@@ -122,8 +122,7 @@ pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
 
 /// Whether other pairs should be set aside than those that are.
 fn is_due<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let wakes = || parts.moved.iter().zip(&*parts.awake).any(|(moved, awake)| moved & !awake != 0);
-    parts.state.aside == 0 || wakes()
+    parts.state.aside == 0 || bits::exceeds(parts.moved, parts.awake)
 }
 
 /// Divides the pairs by who is awake: whoever moves now, and whoever has moved lately.

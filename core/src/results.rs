@@ -74,17 +74,17 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
 }
 
 fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], changed: &mut [u32]) {
-    for (word, changed) in changed.iter_mut().enumerate() {
+    for (word, bits) in bits::marked(changed) {
         let first = word * 32;
-        if *changed == u32::MAX {
+        if bits == u32::MAX {
             before.span_mut(first, 32).copy_in(boxes.span(first, 32));
         } else {
-            for bit in bits::ones(&[*changed]) {
+            for bit in bits::ones(&[bits]) {
                 before.put(first + bit, boxes.at(first + bit));
             }
         }
-        *changed = 0;
     }
+    changed.fill(0);
 }
 
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the

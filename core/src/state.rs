@@ -1,6 +1,7 @@
 //! The few numbers of a world that are not arrays, and the statistics of a step.
 
 use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::layout::LEAVES_PER_BLOCK;
 use crate::objects::Motions;
 use crate::sweep::scratch::Work;
 use crate::tree::cells::Extent;
@@ -253,6 +254,13 @@ impl Default for State {
 }
 
 impl State {
+    /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
+    /// unfinished.
+    pub(crate) const fn most_blocks(&self) -> usize {
+        let depth = if self.refined == 0 { self.depth } else { self.swept_depth };
+        (1usize << depth).div_ceil(LEAVES_PER_BLOCK)
+    }
+
     /// The leaves that there are now, or those of the last step where there is no tree.
     pub(crate) const fn leaves(&self) -> u32 {
         if self.filled != 0 { 1 << self.depth } else { self.leaves }

@@ -3,7 +3,7 @@
 //! The steps of a world reach the same operations, but not all of their corners. It is a function of the crate under a
 //! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
 
-use super::{Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::id::{Index, Pair};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
@@ -104,12 +104,12 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
 #[inline(always)]
 fn records<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let random = &mut rounds.random;
-    let four = [(); 4].map(|()| random.record());
-    let [a, b, ..] = four;
+    let eight = [(); EIGHT].map(|()| random.record());
+    let [a, b, ..] = eight;
     let limit = limit(&random.record());
     rounds.check([
         ("contact", simd.contact(&a, &b) == Scalar.contact(&a, &b)),
-        ("touching", simd.touching(&four, limit) == Scalar.touching(&four, limit)),
+        ("touching", simd.touching(&eight, limit) == Scalar.touching(&eight, limit)),
     ]);
 }
 

@@ -356,19 +356,28 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn touching(self, records: &[Record; 4], limit: Record) -> u32 {
-        let [a, b]: [__m256i; 2] = bytemuck::cast(*records);
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
         // SAFETY: `self` proves AVX2.
-        unsafe {
+        let mask = unsafe {
             let limit = _mm256_broadcastsi128_si256(bytemuck::cast(limit));
             let (a, b) = (_mm256_subs_epu16(a, limit), _mm256_subs_epu16(b, limit));
-            // Eight bytes a record now, zero if it touches. The halves of the vectors are packed apart, which
-            // puts the records in the order 0, 2, 1, 3.
-            let over = _mm256_packs_epi16(a, b);
-            let inside = _mm256_cmpeq_epi64(over, _mm256_setzero_si256());
-            let mask = _mm256_movemask_pd(_mm256_castsi256_pd(inside)) as u32;
-            mask & 0b1001 | (mask & 0b0010) << 1 | (mask & 0b0100) >> 1
+            let (c, d) = (_mm256_subs_epu16(c, limit), _mm256_subs_epu16(d, limit));
+            // Eight bytes a record now, zero if it touches.
+            let (first, last) = (_mm256_packs_epi16(a, b), _mm256_packs_epi16(c, d));
+            let zero = _mm256_setzero_si256();
+            let (first, last) = (_mm256_cmpeq_epi64(first, zero), _mm256_cmpeq_epi64(last, zero));
+            let (first, last) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(last));
+            _mm256_movemask_ps(_mm256_shuffle_ps::<0b10_00_10_00>(first, last)) as u32
+        };
+        if mask == 0 {
+            return 0;
         }
+        // The halves of the vectors were packed apart: even records are in the lower four bits, odd ones in the upper four.
+        let mut spread = mask & 0xf | (mask & 0xf0) << 4;
+        spread = (spread | spread << 2) & 0x3333;
+        spread = (spread | spread << 1) & 0x5555;
+        (spread | spread >> 7) & 0xff
     }
 
     #[inline(always)]

@@ -209,12 +209,14 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn touching(self, records: &[Record; 4], limit: Record) -> u32 {
-        // SAFETY: `self` proves AVX-512 BW and BMI2; the load reads the four records.
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        // SAFETY: `self` proves AVX-512 BW and BMI2; the loads read four records each.
         unsafe {
             let limit = _mm512_broadcast_i32x4(bytemuck::cast(limit));
-            let over = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().cast()), limit);
-            _pext_u32(zero(self, over).into(), 0b0101_0101)
+            let first = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().cast()), limit);
+            let last = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().add(4).cast()), limit);
+            let zeros = u32::from(zero(self, first)) | u32::from(zero(self, last)) << 8;
+            _pext_u32(zeros, 0b0101_0101_0101_0101)
         }
     }
 

@@ -98,8 +98,16 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
-    /// Asks for a box that is needed soon.
+    /// Asks for an item that is needed soon.
     fn prefetch<T: ?Sized>(self, item: &T);
+
+    /// Asks for one of some items.
+    #[inline(always)]
+    fn prefetch_at<T>(self, items: &[T], index: usize) {
+        if let Some(item) = items.get(index) {
+            self.prefetch(item);
+        }
+    }
 
     /// Whether all keys are the same.
     fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
@@ -141,8 +149,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Compares two records.
     fn contact(self, a: &Record, b: &Record) -> Contact;
 
-    /// Which of four records touch the one whose [`limit`] this is: bit `i` for record `i`.
-    fn touching(self, records: &[Record; 4], limit: Record) -> u32;
+    /// Which of some records touch the one whose [`limit`] this is: bit `i` for record `i`.
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32;
 
     /// From where and to where a line is inside a box, of the way from zero to `far`; outside of it where the first number
     /// is above the second. Only the first three axes count.

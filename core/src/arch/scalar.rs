@@ -121,7 +121,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn touching(self, records: &[Record; 4], limit: Record) -> u32 {
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
         let mut mask = 0;
         for (index, record) in records.iter().enumerate() {
             let mut inside = true;

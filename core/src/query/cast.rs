@@ -1,16 +1,16 @@
 //! What a ray or a moving box meets, near things first.
 
 use super::line::{Line, Walk};
-use super::{is_current, prefetch_item, prefetch_leaf, prefetch_members};
+use super::{is_current, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
-use crate::arch::{EIGHT, Phase, Simd};
+use crate::arch::{Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
 use crate::sort::heapsort;
-use crate::tree::Frame;
+use crate::tree::{Frame, first_of_eight};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -218,21 +218,18 @@ fn members<S: Simd, I: Index>(
     prefetch_members(simd, parts, leaf);
     let crossing = line.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), from, far);
     let bag = parts.tree.leaves.at(leaf);
-    // Behind a leaf's records is room, or those of the next leaf.
-    let length = (bag.len as usize).next_multiple_of(EIGHT);
-    let (eights, _) = parts.tree.records.span(bag.start as usize, length).as_chunks::<EIGHT>();
-    let mut left = bag.len;
     let mut slots = [0; TOGETHER];
     let mut count = 0;
-    for eight in eights {
-        let mut mask = simd.crossed(eight, &crossing) & (0xff >> 8u32.saturating_sub(left));
+    let mut left = bag.len;
+    for eight in bag.eights(parts.tree.records) {
+        let mut mask = simd.crossed(eight, &crossing) & first_of_eight(left);
         left = left.saturating_sub(8);
         while mask != 0 {
             let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
             mask &= mask - 1;
             if is_current(parts, slot) {
                 simd.prefetch(KeyBox::of(parts.boxes.now, slot));
-                prefetch_item(simd, parts.generations, slot);
+                simd.prefetch_at(parts.generations, slot);
                 slots.put(count, slot);
                 count += 1;
                 if count == TOGETHER {

@@ -14,11 +14,11 @@ pub use cast::{Cast, Hit};
 pub use region::Region;
 
 use crate::access::{Access, bits};
-use crate::arch::{Simd, limit};
+use crate::arch::{EIGHT, Simd, limit};
 use crate::id::{Id, Index};
 use crate::key::{KeyBox, key};
 use crate::storage::Parts;
-use crate::tree::{Frame, Record};
+use crate::tree::{Frame, Record, first_of_eight};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -65,45 +65,40 @@ struct MembersNear<'q, S> {
     simd: S,
     /// Members that are touched since the last step, where there are any.
     moved: &'q [u32],
-    quads: &'q [[Record; 4]],
-    rest: &'q [Record],
+    eights: &'q [[Record; EIGHT]],
+    /// Members in these.
+    left: u32,
     /// The region in the leaf's frame.
     region: Record,
     limit: Record,
-    quad: &'q [Record; 4],
+    eight: &'q [Record; EIGHT],
     mask: u32,
 }
 
 impl<'q, S: Simd> MembersNear<'q, S> {
     #[inline(always)]
     fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: &KeyBox) -> Self {
-        const NONE: &[Record; 4] = &[Record { lanes: [0; 6], tag: 0 }; 4];
+        const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
         let bag = parts.tree.leaves.at(leaf);
-        let members = parts.tree.records.span(bag.start as usize, bag.len as usize);
         let frame = parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE);
         let region = simd.record(frame, simd.keys(region), 0);
-        let (quads, rest) = members.as_chunks::<4>();
+        let (eights, left) = (bag.eights(parts.tree.records), bag.len);
         let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
-        Self { simd, moved, quads, rest, region, limit: limit(&region), quad: NONE, mask: 0 }
+        Self { simd, moved, eights, left, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 
     /// The slot of the next one, and whether its swept box overlaps the region for certain.
     #[inline(always)]
     fn next(&mut self) -> Option<(usize, bool)> {
         loop {
-            let record = if self.mask != 0 {
-                let at = self.mask.trailing_zeros() as usize;
-                self.mask &= self.mask - 1;
-                self.quad.at(at)
-            } else if let Some((quad, quads)) = self.quads.split_first() {
-                self.mask = self.simd.touching(quad, self.limit);
-                (self.quad, self.quads) = (quad, quads);
-                continue;
-            } else {
-                let (record, rest) = self.rest.split_first()?;
-                self.rest = rest;
-                *record
-            };
+            while self.mask == 0 {
+                let (eight, eights) = self.eights.split_first()?;
+                self.mask = self.simd.touching(eight, self.limit) & first_of_eight(self.left);
+                self.left = self.left.saturating_sub(8);
+                (self.eight, self.eights) = (eight, eights);
+            }
+            let record = self.eight.at(self.mask.trailing_zeros() as usize);
+            self.mask &= self.mask - 1;
             let contact = self.simd.contact(&self.region, &record);
             let slot = record.slot() as usize;
             if contact.touches && (self.moved.is_empty() || !bits::test(self.moved, slot)) {
@@ -116,8 +111,8 @@ impl<'q, S: Simd> MembersNear<'q, S> {
 /// Asks for what tells where a leaf's members are.
 #[inline(always)]
 fn prefetch_leaf<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
-    prefetch_item(simd, parts.tree.leaves, leaf);
-    prefetch_item(simd, parts.tree.frames, leaf);
+    simd.prefetch_at(parts.tree.leaves, leaf);
+    simd.prefetch_at(parts.tree.frames, leaf);
 }
 
 /// Asks for the first members of a leaf; the processor sees for itself that the others follow.
@@ -125,15 +120,7 @@ fn prefetch_leaf<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) 
 fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
     let start = parts.tree.leaves.at(leaf).start as usize;
     for line in 0..LINES {
-        prefetch_item(simd, parts.tree.records, start + 4 * line);
-    }
-}
-
-/// Asks for an item that is needed soon.
-#[inline(always)]
-fn prefetch_item<S: Simd, T>(simd: S, items: &[T], index: usize) {
-    if let Some(item) = items.get(index) {
-        simd.prefetch(item);
+        simd.prefetch_at(parts.tree.records, start + 4 * line);
     }
 }
 

@@ -1,6 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{MembersNear, key_above, key_below, prefetch_item, prefetch_leaf, prefetch_members};
+use super::{MembersNear, key_above, key_below, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -144,14 +144,15 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             let tree = &parts.tree;
             // Records are those of swept boxes: where those are the boxes themselves, they can tell.
             let decides = parts.boxes.fat.is_empty() && !matches!(region, Region::Sphere { .. });
-            let mut visits = Visit::new(tree.planes, tree.reach, parts.state.depth, bounds.min, bounds.max);
+            let (low, high) = (bounds.min, bounds.max);
+            let mut visits = Visit::new(simd, tree.planes, tree.reach, parts.state.depth, low, high);
             let mut leaves = [0; TOGETHER];
             let mut slots = [(0, false); TOGETHER];
             let mut found = 0;
             loop {
                 let mut count = 0;
                 while let Some(place) = leaves.get_mut(count) {
-                    let Some(leaf) = visits.next() else { break };
+                    let Some(leaf) = visits.next(simd) else { break };
                     prefetch_leaf(simd, parts, leaf);
                     *place = leaf;
                     count += 1;
@@ -166,7 +167,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                         if !certain {
                             simd.prefetch(KeyBox::of(parts.boxes.now, slot));
                         }
-                        prefetch_item(simd, parts.generations, slot);
+                        simd.prefetch_at(parts.generations, slot);
                         slots.put(found, (slot, certain));
                         found += 1;
                         if found == TOGETHER {

@@ -54,6 +54,12 @@ impl<'g> Grove<'g> {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
+    /// What the members of a leaf can touch.
+    #[inline(always)]
+    pub(crate) fn region(&self, index: usize) -> KeyBox {
+        KeyBox { min: self.cells.at(index).low(), max: self.reach.at((1 << self.depth) + index) }
+    }
+
     /// Writes the records of the boxes that touch a leaf's cell and are not its members to `visitors`, but for the
     /// first `skip` of them, as many as fit. Returns how many there are in all.
     #[inline(always)]
@@ -64,8 +70,9 @@ impl<'g> Grove<'g> {
             Gathered { simd, sides, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
         // The cell is half-open: minima at its high side are in the next one.
         let high = cell.high().map(|key| key.saturating_sub(1));
-        let mut visit = Visit::new(self.planes, self.reach, self.depth, cell.low(), high);
-        while let Some(other) = visit.next() {
+        let mut visit =
+            Visit::new(simd, self.planes, self.reach, self.depth, cell.low(), high).starting_at(simd, index);
+        while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);
                 gathered.enter(self.fronts.span(leaf.front_start as usize, leaf.front_len as usize));

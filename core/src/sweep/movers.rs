@@ -8,21 +8,20 @@ use super::Sink;
 use super::leaves::Grove;
 use super::scratch::Scratch;
 use crate::access::{Access, bits};
-use crate::arch::{Phase, Simd, limit};
+use crate::arch::{EIGHT, Phase, Simd, limit};
 use crate::id::{Index, pair};
 use crate::key::KeyBox;
 use crate::tree::visit::Visit;
-use crate::tree::{Frame, Record};
+use crate::tree::{Frame, Record, first_of_eight};
 
-/// Tests the movers of some leaves. The large objects count as one more leaf, the last one.
+/// Tests some movers.
 pub(crate) struct SweepMovers<'p, 's, 'g, I> {
     pub(crate) grove: &'p Grove<'g>,
     /// One bit a slot.
     pub(crate) moved: &'p [u32],
-    /// The slots of the movers, leaf by leaf, and where each leaf's end.
+    /// The slots of the movers, leaf by leaf, and their leaves.
     pub(crate) movers: &'p [I],
-    pub(crate) ends: &'p [u32],
-    pub(crate) leaves: core::ops::Range<usize>,
+    pub(crate) homes: &'p [I],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
     pub(crate) sink: &'p mut dyn Sink<I>,
 }
@@ -32,14 +31,17 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { grove, moved, movers, ends, leaves, scratch, sink } = self;
+        let Self { grove, moved, movers, homes, scratch, sink } = self;
         let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
         let mut near = Near { grove, movers, visits: [(0, 0, 0); TOGETHER], count: 0, tested: 0 };
-        let mut start = leaves.start.checked_sub(1).map_or(0, |before| ends.at(before));
-        for &end in ends.span(leaves.start, leaves.len()) {
-            if end > start {
-                near.visit(simd, start, end, &mut report);
+        let mut start = 0;
+        while start < homes.len() {
+            let home = homes.at(start);
+            let mut end = start + 1;
+            while homes.get(end) == Some(&home) {
+                end += 1;
             }
+            near.visit(simd, home, start as u32, end as u32, &mut report);
             start = end;
         }
         near.test(simd, &mut report);
@@ -69,7 +71,7 @@ struct Near<'n, 'g, I> {
 impl<I: Index> Near<'_, '_, I> {
     /// Has movers that are near each other tested against all members of the leaves around.
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
+    fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
         let grove = self.grove;
         let movers = self.movers.span(start as usize, (end - start) as usize);
         for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
@@ -89,15 +91,14 @@ impl<I: Index> Near<'_, '_, I> {
                 }
             }
         }
-        let mut visit = Visit::new(grove.planes, grove.reach, grove.depth, around.min, around.max);
-        while let Some(index) = visit.next() {
-            if let (Some(leaf), Some(cell), Some(frame)) =
-                (grove.leaves.get(index), grove.cells.get(index), grove.frames.get(index))
-            {
-                simd.prefetch(leaf);
-                simd.prefetch(cell);
-                simd.prefetch(frame);
-            }
+        let mut visit = Visit::new(simd, grove.planes, grove.reach, grove.depth, around.min, around.max);
+        if home != I::LARGE {
+            visit = visit.starting_at(simd, home.at());
+        }
+        while let Some(index) = visit.next(simd) {
+            simd.prefetch_at(grove.leaves, index);
+            simd.prefetch_at(grove.cells, index);
+            simd.prefetch_at(grove.frames, index);
             self.visits.put(self.count, (index, start, end));
             self.count += 1;
             if self.count == TOGETHER {
@@ -112,20 +113,19 @@ impl<I: Index> Near<'_, '_, I> {
         let grove = self.grove;
         for &(index, ..) in self.visits.span(0, self.count) {
             let members = grove.members(&grove.leaves.at(index));
-            for line in members.chunks(4).take(LINES) {
+            let (lines, _) = members.as_chunks::<4>();
+            for line in lines.get(..LINES).unwrap_or(lines) {
                 simd.prefetch(line);
             }
         }
         for &(index, start, end) in self.visits.span(0, self.count) {
-            let members = grove.members(&grove.leaves.at(index));
-            let (cell, frame) = (grove.cells.at(index), grove.frames.at(index));
-            let reach = grove.reach.at((1 << grove.depth) + index);
-            let region = KeyBox { min: cell.low(), max: reach };
+            let (leaf, frame, region) = (grove.leaves.at(index), grove.frames.at(index), grove.region(index));
+            let eights = leaf.eights(grove.records);
             for mover in self.movers.span(start as usize, (end - start) as usize) {
                 let bounds = grove.boxes.at(mover.at());
                 if region.overlaps(&bounds) {
-                    self.tested += members.len();
-                    scan(simd, members, &frame, mover.slot(), &bounds, report);
+                    self.tested += leaf.len as usize;
+                    scan(simd, eights, leaf.len, &frame, mover.slot(), &bounds, report);
                 }
             }
         }
@@ -137,7 +137,8 @@ impl<I: Index> Near<'_, '_, I> {
 #[inline(always)]
 fn scan<S: Simd, I: Index>(
     simd: S,
-    members: &[Record],
+    eights: &[[Record; EIGHT]],
+    count: u32,
     frame: &Frame,
     mover: u32,
     bounds: &KeyBox,
@@ -145,17 +146,16 @@ fn scan<S: Simd, I: Index>(
 ) {
     let record = simd.record(frame, simd.keys(bounds), mover);
     let limit = limit(&record);
-    let (quads, rest) = members.as_chunks::<4>();
-    for quad in quads {
-        let mut mask = simd.touching(quad, limit);
+    for (index, eight) in eights.iter().enumerate() {
+        let mut mask = simd.touching(eight, limit);
+        if mask != 0 {
+            mask &= first_of_eight(count - 8 * index as u32);
+        }
         while mask != 0 {
-            let other = quad.at(mask.trailing_zeros() as usize);
+            let other = eight.at(mask.trailing_zeros() as usize);
             report.contact(simd, &record, bounds, &other);
             mask &= mask - 1;
         }
-    }
-    for other in rest {
-        report.contact(simd, &record, bounds, other);
     }
 }
 

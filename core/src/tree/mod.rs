@@ -22,7 +22,7 @@ pub(crate) mod relocate;
 pub(crate) mod visit;
 
 use crate::access::Access;
-use crate::arch::{MAXIMA, MINIMA, Simd};
+use crate::arch::{EIGHT, MAXIMA, MINIMA, Simd};
 use crate::key::{KeyBox, value};
 use crate::state::State;
 use bytemuck::{Pod, Zeroable};
@@ -183,6 +183,20 @@ pub(crate) struct Leaf {
     /// The axis that the leaf is swept along.
     pub(crate) axis: u32,
     pub(crate) unused: u32,
+}
+
+impl Leaf {
+    /// The leaf's records, and behind them others up to a multiple of eight: room, or those of the next leaf.
+    #[inline(always)]
+    pub(crate) fn eights<'r>(&self, records: &'r [Record]) -> &'r [[Record; EIGHT]] {
+        records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT)).as_chunks().0
+    }
+}
+
+/// Which of eight records are those of a leaf that has so many left: a bit for each.
+#[inline(always)]
+pub(crate) const fn first_of_eight(left: u32) -> u32 {
+    0xff >> 8u32.saturating_sub(left)
 }
 
 /// The grid of a leaf's records: 65,536 steps an axis over the part of the cell where minima are.

@@ -9,28 +9,27 @@ use crate::id::Index;
 use crate::key::KeyBox;
 use crate::storage::Parts;
 
-/// Brings every moved object's record, or its place among the large objects, to its new box. `false` where a leaf and its
-/// neighbours or the large-object list are full: all leaves must be filled anew then, and nothing is lost.
+/// Lists every moved object in the second of the sorted lists, and brings its record, or its place among the large objects,
+/// to its new box. Returns how many there are; `None` where a leaf and its neighbours or the large-object list are full: all
+/// leaves must be filled anew then, and nothing is lost.
 pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
 
 impl<I: Index> Phase for Relocate<'_, '_, I> {
-    type Output = bool;
+    type Output = Option<usize>;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> bool {
+    fn run<S: Simd>(self, simd: S) -> Option<usize> {
         let parts = self.0;
-        for word in 0..parts.moved.len() {
-            let mut rest = parts.moved.at(word);
-            while rest != 0 {
-                let slot = word * 32 + rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                if !relocate(simd, parts, slot) {
-                    parts.state.filled = 0;
-                    return false;
-                }
+        let count = bits::list(parts.moved, parts.order[1]);
+        parts.state.stale_lists = 1;
+        for index in 0..count {
+            let slot = parts.order[1].at(index).at();
+            if !relocate(simd, parts, slot) {
+                parts.state.filled = 0;
+                return None;
             }
         }
-        true
+        Some(count)
     }
 }
 
@@ -113,31 +112,33 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
     true
 }
 
-/// Lists the slots of the movers leaf by leaf, the large ones last, and where each leaf's end: in the first of the sorted
-/// lists and in the tally, which nothing needs between two full steps. O(slots / 32 + movers + leaves).
-pub(crate) fn list_movers<I: Index>(parts: &mut Parts<'_, I>) {
+/// Orders the list of movers by their leaves, the large ones last, and drops those that are no more: their slots are in the
+/// first of the sorted lists then, their leaves in the last. Returns how many there are. O(movers + leaves).
+pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = 1usize << parts.state.depth;
-    let ends = parts.tree.tally.span_mut(0, leaves + 1);
-    ends.fill(0);
-    let (homes, moved) = (&*parts.home, &*parts.moved);
-    let movers = || {
-        bits::ones(moved).filter_map(|slot| match homes.at(slot) {
-            home if home == I::NONE => None,
-            home => Some((slot, home.at().min(leaves))),
-        })
-    };
-    for (_, leaf) in movers() {
-        ends.put(leaf, ends.at(leaf) + 1);
+    let starts = parts.tree.tally.span_mut(0, leaves + 2);
+    starts.fill(0);
+    let [list, movers, homes] = &mut parts.order;
+    let movers = movers.span(0, count);
+    let all = &*parts.home;
+    // Those that are no more come behind the others.
+    let place_of = |home: I| if home == I::NONE { leaves + 1 } else { home.at().min(leaves) };
+    for slot in movers {
+        let place = place_of(all.at(slot.at()));
+        starts.put(place, starts.at(place) + 1);
     }
     let mut start = 0;
-    for end in &mut *ends {
-        start += core::mem::replace(end, start);
+    for next in &mut *starts {
+        start += core::mem::replace(next, start);
     }
-    // Each entry now is where its leaf starts, and after the last of its movers is placed, where it ends.
-    let [list, ..] = &mut parts.order;
-    for (slot, leaf) in movers() {
-        list.put(ends.at(leaf) as usize, I::from_slot(slot as u32));
-        ends.put(leaf, ends.at(leaf) + 1);
+    for slot in movers {
+        let home = all.at(slot.at());
+        let place = place_of(home);
+        let at = starts.at(place);
+        list.put(at as usize, *slot);
+        homes.put(at as usize, home);
+        starts.put(place, at + 1);
     }
-    parts.state.stale_lists = 1;
+    // Each is where the next one started by now.
+    starts.at(leaves) as usize
 }
