@@ -113,27 +113,28 @@ pub(crate) mod bits {
             .filter(|(_, word)| *word != 0)
     }
 
+    /// The set bits of one word in ascending order.
+    pub(crate) fn of_word(word: u32) -> impl Iterator<Item = usize> {
+        let mut rest = word;
+        core::iter::from_fn(move || {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest.wrapping_sub(1);
+            (bit < 32).then_some(bit)
+        })
+    }
+
     /// The set bits in ascending order.
     pub(crate) fn ones(words: &[u32]) -> impl Iterator<Item = usize> + '_ {
-        marked(words).flat_map(|(index, word)| {
-            let mut rest = word;
-            core::iter::from_fn(move || {
-                let bit = rest.trailing_zeros() as usize;
-                rest &= rest.wrapping_sub(1);
-                (bit < 32).then_some(index * 32 + bit)
-            })
-        })
+        marked(words).flat_map(|(index, word)| of_word(word).map(move |bit| index * 32 + bit))
     }
 
     /// Writes the set bits in ascending order to the front of `list` and returns how many there are.
     pub(crate) fn list<I: Index>(words: &[u32], list: &mut [I]) -> usize {
         let mut count = 0;
         for (index, word) in marked(words) {
-            let mut rest = word;
-            while rest != 0 {
-                list.put(count, I::from_slot(index as u32 * 32 + rest.trailing_zeros()));
+            for bit in of_word(word) {
+                list.put(count, I::from_slot((index * 32 + bit) as u32));
                 count += 1;
-                rest &= rest - 1;
             }
         }
         count

@@ -79,7 +79,7 @@ fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], changed: &mut [u32]) 
         if bits == u32::MAX {
             before.span_mut(first, 32).copy_in(boxes.span(first, 32));
         } else {
-            for bit in bits::ones(&[bits]) {
+            for bit in bits::of_word(bits) {
                 before.put(first + bit, boxes.at(first + bit));
             }
         }

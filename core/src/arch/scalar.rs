@@ -97,13 +97,16 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn window(self, rows: &[Row], at: usize, count: usize, query: Row) -> u64 {
+        // All four bytes at once. With its high bit set, no byte of the query borrows from the next one.
+        const HIGH: u32 = 0x8080_8080;
+        let query = u32::from_ne_bytes(query);
         let mut mask = 0;
         for (index, row) in rows.span(at, count.min(WINDOW)).iter().enumerate() {
-            let mut inside = true;
-            for k in 0..4 {
-                inside &= row[k] <= query[k];
-            }
-            mask |= u64::from(inside) << index;
+            let row = u32::from_ne_bytes(*row);
+            let rest = (query | HIGH) - (row & !HIGH);
+            // High bits that differ decide, else the bits below them.
+            let inside = (query & !row) | (!(query ^ row) & rest);
+            mask |= u64::from(inside & HIGH == HIGH) << index;
         }
         mask
     }
