@@ -153,8 +153,10 @@ pub(crate) mod bits {
         words.chunks(BLOCK).zip(others.chunks(BLOCK)).any(beyond)
     }
 
+    /// How many bits are set.
+    // A call, since within a step its loop would take registers from the loops around it: 3 % of a step on a Cortex-M4.
+    #[inline(never)]
     pub(crate) fn count(words: &[u32]) -> u32 {
-        let set = |block: &[u32]| block.iter().map(|word| word.count_ones()).sum::<u32>();
-        words.chunks(BLOCK).filter(|block| !is_clear(block)).map(set).sum()
+        marked(words).map(|(_, word)| word.count_ones()).sum()
     }
 }

@@ -256,9 +256,9 @@ impl Default for State {
 impl State {
     /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
     /// unfinished.
-    pub(crate) const fn most_blocks(&self) -> usize {
+    pub(crate) fn most_blocks(&self) -> usize {
         let depth = if self.refined == 0 { self.depth } else { self.swept_depth };
-        (1usize << depth).div_ceil(LEAVES_PER_BLOCK)
+        (1usize << depth).div_ceil(LEAVES_PER_BLOCK).max(1)
     }
 
     /// The leaves that there are now, or those of the last step where there is no tree.
