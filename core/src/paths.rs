@@ -33,7 +33,7 @@ const MOVERS_SHARE: u32 = 9;
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u32 = 2;
 
-/// The fewest movers in a block of work: to hand out a block takes as long as to test some movers.
+/// The fewest movers in a block of work, so that to hand them out is little beside testing them.
 const MOVERS_PER_BLOCK: usize = 64;
 
 /// Steps of a small world from one choice of its axes to the next.
