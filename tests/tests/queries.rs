@@ -247,6 +247,73 @@ fn touching_counts() {
     }
 }
 
+/// Leaves without any width, where the grid's steps are of no length to speak of, and casts that hardly move on an axis, or are far
+/// away.
+#[test]
+fn casts_meet_a_wall() {
+    for flat in 0..3 {
+        let side = 30.0;
+        let rng = &mut Rng::new(flat as u64);
+        let place = |rng: &mut Rng| {
+            let mut place = rng.point(0.0, side);
+            place[flat] = 0.0;
+            place
+        };
+        let boxes: Vec<Aabb> = (0..900).map(|_| place(rng)).map(|[x, y, z]| cube(x, y, z)).collect();
+        let config = Config::new(ample(900, 40_000));
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        world.insert_many(&boxes);
+        for calm in 0..10 {
+            for setup in Setup::each(&[Jobs::Serial]).into_iter().filter(|_| calm % 3 == 0) {
+                for _ in 0..60 {
+                    let (mut direction, along) = (rng.point(-1.0, 1.0), rng.below(6));
+                    for k in 0..3 {
+                        let slow = if along < 3 { 0.0 } else { [1.0, 1.0, 1e-3, 1e-12, 1e-38][rng.below(5)] };
+                        direction[k] *= if k == along { 1.0 } else { slow };
+                    }
+                    let (mut start, away) = (place(rng), [0.5, 2.0, 1e3, 1e7, 1e15, 1e25][rng.below(6)]);
+                    for k in 0..3 {
+                        start[k] -= away * direction[k];
+                    }
+                    let distance = [1.5, away, 2.0 * away, f32::INFINITY][rng.below(4)];
+                    ask_cast(world.world(), world.model(), &Cast::ray(start, direction, distance), setup);
+                }
+            }
+            world.step(Setup::REFERENCE);
+        }
+    }
+}
+
+/// Along an axis, so that the other two alone decide, from where a step of the grid is nothing.
+#[test]
+fn rays_come_from_far_away() {
+    let config = Config::new(ample(900, 40_000));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let (boxes, side) = (scenes::uniform(900, 4), scenes::side(900));
+    world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    let rng = &mut Rng::new(9);
+    for _ in 0..10 {
+        world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room for the pairs");
+    }
+    for setup in Setup::each(&[Jobs::Serial]) {
+        for away in [1.0, 1e10, 1e20, 1e30, 1e31, 1e32, 1e33, 1e34, 1e35, 1e38] {
+            for axis in 0..3 {
+                let (mut start, mut direction) = (rng.point(0.0, side), [0.0f32; 3]);
+                direction[axis] = [1.0f32, -1.0, 0.3][rng.below(3)];
+                start[axis] = side / 2.0 - direction[axis].signum() * (side + away);
+                let meets = |aabb: &&Aabb| {
+                    (0..3).all(|k| k == axis || aabb.min[k] <= start[k] && start[k] <= aabb.max[k])
+                };
+                let ray = Cast::ray(start, direction, f32::INFINITY);
+                let met = world.hits(&ray, setup.kernels, &mut [None; 900]);
+                assert_eq!(met, Ok(boxes.iter().filter(meets).count()), "{setup:?} {ray:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn bad_queries_are_refused() {
     let config = Config::new(ample(8, 8));

@@ -7,8 +7,9 @@ use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::id::{Index, Pair};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
-use crate::query::line::Slabs;
-use crate::tree::{Frame, Record};
+use crate::query::Cast;
+use crate::query::line::{Line, Slabs, Walk};
+use crate::tree::{Frame, Record, plane};
 
 impl Kernels {
     /// Tells the operations that give something else than the scalar ones, once for each time in so many rounds of random
@@ -148,6 +149,23 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let far = [1.0, 7.5, 1e30][random.below(3)];
     let span = simd.span(&slabs, four(min), four(max), far);
     rounds.check([("span", span == Scalar.span(&slabs, four(min), four(max), far))]);
+
+    let random = &mut rounds.random;
+    let start =
+        [(); 3].map(|()| [random.below(9) as f32 - 4.0, 1e-30, -3e20][random.below(8).saturating_sub(5)]);
+    let walk = Walk::new(&Line::new(&Cast::ray(start, direction.map(|d| d as f32), 1.0)));
+    let until = [1.0, 7.5, f32::INFINITY][random.below(3)];
+    let crossing = walk.crossing(&random.frame(), until);
+    let records = [(); EIGHT].map(|()| random.record());
+    let crossed = simd.crossed(&records, &crossing) == Scalar.crossed(&records, &crossing);
+    let [x, y, z] = [(); 3].map(|()| random.below(9) as f32 - 4.0);
+    let low = [x, y, z, f32::NEG_INFINITY];
+    let plane = plane(random.below(3), crate::key::key(random.float()));
+    let reaches = random.bounds();
+    let bits = |([left, right], above): ([f32; 2], [f32; 4])| ([left.to_bits(), right.to_bits()], above);
+    let entered = bits(simd.enter(&walk, low, plane, &reaches, until));
+    let enter = entered == bits(Scalar.enter(&walk, low, plane, &reaches, until));
+    rounds.check([("crossed", crossed), ("enter", enter)]);
 }
 
 /// SplitMix64.

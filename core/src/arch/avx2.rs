@@ -156,6 +156,18 @@ fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
+/// A bit for each of eight records, of which the even ones come in the lower four bits and the odd ones in the upper four.
+#[inline(always)]
+const fn in_order(mask: u32) -> u32 {
+    if mask == 0 {
+        return 0;
+    }
+    let mut spread = mask & 0xf | (mask & 0xf0) << 4;
+    spread = (spread | spread << 2) & 0x3333;
+    spread = (spread | spread << 1) & 0x5555;
+    (spread | spread >> 7) & 0xff
+}
+
 impl Fours for Avx2 {
     #[inline(always)]
     fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
@@ -370,14 +382,7 @@ impl Simd for Avx2 {
             let (first, last) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(last));
             _mm256_movemask_ps(_mm256_shuffle_ps::<0b10_00_10_00>(first, last)) as u32
         };
-        if mask == 0 {
-            return 0;
-        }
-        // The halves of the vectors were packed apart: even records are in the lower four bits, odd ones in the upper four.
-        let mut spread = mask & 0xf | (mask & 0xf0) << 4;
-        spread = (spread | spread << 2) & 0x3333;
-        spread = (spread | spread << 1) & 0x5555;
-        (spread | spread >> 7) & 0xff
+        in_order(mask)
     }
 
     #[inline(always)]
@@ -428,8 +433,8 @@ impl Simd for Avx2 {
             // The left child's reach in the lower half, the right one's in the upper half.
             let halves = _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6);
             let keys = _mm256_permutevar8x32_epi32(self.keys(reaches), halves);
-            let sign = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(keys));
-            let high = _mm256_castsi256_ps(_mm256_xor_si256(keys, sign));
+            let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
+            let high = _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign));
             let back = _mm256_castsi256_ps(_mm256_broadcastsi128_si256(bytemuck::cast(walk.back)));
             let first = _mm256_sub_ps(_mm256_blendv_ps(low, high, back), twice(self, &walk.first));
             let last = _mm256_sub_ps(_mm256_blendv_ps(high, low, back), twice(self, &walk.last));
@@ -451,16 +456,13 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
-        let [a, b, c, d, e, f, g, h]: [__m128i; EIGHT] = bytemuck::cast(*records);
+        let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
         // SAFETY: `self` proves AVX2.
-        unsafe {
+        let mask = unsafe {
             let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
-            // Records 0 and 4, 1 and 5, 2 and 6, 3 and 7, then their lanes side by side, then those of four records: two lanes
-            // in each vector, of the first four records in the lower half.
-            let a = _mm256_shuffle_epi8(_mm256_set_m128i(e, a), order);
-            let b = _mm256_shuffle_epi8(_mm256_set_m128i(f, b), order);
-            let c = _mm256_shuffle_epi8(_mm256_set_m128i(g, c), order);
-            let d = _mm256_shuffle_epi8(_mm256_set_m128i(h, d), order);
+            // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.
+            let (a, b) = (_mm256_shuffle_epi8(a, order), _mm256_shuffle_epi8(b, order));
+            let (c, d) = (_mm256_shuffle_epi8(c, order), _mm256_shuffle_epi8(d, order));
             let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
             let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
             let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
@@ -480,9 +482,11 @@ impl Simd for Avx2 {
             let [x0, y0, z0, x1, y1, z1] = times;
             // NaN falls to the second operand.
             let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
-            let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.length))));
+            let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.until))));
+            let from = _mm256_min_ps(from, _mm256_set1_ps(Crossing::LATEST));
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(from, to)) as u32
-        }
+        };
+        in_order(mask)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::line::{Line, Walk};
+use super::line::{Crossing, Line, Walk};
 use super::{is_current, prefetch_leaf, prefetch_members};
 use crate::aabb::Aabb;
 use crate::access::Access;
@@ -10,7 +10,7 @@ use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
 use crate::sort::heapsort;
-use crate::tree::{Frame, first_of_eight};
+use crate::tree::{Frame, first_of_eight, home_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -171,8 +171,28 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let reaches: &[KeyBox] = bytemuck::try_cast_slice(parts.tree.reach).unwrap_or_default();
         let mut until = walk.time(far);
         let mut stack = [Waiting::default(); STACK];
-        stack[0] = Waiting { low: [f32::NEG_INFINITY; 4], from: 0.0, node: 1 };
-        let mut waiting = 1;
+        let mut waiting = 0;
+        // The way to the leaf where the cast starts is found by planes alone, so that the nodes on it, and what is beside them,
+        // can be looked at all together. What is met of it waits, the deepest last: the nearest.
+        let home = first | home_of(parts.tree.planes, parts.state, &line.corner()) as u32;
+        simd.prefetch_at(parts.tree.frames, (home - first) as usize);
+        prefetch_members(simd, parts, (home - first) as usize);
+        let (mut low, mut from) = ([f32::NEG_INFINITY; 4], 0.0);
+        for level in (0..parts.state.depth).rev() {
+            let child = home >> level;
+            let node = (child / 2) as usize;
+            let plane = parts.tree.planes.at(node);
+            let (entered, above) = simd.enter(&walk, low, plane, &reaches.at(node), until);
+            let lows = [low, above];
+            let side = (child & 1) as usize;
+            let beside = entered.at(side ^ 1);
+            // Written always, and kept or not, so that nothing depends on a guess of the branch predictor.
+            stack.put(waiting, Waiting { low: lows.at(side ^ 1), from: beside, node: child ^ 1 });
+            waiting += usize::from(beside <= until);
+            (low, from) = (lows.at(side), entered.at(side));
+        }
+        stack.put(waiting, Waiting { low, from, node: home });
+        waiting += 1;
         while waiting > 0 {
             waiting -= 1;
             let mut here = stack.at(waiting);
@@ -196,33 +216,33 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             }
             if here.from <= until {
                 let leaf = (here.node - first) as usize;
-                far = members(simd, world, leaf, &line, walk.distance(here.from), far, visit);
+                let crossing = walk.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), until);
+                far = members(simd, world, leaf, &line, &crossing, far, visit);
                 until = walk.time(far);
             }
         }
     }
 }
 
-/// Visits the members of a leaf, which the cast does not come to before `from`, and returns how far to look on.
+/// Visits the members of a leaf that the cast meets, and returns how far to look on.
 #[inline(always)]
 fn members<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
     leaf: usize,
     line: &Line,
-    from: f64,
+    crossing: &Crossing,
     mut far: f64,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> f64 {
     let parts = &world.parts;
     prefetch_members(simd, parts, leaf);
-    let crossing = line.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), from, far);
     let bag = parts.tree.leaves.at(leaf);
     let mut slots = [0; TOGETHER];
     let mut count = 0;
     let mut left = bag.len;
     for eight in bag.eights(parts.tree.records) {
-        let mut mask = simd.crossed(eight, &crossing) & first_of_eight(left);
+        let mut mask = simd.crossed(eight, crossing) & first_of_eight(left);
         left = left.saturating_sub(8);
         while mask != 0 {
             let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;

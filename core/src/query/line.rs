@@ -3,14 +3,13 @@
 use super::Cast;
 use crate::access::Access;
 use crate::arch::Simd;
-use crate::key::{KeyBox, value};
+use crate::key::{KeyBox, key, value};
 use crate::tree::{Frame, Record, axis_of, key_of};
 
 /// A cast, prepared: a box is met where the point `t * direction` is inside the box's difference from the start. A fourth
 /// axis, which nothing moves along, fills the vectors.
 pub(crate) struct Line {
     low: [f64; 4],
-    high: [f64; 4],
     direction: [f64; 4],
     pub(super) distance: f64,
     pub(crate) slabs: Slabs,
@@ -27,16 +26,18 @@ pub(crate) struct Slabs {
     pub(crate) inverse: [f64; 4],
 }
 
+/// The bit of a float that holds its sign.
+const SIGN: u32 = 1 << 31;
 /// The grid's steps, in one more than which the highest ends.
-const GRID_END: f64 = 65_536.0;
-/// Bounds how long a cast takes for a step of the grid on an axis that it hardly moves along, as `f32` must hold the product
+const GRID_END: f32 = 65_536.0;
+/// By how many steps of the grid sides are moved outwards: more than all roundings come to that do not grow with the distance.
+const OUTWARDS: f32 = 8.0;
+/// Bounds the time that a cast takes for a step of the grid on an axis that it hardly moves along, as `f32` must hold the product
 /// with a number of steps.
-const STEEPEST: f64 = (1u128 << 80) as f64;
-/// From where on, in steps of the grid, a cast is too far away for these bounds.
-const FARTHEST: f64 = (1u64 << 60) as f64;
+const SLOWEST: f32 = (1u128 << 102) as f32;
 
-/// What it takes to find which records of a leaf a cast may touch: when it passes the sides of their boxes is a linear function
-/// of their lanes. Times are in steps of the leaf's grid on the axis where they are the most.
+/// What it takes to find which records of a leaf a cast may touch: when it passes the sides of their boxes, in the time of
+/// [`Walk`], is a linear function of their lanes.
 ///
 /// It lets through whatever [`Line::span`] does: sides are moved outwards by more than all roundings together, and a lane of
 /// zero, where a side may be anywhere outside the grid, excludes nothing.
@@ -44,23 +45,26 @@ pub(crate) struct Crossing {
     /// The bytes of a record's lanes in the order: sides that are met first, sides that are met last.
     pub(crate) order: [u8; 16],
     /// For each lane in that order, when the cast is there: `scale * (BASE + lane) + offset`.
-    pub(crate) scale: [f32; 6],
-    pub(crate) offset: [f32; 6],
-    /// How long the cast is in the leaf.
-    pub(crate) length: f32,
+    pub(crate) scale: [f32; 8],
+    pub(crate) offset: [f32; 8],
+    /// How far to look.
+    pub(crate) until: f32,
 }
 
 impl Crossing {
     /// Added to each lane: the least number whose floats are whole numbers, which so have the lane as their low bits.
-    pub(crate) const BASE: f64 = (1u32 << 23) as f64;
+    pub(crate) const BASE: f32 = (1u32 << 23) as f32;
+    /// What is met later counts as met then: less than `OUTWARDS` times `SLOWEST`, the least time at which a cast leaves a box on an
+    /// axis where that bound makes it leave too early.
+    pub(crate) const LATEST: f32 = (1u128 << 100) as f32;
 
     /// As [`Simd::crossed`], for one record.
     #[inline(always)]
     pub(crate) fn passes(&self, record: &Record) -> bool {
-        let (mut from, mut to) = (0.0, self.length);
+        let (mut from, mut to) = (0.0, self.until);
         for k in 0..6 {
             let lane = record.lanes.at(self.order[2 * k] as usize / 2);
-            let time = self.scale[k] * (Self::BASE as f32 + f32::from(lane)) + self.offset[k];
+            let time = self.scale[k] * (Self::BASE + f32::from(lane)) + self.offset[k];
             // A side that is anywhere, and NaN, exclude nothing.
             if lane != 0 && k < 3 && time > from {
                 from = time;
@@ -69,8 +73,24 @@ impl Crossing {
                 to = time;
             }
         }
-        from <= to
+        from.min(Self::LATEST) <= to
     }
+}
+
+/// The sides of the boxes of a leaf, those that are met first and then those that are met last, three each.
+struct Sides {
+    /// The bytes of their lanes.
+    order: [u8; 16],
+    /// What is taken from them.
+    start: [f32; 8],
+    /// What distances are multiplied with, without a sign.
+    factor: [f32; 8],
+    /// The bit of the sign for a maximum, which has the complement of its place as its lane.
+    complement: [u32; 8],
+    /// What is taken from a place, in steps, for its lane to be added to [`Crossing::BASE`].
+    shift: [f32; 8],
+    /// The bit of the sign for those that are met last: the higher their lanes, the earlier.
+    falling: [u32; 8],
 }
 
 /// A cast on its way through the tree, in `f32`: its time is its distance on the axis where it moves most.
@@ -87,6 +107,7 @@ pub(crate) struct Walk {
     pub(crate) leave: [f32; 4],
     /// Time in one unit of distance.
     speed: f64,
+    sides: Sides,
 }
 
 impl Walk {
@@ -95,7 +116,7 @@ impl Walk {
     /// Added to the time of leaving, for numbers so small that their factors do nothing.
     pub(crate) const LEAST: f32 = f32::from_bits(27 << 23);
 
-    pub(super) fn new(line: &Line) -> Self {
+    pub(crate) fn new(line: &Line) -> Self {
         let Slabs { back, first, last, inverse } = line.slabs;
         let most = line.direction.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
         let speed = if most > 0.0 { most } else { 1.0 };
@@ -104,25 +125,36 @@ impl Walk {
         let mut last = last.map(|side| side as f32);
         // Nothing is left on the axis that does not count.
         last[3] = f32::MIN;
-        Self {
-            back,
-            first: first.map(|side| side as f32),
-            last,
-            come: factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32),
-            // Infinite where it is too large: what is not left yet is never left.
-            leave: factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32),
-            speed,
+        let first = first.map(|side| side as f32);
+        let come = factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32);
+        // Infinite where it is too large: what is not left yet is never left.
+        let leave = factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32);
+        let sides = Sides::new(&back, [&first, &last], [&come, &leave]);
+        Self { back, first, last, come, leave, speed, sides }
+    }
+
+    /// What it takes to find the members of a leaf that the cast may touch until a time.
+    #[inline(always)]
+    pub(crate) fn crossing(&self, frame: &Frame, until: f32) -> Crossing {
+        let Sides { order, start, factor, complement, shift, falling } = &self.sides;
+        let mut crossing = Crossing { order: *order, scale: [0.0; 8], offset: [0.0; 8], until };
+        for k in 0..8 {
+            // How far the low end of the grid is ahead, in its steps.
+            let ahead = (frame.origin[k] - start[k]) * frame.scale[k];
+            let signed = f32::from_bits(ahead.to_bits() ^ complement[k]);
+            let place = signed - ahead.abs() * Self::SLACK as f32 - shift[k];
+            let step = factor[k] / frame.scale[k];
+            let step = if step < SLOWEST { step } else { SLOWEST };
+            let step = f32::from_bits(step.to_bits() | falling[k]);
+            crossing.scale[k] = step;
+            crossing.offset[k] = place * step;
         }
+        crossing
     }
 
     /// A time that is not before a distance.
     pub(super) fn time(&self, distance: f64) -> f32 {
         (distance * self.speed * (1.0 + Self::SLACK)) as f32 + Self::LEAST
-    }
-
-    /// A distance that is not beyond a time.
-    pub(super) fn distance(&self, time: f32) -> f64 {
-        f64::from(time) / self.speed * (1.0 - Self::SLACK)
     }
 
     /// As [`Simd::enter`].
@@ -153,6 +185,28 @@ impl Walk {
     }
 }
 
+impl Sides {
+    #[inline(always)]
+    fn new(back: &[i32; 4], [first, last]: [&[f32; 4]; 2], [come, leave]: [&[f32; 4]; 2]) -> Self {
+        let six = |[a, b, c, _]: &[f32; 4], [d, e, f, _]: &[f32; 4]| [*a, *b, *c, *d, *e, *f, 0.0, 0.0];
+        let [x, y, z, _] = *back;
+        // All ones for a maximum.
+        let maximum = [x, y, z, !x, !y, !z, 0, 0].map(|side| side as u32);
+        let mut order = [0; 8];
+        for (k, lane) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
+            order[k] = 0x0100 + 0x0202 * (lane + (3 & maximum[k] as u16));
+        }
+        Self {
+            order: bytemuck::cast(order.map(u16::to_le_bytes)),
+            start: six(first, last),
+            factor: six(come, leave).map(f32::abs),
+            complement: maximum.map(|side| side & SIGN),
+            shift: maximum.map(|side| Crossing::BASE + OUTWARDS + f32::from_bits(side & GRID_END.to_bits())),
+            falling: [0, 0, 0, SIGN, SIGN, SIGN, 0, 0],
+        }
+    }
+}
+
 impl Slabs {
     /// As [`Simd::span`].
     #[inline(always)]
@@ -172,7 +226,7 @@ impl Slabs {
 }
 
 impl Line {
-    pub(super) fn new(cast: &Cast) -> Self {
+    pub(crate) fn new(cast: &Cast) -> Self {
         let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(f64::from);
         let (low, high, direction) = (four(cast.start.min), four(cast.start.max), four(cast.direction));
         let inverse = direction.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d });
@@ -186,7 +240,13 @@ impl Line {
         let slabs = Slabs { back, first, last, inverse };
         // Finite: beyond it is where a line along which nothing moves would meet the boxes beside it.
         let distance = f64::from(cast.distance).min(f64::MAX);
-        Self { low, high, direction, distance, slabs }
+        Self { low, direction, distance, slabs }
+    }
+
+    /// Where the low corner starts.
+    pub(super) fn corner(&self) -> [i32; 3] {
+        let [x, y, z, _] = self.low.map(|side| key(side as f32));
+        [x, y, z]
     }
 
     /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each
@@ -195,46 +255,5 @@ impl Line {
     pub(super) fn span<S: Simd>(&self, simd: S, min: &[i32; 3], max: &[i32; 3], far: f64) -> (f64, f64) {
         let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
         simd.span(&self.slabs, four(*min), four(*max), far)
-    }
-
-    /// What it takes to find the members of a leaf that the cast may touch from one distance to another.
-    #[inline(always)]
-    pub(super) fn crossing(&self, frame: &Frame, from: f64, to: f64) -> Crossing {
-        let [x, y, z, ..] = frame.scale;
-        let scale = [x, y, z].map(f64::from);
-        // Steps of the grid in one unit of distance, on the axis where they are the most.
-        let speed = (0..3).fold(f64::MIN_POSITIVE, |most, k| most.max((self.direction[k] * scale[k]).abs()));
-        let mut crossing = Crossing { order: [0; 16], scale: [0.0; 6], offset: [0.0; 6], length: 0.0 };
-        let mut near = true;
-        for k in 0..3 {
-            let (low, high) = (self.low[k], self.high[k]);
-            let (way, origin) = (self.direction[k] * from, f64::from(frame.origin[k]));
-            // Where the start of the cast is on the grid at the first distance.
-            let (first, last) = ((low + way - origin) * scale[k], (high + way - origin) * scale[k]);
-            near &= first.abs().max(last.abs()) < FARTHEST;
-            let back = self.slabs.back[k] != 0;
-            let steep = (speed * self.slabs.inverse[k] / scale[k]).clamp(-STEEPEST, STEEPEST);
-            // More than what the grid's steps and the roundings in `f32` here and in `f64` there can come to.
-            let spread = low.abs() + high.abs() + origin.abs();
-            let slack = 8.0
-                + (GRID_END + first.abs() + last.abs()) * f64::from(4.0 * f32::EPSILON)
-                + spread * scale[k] * (8.0 * f64::EPSILON);
-            let (low, high) = ((0, steep, -last - slack), (3, -steep, first - slack - GRID_END));
-            let (entry, exit) = if back { (high, low) } else { (low, high) };
-            // Not by index: the compiler loses sight of the lanes.
-            for (lane, (of, factor, shift)) in [(k, entry), (k + 3, exit)] {
-                let byte = 2 * (k + of) as u8;
-                crossing.order.put(2 * lane, byte);
-                crossing.order.put(2 * lane + 1, byte + 1);
-                crossing.scale.put(lane, factor as f32);
-                crossing.offset.put(lane, ((shift - Crossing::BASE) * factor) as f32);
-            }
-        }
-        if !near {
-            // Not a number: excludes nothing.
-            crossing.offset = [f32::NAN; 6];
-        }
-        crossing.length = ((to - from) * speed * (1.0 + 1e-6) + 1.0) as f32;
-        crossing
     }
 }

@@ -9,6 +9,7 @@ use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, value};
 use crate::sort::heapsort;
+use crate::tree::home_of;
 use crate::tree::visit::Visit;
 use crate::world::World;
 use core::ops::ControlFlow;
@@ -145,7 +146,8 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             // Records are those of swept boxes: where those are the boxes themselves, they can tell.
             let decides = parts.boxes.fat.is_empty() && !matches!(region, Region::Sphere { .. });
             let (low, high) = (bounds.min, bounds.max);
-            let mut visits = Visit::new(simd, tree.planes, tree.reach, parts.state.depth, low, high);
+            let home = home_of(tree.planes, parts.state, &low);
+            let mut visits = Visit::new(simd, tree.planes, tree.reach, parts.state.depth, home, low, high);
             let mut leaves = [0; TOGETHER];
             let mut slots = [(0, false); TOGETHER];
             let mut found = 0;

@@ -70,8 +70,7 @@ impl<'g> Grove<'g> {
             Gathered { simd, sides, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
         // The cell is half-open: minima at its high side are in the next one.
         let high = cell.high().map(|key| key.saturating_sub(1));
-        let mut visit =
-            Visit::new(simd, self.planes, self.reach, self.depth, cell.low(), high).starting_at(simd, index);
+        let mut visit = Visit::new(simd, self.planes, self.reach, self.depth, index, cell.low(), high);
         while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);

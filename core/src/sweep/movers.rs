@@ -91,10 +91,10 @@ impl<I: Index> Near<'_, '_, I> {
                 }
             }
         }
-        let mut visit = Visit::new(simd, grove.planes, grove.reach, grove.depth, around.min, around.max);
-        if home != I::LARGE {
-            visit = visit.starting_at(simd, home.at());
-        }
+        // A large object has no home.
+        let leaf = if home == I::LARGE { 0 } else { home.at() };
+        let mut visit =
+            Visit::new(simd, grove.planes, grove.reach, grove.depth, leaf, around.min, around.max);
         while let Some(index) = visit.next(simd) {
             simd.prefetch_at(grove.leaves, index);
             simd.prefetch_at(grove.cells, index);

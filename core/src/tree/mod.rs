@@ -53,30 +53,32 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
 }
 
 /// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
+#[inline(always)]
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
     if state.refined == 0 {
         return leaf_of(planes, state.depth, min);
     }
     let levels = state.depth - state.swept_depth;
-    let whole = leaf_of(planes, state.swept_depth, min);
-    if state.is_refined(whole) { leaf_of(planes, state.depth, min) } else { whole << levels }
+    let whole = below(planes, 1, state.swept_depth, min);
+    let is_refined = state.is_refined(whole - (1 << state.swept_depth));
+    let leaf = if is_refined { below(planes, whole, levels, min) } else { whole << levels };
+    leaf - (1 << state.depth)
 }
 
 /// The leaf at `depth` whose cell holds the minimum corner.
 #[inline(always)]
 pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
-    let mut node = 1usize;
-    for _ in 0..depth {
-        node = below(planes, node, min);
-    }
-    node - (1 << depth)
+    below(planes, 1, depth, min) - (1 << depth)
 }
 
-/// The child of a node whose cell holds the minimum corner.
+/// The node so many levels below another whose cell holds the minimum corner.
 #[inline(always)]
-fn below(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
-    let plane = planes.at(node);
-    2 * node + usize::from(min[axis_of(plane)] >= key_of(plane))
+fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize {
+    for _ in 0..levels {
+        let plane = planes.at(node);
+        node = 2 * node + usize::from(min[axis_of(plane)] >= key_of(plane));
+    }
+    node
 }
 
 /// The half-open box of minimum corners that belong to a leaf; `i32::MIN` and `i32::MAX` where unbounded.

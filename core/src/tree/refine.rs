@@ -6,7 +6,7 @@
 
 use super::assign::{extend, raise};
 use super::cells::{divide, frame};
-use super::{Cell, Frame, Leaf};
+use super::{Cell, Frame, Leaf, below};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
@@ -152,11 +152,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
 /// Which part of a node holds a minimum corner.
 #[inline(always)]
 fn part_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
-    let mut part = node;
-    for _ in 0..FINER {
-        part = super::below(planes, part, min);
-    }
-    part - node * PARTS
+    below(planes, node, FINER, min) - node * PARTS
 }
 
 /// Goes back to the leaves of the last full step, which have to be filled. Tells whether there was anything to do.

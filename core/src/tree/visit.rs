@@ -8,8 +8,8 @@ use crate::key::KeyBox;
 /// Nodes that can wait at once: one a level.
 const STACK: usize = 32;
 
-/// The leaves at one depth, from left to right, that have minima at or below `high` on all axes and members that
-/// reach `low` on all axes; others only where the bounds are too loose to tell. O(depth) for each leaf.
+/// The leaves at one depth that have minima at or below `high` on all axes and members that reach `low` on all axes; others only
+/// where the bounds are too loose to tell. O(depth) for each leaf.
 ///
 /// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
 pub(crate) struct Visit<'v, S: Simd> {
@@ -25,36 +25,31 @@ pub(crate) struct Visit<'v, S: Simd> {
 }
 
 impl<'v, S: Simd> Visit<'v, S> {
+    /// Starts at any leaf, which comes first; best the one whose cell holds the region's low corner, as then little is left to
+    /// visit. No way down from the root has to be found: the tests on the way up do not wait for each other.
     #[inline(always)]
     pub(crate) fn new(
         simd: S,
         planes: &'v [i32],
         reach: &'v [[i32; 3]],
         depth: u32,
+        leaf: usize,
         low: [i32; 3],
         high: [i32; 3],
     ) -> Self {
         // A node without members reaches the lowest key; no box does.
-        let low = low.map(|key| key.max(i32::MIN + 1));
+        let low = simd.keys(&KeyBox::at(low.map(|key| key.max(i32::MIN + 1))));
+        let reach: &[KeyBox] = bytemuck::try_cast_slice(reach).unwrap_or_default();
+        let first = 1 << depth;
+        let leaf = first | leaf as u32;
         let mut stack = [0; STACK];
-        stack[0] = 1;
-        let reach = bytemuck::try_cast_slice(reach).unwrap_or_default();
-        Self { planes, reach, first: 1 << depth, low: simd.keys(&KeyBox::at(low)), high, stack, waiting: 1 }
-    }
-
-    /// The same for a region whose low corner is in the cell of a leaf: no way down from the root has to be found. That leaf comes
-    /// first, then others in any order.
-    #[inline(always)]
-    pub(crate) fn starting_at(mut self, simd: S, leaf: usize) -> Self {
-        let Self { planes, reach, first, low, high, stack, .. } = &mut self;
-        let leaf = *first | leaf as u32;
         let mut waiting = 0;
         // All that stands beside the way, the deepest last.
-        for level in (0..first.trailing_zeros()).rev() {
+        for level in (0..depth).rev() {
             let node = leaf >> level;
             let parent = node as usize / 2;
             let plane = planes.at(parent);
-            let unreached = simd.above(*low, simd.keys(KeyBox::of(reach, parent)));
+            let unreached = simd.above(low, simd.keys(KeyBox::of(reach, parent)));
             let is_right = node & 1 != 0;
             let side = if is_right { MINIMA } else { MAXIMA };
             stack.put(waiting, node ^ 1);
@@ -62,8 +57,7 @@ impl<'v, S: Simd> Visit<'v, S> {
             waiting += usize::from((unreached & side == 0) & below);
         }
         stack.put(waiting, leaf);
-        self.waiting = waiting + 1;
-        self
+        Self { planes, reach, first, low, high, stack, waiting: waiting + 1 }
     }
 
     #[inline(always)]
