@@ -52,6 +52,27 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
     plane & !AXIS
 }
 
+/// A corner, to be compared with planes.
+#[derive(Clone, Copy)]
+pub(crate) struct Corner {
+    /// The highest keys that no plane tells apart from the corner's: a plane as it is, axis included, compares with them as its
+    /// key with the corner. A fourth one spares the look at an axis that does not occur.
+    keys: [i32; 4],
+}
+
+impl Corner {
+    #[inline(always)]
+    pub(crate) const fn new([x, y, z]: [i32; 3]) -> Self {
+        Self { keys: [x | AXIS, y | AXIS, z | AXIS, i32::MIN] }
+    }
+
+    /// Whether it is at a plane or above it.
+    #[inline(always)]
+    pub(crate) const fn reaches(&self, plane: i32) -> bool {
+        self.keys[(plane & AXIS) as usize] >= plane
+    }
+}
+
 /// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
 #[inline(always)]
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
@@ -74,9 +95,9 @@ pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
 /// The node so many levels below another whose cell holds the minimum corner.
 #[inline(always)]
 fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize {
+    let corner = Corner::new(*min);
     for _ in 0..levels {
-        let plane = planes.at(node);
-        node = 2 * node + usize::from(min[axis_of(plane)] >= key_of(plane));
+        node = 2 * node + usize::from(corner.reaches(planes.at(node)));
     }
     node
 }

@@ -1,6 +1,6 @@
 //! Finds the leaves whose members can reach a region.
 
-use super::{axis_of, key_of};
+use super::Corner;
 use crate::access::Access;
 use crate::arch::{MAXIMA, MINIMA, Simd};
 use crate::key::KeyBox;
@@ -19,7 +19,7 @@ pub(crate) struct Visit<'v, S: Simd> {
     first: u32,
     /// The region's low sides, for both children at once.
     low: S::Keys,
-    high: [i32; 3],
+    high: Corner,
     stack: [u32; STACK],
     waiting: usize,
 }
@@ -40,6 +40,7 @@ impl<'v, S: Simd> Visit<'v, S> {
         // A node without members reaches the lowest key; no box does.
         let low = simd.keys(&KeyBox::at(low.map(|key| key.max(i32::MIN + 1))));
         let reach: &[KeyBox] = bytemuck::try_cast_slice(reach).unwrap_or_default();
+        let high = Corner::new(high);
         let first = 1 << depth;
         let leaf = first | leaf as u32;
         let mut stack = [0; STACK];
@@ -48,12 +49,11 @@ impl<'v, S: Simd> Visit<'v, S> {
         for level in (0..depth).rev() {
             let node = leaf >> level;
             let parent = node as usize / 2;
-            let plane = planes.at(parent);
             let unreached = simd.above(low, simd.keys(KeyBox::of(reach, parent)));
             let is_right = node & 1 != 0;
             let side = if is_right { MINIMA } else { MAXIMA };
             stack.put(waiting, node ^ 1);
-            let below = is_right | (high[axis_of(plane)] >= key_of(plane));
+            let below = is_right | high.reaches(planes.at(parent));
             waiting += usize::from((unreached & side == 0) & below);
         }
         stack.put(waiting, leaf);
@@ -72,9 +72,8 @@ impl<'v, S: Simd> Visit<'v, S> {
                 *waiting = count;
                 return Some((node - *first) as usize);
             }
-            let plane = planes.at(node as usize);
             let unreached = simd.above(*low, simd.keys(KeyBox::of(reach, node as usize)));
-            let right = (unreached & MAXIMA == 0) & (high[axis_of(plane)] >= key_of(plane));
+            let right = (unreached & MAXIMA == 0) & high.reaches(planes.at(node as usize));
             // Written always, and kept or not, so that nothing depends on a guess of the branch predictor.
             stack.put(count, 2 * node + 1);
             count += usize::from(right);
