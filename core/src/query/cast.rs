@@ -240,10 +240,8 @@ fn members<S: Simd, I: Index>(
     let bag = parts.tree.leaves.at(leaf);
     let mut slots = [0; TOGETHER];
     let mut count = 0;
-    let mut left = bag.len;
-    for eight in bag.eights(parts.tree.records) {
+    for (eight, left) in bag.eights(parts.tree.records) {
         let mut mask = simd.crossed(eight, crossing) & first_of_eight(left);
-        left = left.saturating_sub(8);
         while mask != 0 {
             let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
             mask &= mask - 1;

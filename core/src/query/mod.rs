@@ -18,7 +18,7 @@ use crate::arch::{EIGHT, Simd, limit};
 use crate::id::{Id, Index};
 use crate::key::{KeyBox, key};
 use crate::storage::Parts;
-use crate::tree::{Frame, Record, first_of_eight};
+use crate::tree::{Eights, Frame, Record, first_of_eight};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -65,9 +65,7 @@ struct MembersNear<'q, S> {
     simd: S,
     /// Members that are touched since the last step, where there are any.
     moved: &'q [u32],
-    eights: &'q [[Record; EIGHT]],
-    /// Members in these.
-    left: u32,
+    eights: Eights<'q>,
     /// The region in the leaf's frame.
     region: Record,
     limit: Record,
@@ -82,9 +80,9 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         let bag = parts.tree.leaves.at(leaf);
         let frame = parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE);
         let region = simd.record(frame, simd.keys(region), 0);
-        let (eights, left) = (bag.eights(parts.tree.records), bag.len);
+        let eights = bag.eights(parts.tree.records);
         let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
-        Self { simd, moved, eights, left, region, limit: limit(&region), eight: NONE, mask: 0 }
+        Self { simd, moved, eights, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 
     /// The slot of the next one, and whether its swept box overlaps the region for certain.
@@ -92,10 +90,9 @@ impl<'q, S: Simd> MembersNear<'q, S> {
     fn next(&mut self) -> Option<(usize, bool)> {
         loop {
             while self.mask == 0 {
-                let (eight, eights) = self.eights.split_first()?;
-                self.mask = self.simd.touching(eight, self.limit) & first_of_eight(self.left);
-                self.left = self.left.saturating_sub(8);
-                (self.eight, self.eights) = (eight, eights);
+                let (eight, left) = self.eights.next()?;
+                self.mask = self.simd.touching(eight, self.limit) & first_of_eight(left);
+                self.eight = eight;
             }
             let record = self.eight.at(self.mask.trailing_zeros() as usize);
             self.mask &= self.mask - 1;

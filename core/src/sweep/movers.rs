@@ -8,11 +8,11 @@ use super::Sink;
 use super::leaves::Grove;
 use super::scratch::Scratch;
 use crate::access::{Access, bits};
-use crate::arch::{EIGHT, Phase, Simd, limit};
+use crate::arch::{Phase, Simd, limit};
 use crate::id::{Index, pair};
 use crate::key::KeyBox;
 use crate::tree::visit::Visit;
-use crate::tree::{Frame, Record, first_of_eight};
+use crate::tree::{Eights, Frame, Record, first_of_eight};
 
 /// Tests some movers.
 pub(crate) struct SweepMovers<'p, 's, 'g, I> {
@@ -120,12 +120,12 @@ impl<I: Index> Near<'_, '_, I> {
         }
         for &(index, start, end) in self.visits.span(0, self.count) {
             let (leaf, frame, region) = (grove.leaves.at(index), grove.frames.at(index), grove.region(index));
-            let eights = leaf.eights(grove.records);
             for mover in self.movers.span(start as usize, (end - start) as usize) {
                 let bounds = grove.boxes.at(mover.at());
                 if region.overlaps(&bounds) {
                     self.tested += leaf.len as usize;
-                    scan(simd, eights, leaf.len, &frame, mover.slot(), &bounds, report);
+                    let members = leaf.eights(grove.records);
+                    scan(simd, members, &frame, mover.slot(), &bounds, report);
                 }
             }
         }
@@ -137,8 +137,7 @@ impl<I: Index> Near<'_, '_, I> {
 #[inline(always)]
 fn scan<S: Simd, I: Index>(
     simd: S,
-    eights: &[[Record; EIGHT]],
-    count: u32,
+    members: Eights<'_>,
     frame: &Frame,
     mover: u32,
     bounds: &KeyBox,
@@ -146,10 +145,10 @@ fn scan<S: Simd, I: Index>(
 ) {
     let record = simd.record(frame, simd.keys(bounds), mover);
     let limit = limit(&record);
-    for (index, eight) in eights.iter().enumerate() {
+    for (eight, left) in members {
         let mut mask = simd.touching(eight, limit);
         if mask != 0 {
-            mask &= first_of_eight(count - 8 * index as u32);
+            mask &= first_of_eight(left);
         }
         while mask != 0 {
             let other = eight.at(mask.trailing_zeros() as usize);

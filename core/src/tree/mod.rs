@@ -209,10 +209,30 @@ pub(crate) struct Leaf {
 }
 
 impl Leaf {
-    /// The leaf's records, and behind them others up to a multiple of eight: room, or those of the next leaf.
+    /// The leaf's records, eight at a time, and how many of them there are from each eight on; behind the last one others make up
+    /// the eight: room, or records of the next leaf.
     #[inline(always)]
-    pub(crate) fn eights<'r>(&self, records: &'r [Record]) -> &'r [[Record; EIGHT]] {
-        records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT)).as_chunks().0
+    pub(crate) fn eights<'r>(&self, records: &'r [Record]) -> Eights<'r> {
+        let records = records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT));
+        Eights { rest: records.as_chunks().0.iter(), left: self.len }
+    }
+}
+
+/// See [`Leaf::eights`].
+pub(crate) struct Eights<'r> {
+    rest: core::slice::Iter<'r, [Record; EIGHT]>,
+    left: u32,
+}
+
+impl<'r> Iterator for Eights<'r> {
+    type Item = (&'r [Record; EIGHT], u32);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let eight = self.rest.next()?;
+        let left = self.left;
+        self.left = left.saturating_sub(EIGHT as u32);
+        Some((eight, left))
     }
 }
 
