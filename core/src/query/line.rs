@@ -78,7 +78,7 @@ impl Crossing {
 }
 
 /// The sides of the boxes of a leaf, those that are met first and then those that are met last, three each.
-struct Sides {
+struct SidesMet {
     /// The bytes of their lanes.
     order: [u8; 16],
     /// What is taken from them.
@@ -107,7 +107,7 @@ pub(crate) struct Walk {
     pub(crate) leave: [f32; 4],
     /// Time in one unit of distance.
     speed: f64,
-    sides: Sides,
+    sides: SidesMet,
 }
 
 impl Walk {
@@ -129,20 +129,22 @@ impl Walk {
         let come = factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32);
         // Infinite where it is too large: what is not left yet is never left.
         let leave = factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32);
-        let sides = Sides::new(&back, [&first, &last], [&come, &leave]);
+        let sides = SidesMet::new(&back, [&first, &last], [&come, &leave]);
         Self { back, first, last, come, leave, speed, sides }
     }
 
     /// What it takes to find the members of a leaf that the cast may touch until a time.
     #[inline(always)]
     pub(crate) fn crossing(&self, frame: &Frame, until: f32) -> Crossing {
-        let Sides { order, start, factor, complement, shift, falling } = &self.sides;
+        let SidesMet { order, start, factor, complement, shift, falling } = &self.sides;
         let mut crossing = Crossing { order: *order, scale: [0.0; 8], offset: [0.0; 8], until };
         for k in 0..8 {
             // How far the low end of the grid is ahead, in its steps.
             let ahead = (frame.origin[k] - start[k]) * frame.scale[k];
             let signed = f32::from_bits(ahead.to_bits() ^ complement[k]);
+            // Outwards by more than the roundings that grow with the distance, too.
             let place = signed - ahead.abs() * Self::SLACK as f32 - shift[k];
+            // The time for a step; not a number is slow, too.
             let step = factor[k] / frame.scale[k];
             let step = if step < SLOWEST { step } else { SLOWEST };
             let step = f32::from_bits(step.to_bits() | falling[k]);
@@ -185,7 +187,7 @@ impl Walk {
     }
 }
 
-impl Sides {
+impl SidesMet {
     #[inline(always)]
     fn new(back: &[i32; 4], [first, last]: [&[f32; 4]; 2], [come, leave]: [&[f32; 4]; 2]) -> Self {
         let six = |[a, b, c, _]: &[f32; 4], [d, e, f, _]: &[f32; 4]| [*a, *b, *c, *d, *e, *f, 0.0, 0.0];
