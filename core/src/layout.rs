@@ -81,6 +81,8 @@ pub(crate) struct Sizes {
     /// The depth of the deepest tree.
     pub(crate) depth: u32,
     pub(crate) leaves: usize,
+    /// Leaves of a full step, which the others are parts of.
+    pub(crate) whole_leaves: usize,
     pub(crate) pairs: usize,
     /// Pairs of the last step, kept for the events.
     pub(crate) previous: usize,
@@ -128,6 +130,7 @@ impl Sizes {
             fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
             depth,
             leaves,
+            whole_leaves: leaves >> FINER,
             pairs,
             previous: if config.events { pairs } else { 0 },
             // Every block may leave a chunk unfinished.
@@ -174,9 +177,10 @@ impl Sizes {
         plan.add::<Front>(self.fronts);
         plan.add::<i32>(self.leaves);
         plan.add::<Cell>(self.leaves);
-        plan.add::<Frame>(self.leaves);
+        plan.add::<Frame>(self.whole_leaves);
         plan.add::<Leaf>(self.leaves);
-        plan.add::<[i32; 3]>(2 * self.leaves);
+        plan.add::<Record>(self.leaves);
+        plan.add::<[i32; 3]>(2 * self.whole_leaves);
         plan.add::<u32>(self.tally());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);

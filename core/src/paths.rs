@@ -102,8 +102,7 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    // The depth of the last full step means nothing until a leaf is divided.
-    let whole = parts.state.refined == 0 || parts.state.refined <= 1 << parts.state.swept_depth;
+    let whole = parts.state.refined == 0 || parts.state.refined <= 1 << parts.state.depth;
     if parts.state.calm >= due && whole {
         means.executor.enter(Stage::Fill);
         means.kernels.run(Refine(parts));
@@ -248,7 +247,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     let count = order_movers(parts, moved);
     let kept = resting::carry(parts);
     means.executor.enter(Stage::Sweep);
-    let leaf_count = 1usize << parts.state.depth;
+    let leaves = parts.state.leaves();
     let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
     let [movers, _, homes] = &parts.order;
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
@@ -263,7 +262,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
         let (movers, homes) = (movers.span(start, len), homes.span(start, len));
         means.kernels.run(SweepMovers { grove: &grove, moved, movers, homes, scratch, sink });
     });
-    Some(Progress { pairs, work, leaves: leaf_count as u32, ..Progress::default() })
+    Some(Progress { pairs, work, leaves, ..Progress::default() })
 }
 
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.

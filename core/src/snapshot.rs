@@ -27,7 +27,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0002;
+const MAGIC: u64 = 0x7472_6973_6170_0003;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -144,9 +144,10 @@ macro_rules! walk {
         $each($bytes!($parts.place.$span(0, some($parts.place.len(), slots))));
         $each($bytes!($parts.tree.planes.$span(0, leaves)));
         $each($bytes!($parts.tree.cells.$span(0, leaves)));
-        $each($bytes!($parts.tree.frames.$span(0, leaves)));
+        $each($bytes!($parts.tree.frames.$span(0, leaves >> FINER)));
         $each($bytes!($parts.tree.leaves.$span(0, leaves)));
-        $each($bytes!($parts.tree.reach.$span(0, 2 * leaves)));
+        $each($bytes!($parts.tree.bounds.$span(0, leaves)));
+        $each($bytes!($parts.tree.reach.$span(0, 2 * leaves >> FINER)));
         $each($bytes!(
             $parts.tree.fronts.$span($parts.state.large_start as usize * usize::from(large > 0), large)
         ));
@@ -193,15 +194,9 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && (state.stale_lists != 0 || state.listed <= state.slots)
         && state.list_axis < 3
         && state.strip_axis < 3;
-    let tree = state.depth <= sizes.depth
-        && match state.refined {
-            // Planes go that much deeper than full steps do.
-            0 => sizes.tree == 0 || state.depth <= sizes.depth - FINER,
-            refined => {
-                state.depth.checked_sub(FINER) == Some(state.swept_depth)
-                    && u64::from(refined) <= (1 << state.swept_depth) + 1
-            }
-        }
+    // Planes go deeper than full steps do.
+    let tree = state.depth <= sizes.depth.saturating_sub(FINER)
+        && (state.refined == 0 || sizes.tree > 0 && u64::from(state.refined) <= (1 << state.depth) + 1)
         && state.planted as usize <= sizes.tree
         && (state.filled == 0 || state.planted > 0)
         && state.settled <= u64::from(state.planted).pow(2)
@@ -236,7 +231,7 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     if state.filled == 0 {
         return good;
     }
-    let leaves = parts.tree.leaves.span(0, 1 << state.depth);
+    let leaves = parts.tree.leaves.span(0, state.leaves() as usize);
     let mut end = 0;
     good &= leaves.iter().all(|leaf| {
         let follows = u64::from(leaf.start) == end;
@@ -280,7 +275,7 @@ fn remake<I: Index>(parts: &mut Parts<'_, I>) {
     for slot in 0..slots {
         let home = parts.home.at(slot);
         if home < I::LARGE {
-            let frame = parts.tree.frames.at(home.at());
+            let frame = parts.tree.frames.at(home.at() >> state.finer());
             let at = parts.tree.leaves.at(home.at()).start as usize + parts.place.at(slot).at();
             parts.tree.records.put(at, Scalar.record(&frame, swept.at(slot), slot as u32));
         }

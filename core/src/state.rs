@@ -1,7 +1,7 @@
 //! The few numbers of a world that are not arrays, and the statistics of a step.
 
 use crate::config::{Capacity, Choice, Config, Margin, Mode};
-use crate::layout::LEAVES_PER_BLOCK;
+use crate::layout::{FINER, LEAVES_PER_BLOCK};
 use crate::objects::Motions;
 use crate::sweep::scratch::Work;
 use crate::tree::cells::Extent;
@@ -160,13 +160,12 @@ pub(crate) struct State {
 
     /// Living objects when the planes were made, or zero where there are none.
     pub(crate) planted: u32,
-    /// The depth that the planes are used to; less than planned where copies would take too much room.
+    /// The depth that full steps use the planes to; less than planned where copies would take too much room.
     pub(crate) depth: u32,
     /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
     /// first.
     pub(crate) refined: u32,
-    /// The depth of the last full step, where leaves are divided.
-    pub(crate) swept_depth: u32,
+    unused: u32,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u32,
     /// First large object among the fronts, and how many there are.
@@ -257,13 +256,18 @@ impl State {
     /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
     /// unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
-        let depth = if self.refined == 0 { self.depth } else { self.swept_depth };
-        (1usize << depth).div_ceil(LEAVES_PER_BLOCK).max(1)
+        (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
     }
 
     /// The leaves that there are now, or those of the last step where there is no tree.
     pub(crate) const fn leaves(&self) -> u32 {
-        if self.filled != 0 { 1 << self.depth } else { self.leaves }
+        if self.filled != 0 { 1 << (self.depth + self.finer()) } else { self.leaves }
+    }
+
+    /// How many levels below `depth` leaves stand: those of the last full step are divided into that, or being divided.
+    #[inline(always)]
+    pub(crate) const fn finer(&self) -> u32 {
+        if self.refined == 0 { 0 } else { FINER }
     }
 
     /// Whether a leaf of the last full step is divided.

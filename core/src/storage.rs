@@ -82,11 +82,14 @@ pub(crate) struct TreeParts<'m> {
     pub(crate) planes: &'m mut [i32],
     /// By leaf.
     pub(crate) cells: &'m mut [Cell],
-    /// By leaf.
+    /// By leaf of a full step; one for all its parts where it is divided.
     pub(crate) frames: &'m mut [Frame],
     /// By leaf.
     pub(crate) leaves: &'m mut [Leaf],
-    /// By node: how far the members reach, at most.
+    /// By leaf, where those of the last full step are divided: a box around the members, as a record in their frame. Else it
+    /// means nothing.
+    pub(crate) bounds: &'m mut [Record],
+    /// By node down to the leaves of a full step: how far the members reach, at most.
     pub(crate) reach: &'m mut [[i32; 3]],
     /// The leaves' records, one leaf after another, each with some room.
     pub(crate) records: &'m mut [Record],
@@ -167,9 +170,10 @@ impl<'m, I: Index> Parts<'m, I> {
                 fronts: slab.take(sizes.fronts)?,
                 planes: slab.take(sizes.leaves)?,
                 cells: slab.take(sizes.leaves)?,
-                frames: slab.take(sizes.leaves)?,
+                frames: slab.take(sizes.whole_leaves)?,
                 leaves: slab.take(sizes.leaves)?,
-                reach: slab.take(2 * sizes.leaves)?,
+                bounds: slab.take(sizes.leaves)?,
+                reach: slab.take(2 * sizes.whole_leaves)?,
                 tally: slab.take(sizes.tally())?,
             },
             output: OutputParts {
@@ -219,6 +223,7 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.cells.fill(Cell::default());
         tree.frames.fill(Frame::default());
         tree.leaves.fill(Leaf::default());
+        tree.bounds.fill(Record::default());
         tree.reach.fill([0; 3]);
         self.output.planes.fill(Planes::default());
         for pairs in [&mut *self.output.pairs, self.output.previous] {

@@ -127,8 +127,8 @@ fn square(slot: usize) -> u64 {
 /// Every object that has not moved since stands once where the planes say, with a record of its box, and nodes reach as far as
 /// their members.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let depth = parts.state.depth;
-    let leaves = 1usize << depth;
+    let finer = parts.state.finer();
+    let leaves = parts.state.leaves() as usize;
     let swept = parts.boxes.swept();
     let mut members = 0;
     for index in 0..leaves {
@@ -148,9 +148,16 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let home = home_of(parts.tree.planes, parts.state, &bounds.min);
             check(home == index, "an object is not where the planes say", slot)?;
             check(parts.tree.cells.at(index).holds(&bounds.min), "a minimum is outside its cell", slot)?;
-            let expected = Scalar.record(&parts.tree.frames.at(index), bounds, slot as u32);
+            let expected = Scalar.record(&parts.tree.frames.at(index >> finer), bounds, slot as u32);
             check(record == expected, "a record is not that of its box", slot)?;
-            let mut node = leaves + index;
+            let mut around = parts.tree.bounds.at(index);
+            around.include(&record);
+            check(
+                finer == 0 || around == parts.tree.bounds.at(index),
+                "the bounds of a leaf do not hold a member",
+                index,
+            )?;
+            let mut node = (leaves + index) >> finer;
             while node > 0 {
                 let reach = parts.tree.reach.at(node);
                 check(
@@ -180,11 +187,11 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// The cells are those of the planes, and the frames those of the cells. Cut one by one, so that no room is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let depth = parts.state.depth;
+    let finer = parts.state.finer();
+    let depth = parts.state.depth + finer;
     for index in 0..1usize << depth {
         let mut planes = [0; 32];
-        let mut cell = Cell::ALL;
-        let finer = if parts.state.refined == 0 { 0 } else { depth - parts.state.swept_depth };
+        let (mut cell, mut whole) = (Cell::ALL, Cell::ALL);
         let divided = finer == 0 || parts.state.is_refined(index >> finer);
         if !divided && index & ((1 << finer) - 1) != 0 {
             check(parts.tree.leaves.at(index).len == 0, "a part of a whole leaf has members", index)?;
@@ -203,6 +210,9 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
                 high[k] = high[k].min(half.high()[k]);
             }
             cell = Cell::new(low, high, high);
+            if level < parts.state.depth {
+                whole = cell;
+            }
         }
         let known = parts.tree.cells.at(index);
         check(
@@ -211,8 +221,8 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             index,
         )?;
         let (mut expected, mut leaf) = ([Frame::NONE], [Leaf::default()]);
-        frame(&[known], &parts.state.extent(), &mut expected, &mut leaf);
-        check(expected == [parts.tree.frames.at(index)], "a frame is not that of its cell", index)?;
+        frame(&[whole], &parts.state.extent(), &mut expected, &mut leaf);
+        check(expected == [parts.tree.frames.at(index >> finer)], "a frame is not that of its cell", index)?;
     }
     Ok(())
 }

@@ -47,10 +47,8 @@ impl<I: Index> World<'_, I> {
         let state = &*self.parts.state;
         let divides = move |node: usize| {
             // The planes in a leaf that is still whole divide nothing yet.
-            let levels = (usize::BITS - 1 - node.leading_zeros())
-                .checked_sub(state.swept_depth)
-                .filter(|_| state.refined != 0);
-            let whole = |levels| !state.is_refined((node >> levels) - (1 << state.swept_depth));
+            let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.depth);
+            let whole = |levels| !state.is_refined((node >> levels) - (1 << state.depth));
             key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
         };
         (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {
@@ -76,7 +74,7 @@ impl<I: Index> World<'_, I> {
     }
 
     fn leaf_count(&self) -> usize {
-        if self.has_tree() { 1 << self.parts.state.depth } else { 0 }
+        if self.has_tree() { self.parts.state.leaves() as usize } else { 0 }
     }
 }
 

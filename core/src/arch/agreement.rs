@@ -158,6 +158,8 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let crossing = walk.crossing(&random.frame(), until);
     let records = [(); EIGHT].map(|()| random.record());
     let crossed = simd.crossed(&records, &crossing) == Scalar.crossed(&records, &crossing);
+    let times = |times: [f32; EIGHT]| times.map(f32::to_bits);
+    let met = times(simd.met(&records, &crossing)) == times(Scalar.met(&records, &crossing));
     let [x, y, z] = [(); 3].map(|()| random.below(9) as f32 - 4.0);
     let low = [x, y, z, f32::NEG_INFINITY];
     let plane = plane(random.below(3), crate::key::key(random.float()));
@@ -165,7 +167,7 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let bits = |([left, right], above): ([f32; 2], [f32; 4])| ([left.to_bits(), right.to_bits()], above);
     let entered = bits(simd.enter(&walk, low, plane, &reaches, until));
     let enter = entered == bits(Scalar.enter(&walk, low, plane, &reaches, until));
-    rounds.check([("crossed", crossed), ("enter", enter)]);
+    rounds.check([("crossed", crossed), ("met", met), ("enter", enter)]);
 }
 
 /// SplitMix64.

@@ -156,6 +156,43 @@ fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
+/// When a cast comes to some records' boxes, and all ones for those that it may touch.
+#[inline(always)]
+fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m256) {
+    let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
+    // SAFETY: `token proves AVX2.
+    unsafe {
+        let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
+        // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.
+        let (a, b) = (_mm256_shuffle_epi8(a, order), _mm256_shuffle_epi8(b, order));
+        let (c, d) = (_mm256_shuffle_epi8(c, order), _mm256_shuffle_epi8(d, order));
+        let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
+        let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
+        let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
+        let mut times = [_mm256_setzero_ps(); 6];
+        for (pair, lanes) in [first, second, third].into_iter().enumerate() {
+            // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+            let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
+            let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
+            for (lane, x) in [
+                (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
+                (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
+            ] {
+                let scaled = _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
+                times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
+            }
+        }
+        let [x0, y0, z0, x1, y1, z1] = times;
+        // NaN falls to the second operand.
+        let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
+        let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.until))));
+        let from = _mm256_min_ps(from, _mm256_set1_ps(Crossing::LATEST));
+        let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+        let met = _mm256_cmp_ps::<_CMP_LE_OQ>(from, to);
+        (_mm256_permutevar8x32_ps(from, order), _mm256_permutevar8x32_ps(met, order))
+    }
+}
+
 /// A bit for each of eight records, of which the even ones come in the lower four bits and the odd ones in the upper four.
 #[inline(always)]
 const fn in_order(mask: u32) -> u32 {
@@ -456,37 +493,16 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
-        let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
+        let (_, met) = met(self, records, crossing);
         // SAFETY: `self` proves AVX2.
-        let mask = unsafe {
-            let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
-            // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.
-            let (a, b) = (_mm256_shuffle_epi8(a, order), _mm256_shuffle_epi8(b, order));
-            let (c, d) = (_mm256_shuffle_epi8(c, order), _mm256_shuffle_epi8(d, order));
-            let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
-            let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
-            let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
-            let mut times = [_mm256_setzero_ps(); 6];
-            for (pair, lanes) in [first, second, third].into_iter().enumerate() {
-                // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
-                let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
-                let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
-                for (lane, x) in [
-                    (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
-                    (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
-                ] {
-                    let scaled = _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
-                    times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
-                }
-            }
-            let [x0, y0, z0, x1, y1, z1] = times;
-            // NaN falls to the second operand.
-            let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
-            let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.until))));
-            let from = _mm256_min_ps(from, _mm256_set1_ps(Crossing::LATEST));
-            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(from, to)) as u32
-        };
-        in_order(mask)
+        unsafe { _mm256_movemask_ps(met) as u32 }
+    }
+
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        let (times, met) = met(self, records, crossing);
+        // SAFETY: `self` proves AVX2.
+        bytemuck::cast(unsafe { _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), times, met) })
     }
 
     #[inline(always)]

@@ -243,6 +243,11 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        self.0.met(records, crossing)
+    }
+
+    #[inline(always)]
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record {
         self.0.record(frame, keys, tag)
     }

@@ -171,6 +171,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
 
+    /// When a cast comes to each of some records of a leaf, or NaN for those that it cannot touch.
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
+
     /// A box on the grid of a leaf.
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;
 }

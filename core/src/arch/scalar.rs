@@ -155,8 +155,17 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
-        let pass = records.iter().enumerate();
-        pass.fold(0, |mask, (index, record)| mask | u32::from(crossing.passes(record)) << index)
+        let times = self.met(records, crossing).into_iter().enumerate();
+        times.fold(0, |mask, (index, time)| mask | u32::from(!time.is_nan()) << index)
+    }
+
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        let mut times = [f32::NAN; EIGHT];
+        for (time, record) in times.iter_mut().zip(records) {
+            *time = crossing.met(record);
+        }
+        times
     }
 
     #[inline(always)]

@@ -1,16 +1,16 @@
 //! What a ray or a moving box meets, near things first.
 
 use super::line::{Crossing, Line, Walk};
-use super::{is_current, prefetch_leaf, prefetch_members};
+use super::{is_current, prefetch_members, prefetch_parts};
 use crate::aabb::Aabb;
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::arch::{EIGHT, Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
 use crate::sort::heapsort;
-use crate::tree::{Frame, first_of_eight, home_of};
+use crate::tree::{Frame, first_of_eight, leaf_of, parts_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -174,9 +174,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let mut waiting = 0;
         // The way to the leaf where the cast starts is found by planes alone, so that the nodes on it, and what is beside them,
         // can be looked at all together. What is met of it waits, the deepest last: the nearest.
-        let home = first | home_of(parts.tree.planes, parts.state, &line.corner()) as u32;
-        simd.prefetch_at(parts.tree.frames, (home - first) as usize);
-        prefetch_members(simd, parts, (home - first) as usize);
+        let home = first | leaf_of(parts.tree.planes, parts.state.depth, &line.corner()) as u32;
+        prefetch_parts(simd, parts, (home - first) as usize);
         let (mut low, mut from) = ([f32::NEG_INFINITY; 4], 0.0);
         for level in (0..parts.state.depth).rev() {
             let child = home >> level;
@@ -211,17 +210,76 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
                 }
                 here = near;
                 if let Some(leaf) = here.node.checked_sub(first) {
-                    prefetch_leaf(simd, parts, leaf as usize);
+                    prefetch_parts(simd, parts, leaf as usize);
                 }
             }
             if here.from <= until {
-                let leaf = (here.node - first) as usize;
-                let crossing = walk.crossing(parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE), until);
-                far = members(simd, world, leaf, &line, &crossing, far, visit);
+                let whole = (here.node - first) as usize;
+                far = parts_met(simd, world, whole, &line, &walk, far, visit);
                 until = walk.time(far);
             }
         }
     }
+}
+
+/// The parts of a leaf that a cast meets, nearer ones first: a number each, its time with the number of the part in the lowest
+/// bits. Times rise with their bits, and a little earlier is right as well; NaN is above all others.
+struct Met([u32; EIGHT]);
+
+impl Met {
+    const PART: u32 = EIGHT as u32 - 1;
+
+    #[inline(always)]
+    fn new(times: [f32; EIGHT]) -> Self {
+        let mut numbers = times.map(f32::to_bits);
+        for (part, number) in (0..).zip(&mut numbers) {
+            *number = *number & !Self::PART | part;
+        }
+        Self(numbers)
+    }
+
+    /// Takes the first one out; returns the part and when it is met, NaN where none is left.
+    #[inline(always)]
+    fn take(&mut self) -> (usize, f32) {
+        let first = self.0.into_iter().fold(u32::MAX, u32::min);
+        for number in &mut self.0 {
+            *number |= if *number == first { u32::MAX } else { 0 };
+        }
+        ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
+    }
+}
+
+/// Visits the members of a leaf of the last full step that the cast meets, part by part, and returns how far to look on.
+#[inline(always)]
+fn parts_met<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    whole: usize,
+    line: &Line,
+    walk: &Walk,
+    mut far: f64,
+    visit: &mut dyn FnMut(Hit) -> f64,
+) -> f64 {
+    let parts = &world.parts;
+    let finer = parts.state.finer();
+    let mut crossing = walk.crossing(parts.tree.frames.get(whole).unwrap_or(&Frame::NONE), walk.time(far));
+    let Some(bounds) = parts_of(parts.tree.bounds, finer, whole) else {
+        prefetch_members(simd, parts, whole);
+        return members(simd, world, whole, line, &crossing, far, visit);
+    };
+    let first = whole << finer;
+    let mut met = Met::new(simd.met(bounds, &crossing));
+    let (mut part, mut from) = met.take();
+    prefetch_members(simd, parts, first + part);
+    // What is not met has no time, and NaN is not at most anything.
+    while from <= crossing.until {
+        let leaf = first + part;
+        (part, from) = met.take();
+        prefetch_members(simd, parts, first + part);
+        far = members(simd, world, leaf, line, &crossing, far, visit);
+        crossing.until = walk.time(far);
+    }
+    far
 }
 
 /// Visits the members of a leaf that the cast meets, and returns how far to look on.
@@ -236,7 +294,6 @@ fn members<S: Simd, I: Index>(
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> f64 {
     let parts = &world.parts;
-    prefetch_members(simd, parts, leaf);
     let bag = parts.tree.leaves.at(leaf);
     let mut slots = [0; TOGETHER];
     let mut count = 0;

@@ -58,9 +58,9 @@ impl Crossing {
     /// axis where that bound makes it leave too early.
     pub(crate) const LATEST: f32 = (1u128 << 100) as f32;
 
-    /// As [`Simd::crossed`], for one record.
+    /// As [`Simd::met`], for one record.
     #[inline(always)]
-    pub(crate) fn passes(&self, record: &Record) -> bool {
+    pub(crate) fn met(&self, record: &Record) -> f32 {
         let (mut from, mut to) = (0.0, self.until);
         for k in 0..6 {
             let lane = record.lanes.at(self.order[2 * k] as usize / 2);
@@ -73,7 +73,8 @@ impl Crossing {
                 to = time;
             }
         }
-        from.min(Self::LATEST) <= to
+        let from = from.min(Self::LATEST);
+        if from <= to { from } else { f32::NAN }
     }
 }
 

@@ -18,7 +18,7 @@ use crate::arch::{EIGHT, Simd, limit};
 use crate::id::{Id, Index};
 use crate::key::{KeyBox, key};
 use crate::storage::Parts;
-use crate::tree::{Eights, Frame, Record, first_of_eight};
+use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -75,11 +75,9 @@ struct MembersNear<'q, S> {
 
 impl<'q, S: Simd> MembersNear<'q, S> {
     #[inline(always)]
-    fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: &KeyBox) -> Self {
+    fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: Record) -> Self {
         const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
         let bag = parts.tree.leaves.at(leaf);
-        let frame = parts.tree.frames.get(leaf).unwrap_or(&Frame::NONE);
-        let region = simd.record(frame, simd.keys(region), 0);
         let eights = bag.eights(parts.tree.records);
         let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
         Self { simd, moved, eights, region, limit: limit(&region), eight: NONE, mask: 0 }
@@ -105,11 +103,32 @@ impl<'q, S: Simd> MembersNear<'q, S> {
     }
 }
 
-/// Asks for what tells where a leaf's members are.
+/// A region in the frame of a leaf of the last full step, and which of the leaf's parts it touches; bit zero for a leaf that
+/// is not divided.
 #[inline(always)]
-fn prefetch_leaf<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
-    simd.prefetch_at(parts.tree.leaves, leaf);
-    simd.prefetch_at(parts.tree.frames, leaf);
+fn parts_near<S: Simd, I: Index>(
+    simd: S,
+    parts: &Parts<'_, I>,
+    whole: usize,
+    region: &KeyBox,
+) -> (Record, u32) {
+    let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
+    let region = simd.record(frame, simd.keys(region), 0);
+    let bounds = parts_of(parts.tree.bounds, parts.state.finer(), whole);
+    (region, bounds.map_or(1, |bounds| simd.touching(bounds, limit(&region))))
+}
+
+/// Asks for what tells which parts of a leaf of the last full step there are to look at.
+#[inline(always)]
+fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
+    simd.prefetch_at(parts.tree.frames, whole);
+    let first = whole << parts.state.finer();
+    // Two lines of four bounds, four of two leaves.
+    for part in (0..PARTS).step_by(4) {
+        simd.prefetch_at(parts.tree.bounds, first + part);
+        simd.prefetch_at(parts.tree.leaves, first + part);
+        simd.prefetch_at(parts.tree.leaves, first + part + 2);
+    }
 }
 
 /// Asks for the first members of a leaf; the processor sees for itself that the others follow.

@@ -2,15 +2,15 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{MembersNear, key_above, key_below};
+use super::{MembersNear, key_above, key_below, parts_near};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::{KeyBox, NEGATIVE_INFINITY};
+use crate::key::{KeyBox, NEGATIVE_INFINITY, key};
 use crate::sort::{heapsort, sift_down, sift_up};
-use crate::tree::{axis_of, key_of};
+use crate::tree::{axis_of, home_of, key_of};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -94,10 +94,13 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
         for slot in world.large_in_tree().chain(world.apart_from_tree()) {
             offer(&mut best, slot);
         }
+        let has_tree = world.has_tree();
+        let (planes, finer) = (&*parts.tree.planes, parts.state.finer());
+        let home = if has_tree { home_of(planes, parts.state, &point.map(key)) } else { 0 };
         let first = 1u32 << parts.state.depth;
         let mut stack = [Waiting::default(); STACK];
         stack[0] = Waiting { node: 1, low: [NEGATIVE_INFINITY; 3], squared: 0.0 };
-        let mut waiting = usize::from(world.has_tree());
+        let mut waiting = usize::from(has_tree);
         while waiting > 0 {
             waiting -= 1;
             let Waiting { node, low, squared } = stack.at(waiting);
@@ -106,19 +109,24 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                 continue;
             }
             if node >= first {
-                // What is nearer than the limit overlaps this box, which is a little larger than need be.
-                let radius = libm::sqrt(limit) * (1.0 + 4.0 * f64::EPSILON);
-                let around = KeyBox {
-                    min: point.map(|x| key_below((f64::from(x) - radius).next_down())),
-                    max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
-                };
-                let mut near = MembersNear::new(simd, parts, (node - first) as usize, &around);
-                while let Some((slot, _)) = near.next() {
-                    offer(&mut best, slot);
+                let whole = (node - first) as usize;
+                // The part around the point first, if it is one of these: the others are hardly near enough then.
+                let around_point = if home >> finer == whole { 1 << (home - (whole << finer)) } else { 0 };
+                for some in [around_point, !around_point] {
+                    let (record, near) = parts_near(simd, parts, whole, &around(&point, best.limit()));
+                    let mut mask = near & some;
+                    while mask != 0 {
+                        let leaf = (whole << finer) + mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        let mut members = MembersNear::new(simd, parts, leaf, record);
+                        while let Some((slot, _)) = members.next() {
+                            offer(&mut best, slot);
+                        }
+                    }
                 }
                 continue;
             }
-            let plane = parts.tree.planes.at(node as usize);
+            let plane = planes.at(node as usize);
             let mut right = low;
             right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
             let enter = |node: u32, low: [i32; 3]| {
@@ -143,5 +151,14 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             hit.distance = libm::sqrt(hit.distance);
         }
         found.len()
+    }
+}
+
+/// What overlaps everything up to a squared distance from a point: a little larger than need be.
+fn around(point: &[f32; 3], squared: f64) -> KeyBox {
+    let radius = libm::sqrt(squared) * (1.0 + 4.0 * f64::EPSILON);
+    KeyBox {
+        min: point.map(|x| key_below((f64::from(x) - radius).next_down())),
+        max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
     }
 }

@@ -1,6 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{MembersNear, key_above, key_below, prefetch_leaf, prefetch_members};
+use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
@@ -9,8 +9,8 @@ use crate::id::{Id, Index};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, value};
 use crate::sort::heapsort;
-use crate::tree::home_of;
 use crate::tree::visit::Visit;
+use crate::tree::{Record, leaf_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -143,40 +143,34 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            // Records are those of swept boxes: where those are the boxes themselves, they can tell.
-            let decides = parts.boxes.fat.is_empty() && !matches!(region, Region::Sphere { .. });
-            let (low, high) = (bounds.min, bounds.max);
-            let home = home_of(tree.planes, parts.state, &low);
-            let mut visits = Visit::new(simd, tree.planes, tree.reach, parts.state.depth, home, low, high);
-            let mut leaves = [0; TOGETHER];
-            let mut slots = [(0, false); TOGETHER];
-            let mut found = 0;
+            let (low, high, depth, finer) = (bounds.min, bounds.max, parts.state.depth, parts.state.finer());
+            let home = leaf_of(tree.planes, depth, &low);
+            let mut visits = Visit::new(simd, tree.planes, tree.reach, depth, home, low, high);
+            let mut wholes = [0; TOGETHER];
+            let mut near = Near {
+                world,
+                region,
+                bounds,
+                leaves: [(0, Record::NOTHING); TOGETHER],
+                leaf_count: 0,
+                slots: [(0, false); TOGETHER],
+                slot_count: 0,
+            };
             loop {
                 let mut count = 0;
-                while let Some(place) = leaves.get_mut(count) {
-                    let Some(leaf) = visits.next(simd) else { break };
-                    prefetch_leaf(simd, parts, leaf);
-                    *place = leaf;
+                while let Some(place) = wholes.get_mut(count) {
+                    let Some(whole) = visits.next(simd) else { break };
+                    prefetch_parts(simd, parts, whole);
+                    *place = whole;
                     count += 1;
                 }
-                for &leaf in leaves.span(0, count) {
-                    prefetch_members(simd, parts, leaf);
-                }
-                for &leaf in leaves.span(0, count) {
-                    let mut members = MembersNear::new(simd, parts, leaf, &bounds);
-                    while let Some((slot, certain)) = members.next() {
-                        let certain = certain && decides;
-                        if !certain {
-                            simd.prefetch(KeyBox::of(parts.boxes.now, slot));
-                        }
-                        simd.prefetch_at(parts.generations, slot);
-                        slots.put(found, (slot, certain));
-                        found += 1;
-                        if found == TOGETHER {
-                            if flush(simd, world, region, &bounds, &slots, visit) {
-                                return;
-                            }
-                            found = 0;
+                for &whole in wholes.span(0, count) {
+                    let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
+                    while mask != 0 {
+                        let leaf = (whole << finer) + mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        if near.leaf(simd, leaf, record, visit) {
+                            return;
                         }
                     }
                 }
@@ -184,7 +178,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                     break;
                 }
             }
-            if flush(simd, world, region, &bounds, slots.span(0, found), visit) {
+            if near.scan(simd, visit) || near.flush(simd, visit) {
                 return;
             }
         }
@@ -196,27 +190,82 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
     }
 }
 
-/// Visits objects that overlap the region for certain, and others if they do; tells whether to stop.
-#[inline(always)]
-fn flush<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    region: &Region,
-    bounds: &KeyBox,
-    slots: &[(usize, bool)],
-    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
-) -> bool {
-    for &(slot, certain) in slots {
-        let stop = if certain {
-            world.id_of(slot).is_some_and(|id| visit(id).is_break())
-        } else {
-            meet(simd, world, region, bounds, slot, visit)
-        };
-        if stop {
-            return true;
-        }
+/// Leaves that a region touches, and members that may overlap it.
+struct Near<'n, 'm, I: Index> {
+    world: &'n World<'m, I>,
+    region: &'n Region,
+    bounds: KeyBox,
+    /// A leaf, and the region in its frame.
+    leaves: [(usize, Record); TOGETHER],
+    leaf_count: usize,
+    /// A slot, and whether the object overlaps the region for certain.
+    slots: [(usize, bool); TOGETHER],
+    slot_count: usize,
+}
+
+/// Its methods tell whether to stop.
+impl<I: Index> Near<'_, '_, I> {
+    /// Adds a leaf.
+    #[inline(always)]
+    fn leaf<S: Simd>(
+        &mut self,
+        simd: S,
+        leaf: usize,
+        region: Record,
+        visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+    ) -> bool {
+        simd.prefetch_at(self.world.parts.tree.leaves, leaf);
+        self.leaves.put(self.leaf_count, (leaf, region));
+        self.leaf_count += 1;
+        self.leaf_count == TOGETHER && self.scan(simd, visit)
     }
-    false
+
+    /// Looks for objects in the leaves.
+    #[inline(always)]
+    fn scan<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
+        let parts = &self.world.parts;
+        // Records are those of swept boxes: where those are the boxes themselves, they can tell.
+        let decides = parts.boxes.fat.is_empty() && !matches!(self.region, Region::Sphere { .. });
+        for index in 0..self.leaf_count {
+            prefetch_members(simd, parts, self.leaves.at(index).0);
+        }
+        for index in 0..self.leaf_count {
+            let (leaf, region) = self.leaves.at(index);
+            let mut members = MembersNear::new(simd, parts, leaf, region);
+            while let Some((slot, certain)) = members.next() {
+                let certain = certain && decides;
+                if !certain {
+                    simd.prefetch(KeyBox::of(parts.boxes.now, slot));
+                }
+                simd.prefetch_at(parts.generations, slot);
+                self.slots.put(self.slot_count, (slot, certain));
+                self.slot_count += 1;
+                if self.slot_count == TOGETHER && self.flush(simd, visit) {
+                    return true;
+                }
+            }
+        }
+        self.leaf_count = 0;
+        false
+    }
+
+    /// Visits the objects that overlap the region.
+    #[inline(always)]
+    fn flush<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
+        let Self { world, region, bounds, .. } = *self;
+        for &(slot, certain) in self.slots.span(0, self.slot_count) {
+            let stop = if certain {
+                world.id_of(slot).is_some_and(|id| visit(id).is_break())
+            } else {
+                meet(simd, world, region, &bounds, slot, visit)
+            };
+            if stop {
+                return true;
+            }
+        }
+        self.slot_count = 0;
+        false
+    }
 }
 
 /// Visits an object if it overlaps the region; tells whether to stop.

@@ -12,7 +12,7 @@ use crate::arch::{Phase, Simd, limit};
 use crate::id::{Index, pair};
 use crate::key::KeyBox;
 use crate::tree::visit::Visit;
-use crate::tree::{Eights, Frame, Record, first_of_eight};
+use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
 
 /// Tests some movers.
 pub(crate) struct SweepMovers<'p, 's, 'g, I> {
@@ -33,7 +33,9 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { grove, moved, movers, homes, scratch, sink } = self;
         let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
-        let mut near = Near { grove, movers, visits: [(0, 0, 0); TOGETHER], count: 0, tested: 0 };
+        let visits = [(0, 0, 0); TOGETHER];
+        let tests = [(0, Record::NOTHING); TOGETHER];
+        let mut near = Near { grove, movers, visits, visit_count: 0, tests, test_count: 0, tested: 0 };
         let mut start = 0;
         while start < homes.len() {
             let home = homes.at(start);
@@ -44,6 +46,7 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
             near.visit(simd, home, start as u32, end as u32, &mut report);
             start = end;
         }
+        near.divide(simd, &mut report);
         near.test(simd, &mut report);
         report.flush();
         scratch.bench.tested += near.tested as u64;
@@ -61,15 +64,18 @@ const AHEAD: usize = 8;
 struct Near<'n, 'g, I> {
     grove: &'n Grove<'g>,
     movers: &'n [I],
-    /// The leaf, and where its movers start and end.
+    /// A leaf of the last full step, and where its movers start and end.
     visits: [(usize, u32, u32); TOGETHER],
-    count: usize,
+    visit_count: usize,
+    /// A leaf, and a mover's record in its frame.
+    tests: [(usize, Record); TOGETHER],
+    test_count: usize,
     /// How many boxes were looked at.
     tested: usize,
 }
 
 impl<I: Index> Near<'_, '_, I> {
-    /// Has movers that are near each other tested against all members of the leaves around.
+    /// Collects the leaves around movers that are near each other, to be looked at a little later.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
         let grove = self.grove;
@@ -92,59 +98,78 @@ impl<I: Index> Near<'_, '_, I> {
             }
         }
         // A large object has no home.
-        let leaf = if home == I::LARGE { 0 } else { home.at() };
+        let leaf = if home == I::LARGE { 0 } else { home.at() >> grove.finer };
         let mut visit =
             Visit::new(simd, grove.planes, grove.reach, grove.depth, leaf, around.min, around.max);
-        while let Some(index) = visit.next(simd) {
-            simd.prefetch_at(grove.leaves, index);
-            simd.prefetch_at(grove.cells, index);
-            simd.prefetch_at(grove.frames, index);
-            self.visits.put(self.count, (index, start, end));
-            self.count += 1;
-            if self.count == TOGETHER {
-                self.test(simd, report);
+        while let Some(whole) = visit.next(simd) {
+            simd.prefetch_at(grove.frames, whole);
+            // Two lines of four.
+            for part in (0..PARTS).step_by(4) {
+                simd.prefetch_at(grove.bounds, (whole << grove.finer) + part);
+            }
+            self.visits.put(self.visit_count, (whole, start, end));
+            self.visit_count += 1;
+            if self.visit_count == TOGETHER {
+                self.divide(simd, report);
             }
         }
     }
 
-    /// Tests what is collected.
+    /// Finds which of the leaves that are collected movers touch; where they are divided, which parts.
+    #[inline(always)]
+    fn divide<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
+        let grove = self.grove;
+        for index in 0..self.visit_count {
+            let (whole, start, end) = self.visits.at(index);
+            let first = whole << grove.finer;
+            let frame = grove.frames.get(whole).unwrap_or(&Frame::NONE);
+            for mover in self.movers.span(start as usize, (end - start) as usize) {
+                let bounds = KeyBox::of(grove.boxes, mover.at());
+                let record = simd.record(frame, simd.keys(bounds), mover.slot());
+                let mut mask = match parts_of(grove.bounds, grove.finer, whole) {
+                    Some(parts) => simd.touching(parts, limit(&record)),
+                    None => u32::from(grove.region(whole).overlaps(bounds)),
+                };
+                while mask != 0 {
+                    let leaf = first + mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    simd.prefetch_at(grove.leaves, leaf);
+                    self.tests.put(self.test_count, (leaf, record));
+                    self.test_count += 1;
+                    if self.test_count == TOGETHER {
+                        self.test(simd, report);
+                    }
+                }
+            }
+        }
+        self.visit_count = 0;
+    }
+
+    /// Tests movers against the members of the leaves that they touch.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
         let grove = self.grove;
-        for &(index, ..) in self.visits.span(0, self.count) {
-            let members = grove.members(&grove.leaves.at(index));
+        let tests = self.tests.span(0, self.test_count);
+        for &(leaf, _) in tests {
+            let members = grove.members(&grove.leaves.at(leaf));
             let (lines, _) = members.as_chunks::<4>();
             for line in lines.get(..LINES).unwrap_or(lines) {
                 simd.prefetch(line);
             }
         }
-        for &(index, start, end) in self.visits.span(0, self.count) {
-            let (leaf, frame, region) = (grove.leaves.at(index), grove.frames.at(index), grove.region(index));
-            for mover in self.movers.span(start as usize, (end - start) as usize) {
-                let bounds = grove.boxes.at(mover.at());
-                if region.overlaps(&bounds) {
-                    self.tested += leaf.len as usize;
-                    let members = leaf.eights(grove.records);
-                    scan(simd, members, &frame, mover.slot(), &bounds, report);
-                }
-            }
+        for (leaf, mover) in tests {
+            let leaf = grove.leaves.at(*leaf);
+            self.tested += leaf.len as usize;
+            scan(simd, leaf.eights(grove.records), mover, report);
         }
-        self.count = 0;
+        self.test_count = 0;
     }
 }
 
 /// Tests one mover against all members of a leaf.
 #[inline(always)]
-fn scan<S: Simd, I: Index>(
-    simd: S,
-    members: Eights<'_>,
-    frame: &Frame,
-    mover: u32,
-    bounds: &KeyBox,
-    report: &mut Report<'_, '_, I>,
-) {
-    let record = simd.record(frame, simd.keys(bounds), mover);
-    let limit = limit(&record);
+fn scan<S: Simd, I: Index>(simd: S, members: Eights<'_>, mover: &Record, report: &mut Report<'_, '_, I>) {
+    let limit = limit(mover);
     for (eight, left) in members {
         let mut mask = simd.touching(eight, limit);
         if mask != 0 {
@@ -152,7 +177,7 @@ fn scan<S: Simd, I: Index>(
         }
         while mask != 0 {
             let other = eight.at(mask.trailing_zeros() as usize);
-            report.contact(simd, &record, bounds, &other);
+            report.contact(simd, mover, &other);
             mask &= mask - 1;
         }
     }
@@ -169,11 +194,10 @@ struct Report<'r, 'k, I> {
 
 impl<I: Index> Report<'_, '_, I> {
     #[inline(always)]
-    fn contact<S: Simd>(&mut self, simd: S, mover: &Record, bounds: &KeyBox, other: &Record) {
+    fn contact<S: Simd>(&mut self, simd: S, mover: &Record, other: &Record) {
         let contact = simd.contact(mover, other);
-        let overlaps =
-            contact.touches && (!contact.tied || bounds.overlaps(&self.boxes.at(other.slot() as usize)));
-        if overlaps {
+        let bounds = |record: &Record| KeyBox::of(self.boxes, record.slot() as usize);
+        if contact.touches && (!contact.tied || bounds(mover).overlaps(bounds(other))) {
             self.pair(mover.slot(), other.slot());
         }
     }

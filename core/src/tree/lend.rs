@@ -12,7 +12,7 @@ const NEIGHBOURS: usize = 16;
 /// along, in their order, so that the places of their objects stay. Tells whether there was any. A leaf that would be overfull
 /// then gets none: it wants new planes. O(neighbours and their members).
 pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize) -> bool {
-    let leaves = 1usize << state.depth;
+    let leaves = state.leaves() as usize;
     if tree.leaves.at(full).len as usize >= overfull(state) {
         return false;
     }

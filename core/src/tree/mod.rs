@@ -24,6 +24,7 @@ pub(crate) mod visit;
 use crate::access::Access;
 use crate::arch::{EIGHT, MAXIMA, MINIMA, Simd};
 use crate::key::{KeyBox, value};
+use crate::layout::FINER;
 use crate::state::State;
 use bytemuck::{Pod, Zeroable};
 
@@ -76,14 +77,16 @@ impl Corner {
 /// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
 #[inline(always)]
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
-    if state.refined == 0 {
-        return leaf_of(planes, state.depth, min);
-    }
-    let levels = state.depth - state.swept_depth;
-    let whole = below(planes, 1, state.swept_depth, min);
-    let is_refined = state.is_refined(whole - (1 << state.swept_depth));
-    let leaf = if is_refined { below(planes, whole, levels, min) } else { whole << levels };
-    leaf - (1 << state.depth)
+    let node = below(planes, 1, state.depth, min);
+    let whole = node - (1 << state.depth);
+    let part = if state.is_refined(whole) { part_of(planes, node, min) } else { 0 };
+    whole << state.finer() | part
+}
+
+/// Which part of a leaf holds the minimum corner; the leaf is given as a node.
+#[inline(always)]
+fn part_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
+    below(planes, node, FINER, min) - (node << FINER)
 }
 
 /// The leaf at `depth` whose cell holds the minimum corner.
@@ -218,6 +221,16 @@ impl Leaf {
     }
 }
 
+/// Leaves that a leaf of a full step may be divided into: as many as are tested at once.
+pub(crate) const PARTS: usize = 1 << FINER;
+const _: () = assert!(PARTS == EIGHT);
+
+/// The bounds of the parts of a leaf of the last full step, in its frame; `None` where no leaf is divided.
+#[inline(always)]
+pub(crate) fn parts_of(bounds: &[Record], finer: u32, whole: usize) -> Option<&[Record; EIGHT]> {
+    if finer == 0 { None } else { bounds.as_chunks().0.get(whole) }
+}
+
 /// See [`Leaf::eights`].
 pub(crate) struct Eights<'r> {
     rest: core::slice::Iter<'r, [Record; EIGHT]>,
@@ -294,9 +307,23 @@ impl Record {
     /// The lowest of three marks: the minimum lies below the cell's low side on this axis (erratum E9).
     pub(crate) const BELOW: u32 = 1 << 29;
 
+    /// Bounds that everything touches.
+    pub(crate) const EVERYTHING: Self = Self { lanes: [0; 6], tag: 0 };
+    /// Bounds of nothing.
+    pub(crate) const NOTHING: Self = Self { lanes: [u16::MAX; 6], tag: 0 };
+
     #[inline(always)]
     pub(crate) fn slot(&self) -> u32 {
         self.tag & Self::SLOT
+    }
+
+    /// Grows bounds so that they hold another record of the same frame. What touches that, or crosses it, does so with the
+    /// bounds: the lower a lane, the more it lets pass.
+    #[inline(always)]
+    pub(crate) fn include(&mut self, other: &Self) {
+        for k in 0..6 {
+            self.lanes[k] = self.lanes[k].min(other.lanes[k]);
+        }
     }
 }
 

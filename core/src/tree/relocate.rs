@@ -1,6 +1,6 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
-use super::assign::{extend, raise};
+use super::assign::raise;
 use super::lend::lend;
 use super::{Front, home_of};
 use crate::access::{Access, bits};
@@ -69,12 +69,16 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         parts.tree.leaves.put(leaf, bag);
     }
     let start = parts.tree.leaves.at(leaf).start;
-    let record = simd.record(&parts.tree.frames.at(leaf), keys, slot as u32);
+    let finer = parts.state.finer();
+    let whole = leaf >> finer;
+    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32);
     parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
-    // An empty leaf reaches nowhere; its first member brings it back to its cell.
-    let mut grown = bounds.max;
-    extend(&mut grown, &super::assign::own_reach(&parts.tree.cells.at(leaf)));
-    raise(parts.tree.reach, (1usize << parts.state.depth) + leaf, &grown);
+    if finer > 0
+        && let Some(bounds) = parts.tree.bounds.get_mut(leaf)
+    {
+        bounds.include(&record);
+    }
+    raise(parts.tree.reach, (1usize << parts.state.depth) + whole, &bounds.max);
     true
 }
 
@@ -115,7 +119,7 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
 /// Orders the list of movers by their leaves, the large ones last, and drops those that are no more: their slots are in the
 /// first of the sorted lists then, their leaves in the last. Returns how many there are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
-    let leaves = 1usize << parts.state.depth;
+    let leaves = parts.state.leaves() as usize;
     let starts = parts.tree.tally.span_mut(0, leaves + 2);
     starts.fill(0);
     let [list, movers, homes] = &mut parts.order;
