@@ -17,6 +17,7 @@ pub(crate) mod shared;
 use crate::access::Access;
 use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
+use crate::layout::ALIGN;
 use crate::query::line::{Crossing, Slabs, Walk};
 use crate::tree::{Frame, Record};
 
@@ -100,6 +101,16 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Asks for an item that is needed soon.
     fn prefetch<T: ?Sized>(self, item: &T);
+
+    /// Asks for `N` items from a position on, a cache line at a time; for none where there are not as many.
+    #[inline(always)]
+    fn prefetch_from<const N: usize, T>(self, items: &[T], start: usize) {
+        if let Some(items) = items.get(start..).and_then(|rest| rest.first_chunk::<N>()) {
+            for line in items.chunks(ALIGN / size_of::<T>()) {
+                self.prefetch(line);
+            }
+        }
+    }
 
     /// Asks for one of some items.
     #[inline(always)]

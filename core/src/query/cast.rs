@@ -181,7 +181,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             let child = home >> level;
             let node = (child / 2) as usize;
             let plane = parts.tree.planes.at(node);
-            let (entered, above) = simd.enter(&walk, low, plane, &reaches.at(node), until);
+            let (entered, above) = simd.enter(&walk, low, plane, KeyBox::of(reaches, node), until);
             let lows = [low, above];
             let side = (child & 1) as usize;
             let beside = entered.at(side ^ 1);
@@ -199,7 +199,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             while here.from <= until && here.node < first {
                 let Waiting { node, low, .. } = here;
                 let plane = parts.tree.planes.at(node as usize);
-                let ([left, right], above) = simd.enter(&walk, low, plane, &reaches.at(node as usize), until);
+                let ([left, right], above) =
+                    simd.enter(&walk, low, plane, KeyBox::of(reaches, node as usize), until);
                 let left = Waiting { low, from: left, node: 2 * node };
                 let right = Waiting { low: above, from: right, node: 2 * node + 1 };
                 let swap = right.from < left.from || left.from.is_nan();

@@ -55,8 +55,8 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.touched == 0 || !bits::test(parts.moved, slot)
 }
 
-/// Lines of records that are asked for ahead.
-const LINES: usize = 12;
+/// Records that are asked for ahead.
+const AHEAD: usize = 48;
 
 /// The current members of a leaf whose records touch that of a region.
 ///
@@ -123,21 +123,14 @@ fn parts_near<S: Simd, I: Index>(
 fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
     simd.prefetch_at(parts.tree.frames, whole);
     let first = whole << parts.state.finer();
-    // Two lines of four bounds, four of two leaves.
-    for part in (0..PARTS).step_by(4) {
-        simd.prefetch_at(parts.tree.bounds, first + part);
-        simd.prefetch_at(parts.tree.leaves, first + part);
-        simd.prefetch_at(parts.tree.leaves, first + part + 2);
-    }
+    simd.prefetch_from::<PARTS, _>(parts.tree.bounds, first);
+    simd.prefetch_from::<PARTS, _>(parts.tree.leaves, first);
 }
 
 /// Asks for the first members of a leaf; the processor sees for itself that the others follow.
 #[inline(always)]
 fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
-    let start = parts.tree.leaves.at(leaf).start as usize;
-    for line in 0..LINES {
-        simd.prefetch_at(parts.tree.records, start + 4 * line);
-    }
+    simd.prefetch_from::<AHEAD, _>(parts.tree.records, parts.tree.leaves.at(leaf).start as usize);
 }
 
 /// The key of the greatest `f32` that is not above a number.

@@ -55,8 +55,8 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
 
 /// Leaves that are asked for before the first of them is looked at: they are anywhere in memory.
 const TOGETHER: usize = 16;
-/// Lines of records that are asked for; the processor sees for itself that the others follow.
-const LINES: usize = 12;
+/// Records that are asked for; the processor sees for itself that the others follow.
+const RECORDS: usize = 48;
 /// How many movers ahead boxes are asked for.
 const AHEAD: usize = 8;
 
@@ -103,10 +103,7 @@ impl<I: Index> Near<'_, '_, I> {
             Visit::new(simd, grove.planes, grove.reach, grove.depth, leaf, around.min, around.max);
         while let Some(whole) = visit.next(simd) {
             simd.prefetch_at(grove.frames, whole);
-            // Two lines of four.
-            for part in (0..PARTS).step_by(4) {
-                simd.prefetch_at(grove.bounds, (whole << grove.finer) + part);
-            }
+            simd.prefetch_from::<PARTS, _>(grove.bounds, whole << grove.finer);
             self.visits.put(self.visit_count, (whole, start, end));
             self.visit_count += 1;
             if self.visit_count == TOGETHER {
@@ -151,11 +148,7 @@ impl<I: Index> Near<'_, '_, I> {
         let grove = self.grove;
         let tests = self.tests.span(0, self.test_count);
         for &(leaf, _) in tests {
-            let members = grove.members(&grove.leaves.at(leaf));
-            let (lines, _) = members.as_chunks::<4>();
-            for line in lines.get(..LINES).unwrap_or(lines) {
-                simd.prefetch(line);
-            }
+            simd.prefetch_from::<RECORDS, _>(grove.records, grove.leaves.at(leaf).start as usize);
         }
         for (leaf, mover) in tests {
             let leaf = grove.leaves.at(*leaf);
