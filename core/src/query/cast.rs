@@ -229,6 +229,8 @@ struct Met([u32; EIGHT]);
 
 impl Met {
     const PART: u32 = EIGHT as u32 - 1;
+    /// Of a leaf that is not divided.
+    const WHOLE: [f32; EIGHT] = [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
 
     #[inline(always)]
     fn new(times: [f32; EIGHT]) -> Self {
@@ -264,12 +266,11 @@ fn parts_met<S: Simd, I: Index>(
     let parts = &world.parts;
     let finer = parts.state.finer();
     let mut crossing = walk.crossing(parts.tree.frames.get(whole).unwrap_or(&Frame::NONE), walk.time(far));
-    let Some(bounds) = parts_of(parts.tree.bounds, finer, whole) else {
-        prefetch_members(simd, parts, whole);
-        return members(simd, world, whole, line, &crossing, far, visit);
-    };
     let first = whole << finer;
-    let mut met = Met::new(simd.met(bounds, &crossing));
+    let mut met = Met::new(match parts_of(parts.tree.bounds, finer, whole) {
+        Some(bounds) => simd.met(bounds, &crossing),
+        None => Met::WHOLE,
+    });
     let (mut part, mut from) = met.take();
     prefetch_members(simd, parts, first + part);
     // What is not met has no time, and NaN is not at most anything.

@@ -10,7 +10,7 @@ use crate::kernels::Kernels;
 use crate::key::{KeyBox, value};
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
-use crate::tree::{Record, leaf_of};
+use crate::tree::{PARTS, Record, leaf_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -124,7 +124,8 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Leaves, and answers, that are asked for before the first of them is looked at: they are anywhere in memory.
+/// Leaves of full steps, and answers, that are asked for before the first of them is looked at: they are anywhere in memory.
+const WHOLES: usize = 2;
 const TOGETHER: usize = 8;
 
 struct Overlaps<'q, 'm, I: Index> {
@@ -146,12 +147,13 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             let (low, high, depth, finer) = (bounds.min, bounds.max, parts.state.depth, parts.state.finer());
             let home = leaf_of(tree.planes, depth, &low);
             let mut visits = Visit::new(simd, tree.planes, tree.reach, depth, home, low, high);
-            let mut wholes = [0; TOGETHER];
+            let mut wholes = [0; WHOLES];
             let mut near = Near {
                 world,
                 region,
                 bounds,
-                leaves: [(0, Record::NOTHING); TOGETHER],
+                records: [Record::NOTHING; WHOLES],
+                leaves: [(0, 0); WHOLES * PARTS],
                 leaf_count: 0,
                 slots: [(0, false); TOGETHER],
                 slot_count: 0,
@@ -164,21 +166,25 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                     *place = whole;
                     count += 1;
                 }
-                for &whole in wholes.span(0, count) {
+                for (index, &whole) in wholes.span(0, count).iter().enumerate() {
                     let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
+                    near.records.put(index, record);
                     while mask != 0 {
                         let leaf = (whole << finer) + mask.trailing_zeros() as usize;
                         mask &= mask - 1;
-                        if near.leaf(simd, leaf, record, visit) {
-                            return;
-                        }
+                        simd.prefetch_at(tree.leaves, leaf);
+                        near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
+                        near.leaf_count += 1;
                     }
                 }
-                if count < TOGETHER {
+                if near.scan(simd, visit) {
+                    return;
+                }
+                if count < WHOLES {
                     break;
                 }
             }
-            if near.scan(simd, visit) || near.flush(simd, visit) {
+            if near.flush(simd, visit) {
                 return;
             }
         }
@@ -195,43 +201,30 @@ struct Near<'n, 'm, I: Index> {
     world: &'n World<'m, I>,
     region: &'n Region,
     bounds: KeyBox,
-    /// A leaf, and the region in its frame.
-    leaves: [(usize, Record); TOGETHER],
+    /// The region in the frames of the leaves of the last full step.
+    records: [Record; WHOLES],
+    /// A leaf, and which of these is its frame.
+    leaves: [(u32, u32); WHOLES * PARTS],
     leaf_count: usize,
     /// A slot, and whether the object overlaps the region for certain.
     slots: [(usize, bool); TOGETHER],
     slot_count: usize,
 }
 
-/// Its methods tell whether to stop.
 impl<I: Index> Near<'_, '_, I> {
-    /// Adds a leaf.
-    #[inline(always)]
-    fn leaf<S: Simd>(
-        &mut self,
-        simd: S,
-        leaf: usize,
-        region: Record,
-        visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
-    ) -> bool {
-        simd.prefetch_at(self.world.parts.tree.leaves, leaf);
-        self.leaves.put(self.leaf_count, (leaf, region));
-        self.leaf_count += 1;
-        self.leaf_count == TOGETHER && self.scan(simd, visit)
-    }
-
-    /// Looks for objects in the leaves.
+    /// Looks for objects in the leaves; tells whether to stop.
     #[inline(always)]
     fn scan<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
         let parts = &self.world.parts;
         // Records are those of swept boxes: where those are the boxes themselves, they can tell.
         let decides = parts.boxes.fat.is_empty() && !matches!(self.region, Region::Sphere { .. });
         for index in 0..self.leaf_count {
-            prefetch_members(simd, parts, self.leaves.at(index).0);
+            prefetch_members(simd, parts, self.leaves.at(index).0 as usize);
         }
         for index in 0..self.leaf_count {
-            let (leaf, region) = self.leaves.at(index);
-            let mut members = MembersNear::new(simd, parts, leaf, region);
+            let (leaf, record) = self.leaves.at(index);
+            let region = self.records.at(record as usize);
+            let mut members = MembersNear::new(simd, parts, leaf as usize, region);
             while let Some((slot, certain)) = members.next() {
                 let certain = certain && decides;
                 if !certain {
@@ -249,7 +242,7 @@ impl<I: Index> Near<'_, '_, I> {
         false
     }
 
-    /// Visits the objects that overlap the region.
+    /// Visits the objects that overlap the region; tells whether to stop.
     #[inline(always)]
     fn flush<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
         let Self { world, region, bounds, .. } = *self;

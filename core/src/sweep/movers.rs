@@ -34,8 +34,9 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
         let Self { grove, moved, movers, homes, scratch, sink } = self;
         let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
         let visits = [(0, 0, 0); TOGETHER];
-        let tests = [(0, Record::NOTHING); TOGETHER];
-        let mut near = Near { grove, movers, visits, visit_count: 0, tests, test_count: 0, tested: 0 };
+        let (leaves, records) = ([0; TOGETHER], [Record::NOTHING; TOGETHER]);
+        let mut near =
+            Near { grove, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
         let mut start = 0;
         while start < homes.len() {
             let home = homes.at(start);
@@ -67,8 +68,9 @@ struct Near<'n, 'g, I> {
     /// A leaf of the last full step, and where its movers start and end.
     visits: [(usize, u32, u32); TOGETHER],
     visit_count: usize,
-    /// A leaf, and a mover's record in its frame.
-    tests: [(usize, Record); TOGETHER],
+    /// Leaves, and for each a mover's record in its frame. Two arrays, as pairs would have gaps.
+    leaves: [u32; TOGETHER],
+    records: [Record; TOGETHER],
     test_count: usize,
     /// How many boxes were looked at.
     tested: usize,
@@ -131,7 +133,8 @@ impl<I: Index> Near<'_, '_, I> {
                     let leaf = first + mask.trailing_zeros() as usize;
                     mask &= mask - 1;
                     simd.prefetch_at(grove.leaves, leaf);
-                    self.tests.put(self.test_count, (leaf, record));
+                    self.leaves.put(self.test_count, leaf as u32);
+                    self.records.put(self.test_count, record);
                     self.test_count += 1;
                     if self.test_count == TOGETHER {
                         self.test(simd, report);
@@ -146,12 +149,12 @@ impl<I: Index> Near<'_, '_, I> {
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
         let grove = self.grove;
-        let tests = self.tests.span(0, self.test_count);
-        for &(leaf, _) in tests {
-            simd.prefetch_from::<RECORDS, _>(grove.records, grove.leaves.at(leaf).start as usize);
+        let leaves = self.leaves.span(0, self.test_count);
+        for leaf in leaves {
+            simd.prefetch_from::<RECORDS, _>(grove.records, grove.leaves.at(*leaf as usize).start as usize);
         }
-        for (leaf, mover) in tests {
-            let leaf = grove.leaves.at(*leaf);
+        for (leaf, mover) in leaves.iter().zip(&self.records) {
+            let leaf = grove.leaves.at(*leaf as usize);
             self.tested += leaf.len as usize;
             scan(simd, leaf.eights(grove.records), mover, report);
         }
