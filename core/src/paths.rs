@@ -102,8 +102,8 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    let whole = parts.state.refined == 0 || parts.state.refined <= 1 << parts.state.depth;
-    if parts.state.calm >= due && whole {
+    let some_are_whole = parts.state.refined <= 1 << parts.state.depth;
+    if parts.state.calm >= due && some_are_whole {
         means.executor.enter(Stage::Fill);
         means.kernels.run(Refine(parts));
     }

@@ -165,6 +165,7 @@ pub(crate) struct State {
     /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
     /// first.
     pub(crate) refined: u32,
+    /// Fills the gap before a number of eight bytes.
     unused: u32,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u32,

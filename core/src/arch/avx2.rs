@@ -156,11 +156,11 @@ fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
-/// When a cast comes to some records' boxes, and all ones for those that it may touch.
+/// When a cast comes to some records' boxes, and all ones for those that it may touch. A plain function, as [`twice`] is.
 #[inline(always)]
 fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m256) {
     let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
-    // SAFETY: `token proves AVX2.
+    // SAFETY: the token proves AVX2.
     unsafe {
         let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
         // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.

@@ -112,7 +112,8 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                 let whole = (node - first) as usize;
                 // The part around the point first, if it is one of these: the others are hardly near enough then.
                 let around_point = if home >> finer == whole { 1 << (home - (whole << finer)) } else { 0 };
-                for some in [around_point, !around_point] {
+                let all = u32::MAX >> (u32::BITS - (1 << finer));
+                for some in [around_point, all & !around_point].into_iter().filter(|some| *some != 0) {
                     let (record, near) = parts_near(simd, parts, whole, &around(&point, best.limit()));
                     let mut mask = near & some;
                     while mask != 0 {

@@ -59,7 +59,7 @@ impl<'g> Grove<'g> {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
-    /// What the members of a leaf can touch.
+    /// What the members of a leaf of the last full step can touch, where leaves are not divided.
     #[inline(always)]
     pub(crate) fn region(&self, index: usize) -> KeyBox {
         KeyBox { min: self.cells.at(index).low(), max: self.reach.at((1 << self.depth) + index) }
