@@ -188,7 +188,7 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     means.executor.enter(Stage::Sweep);
     let mut collector = Collector::new(output, &parts.sizes, Gate::new(&parts.filters, means.rule));
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
-        means.kernels.run(SweepList { order, axis, frame, boxes, scratch, sink });
+        means.kernels.run_wide(SweepList { order, axis, frame, boxes, scratch, sink });
     });
     let coarse = Some(census.is_coarse(parts.state.live));
     Progress { pairs, work, leaves: 1, coarse, ..Progress::default() }
@@ -303,7 +303,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) 
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        kernels.run(SweepLeaves { grove: &grove, leaves, scratch, sink });
+        kernels.run_wide(SweepLeaves { grove: &grove, leaves, scratch, sink });
     });
     let rebalanced = if replant { parts.state.live } else { rebalanced };
     let coarse = Some(census.is_coarse(parts.state.live));

@@ -29,24 +29,24 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complet
     let pairs = parts.output.pairs.span_mut(aside, swept - aside);
     let margins = !parts.boxes.fat.is_empty();
     let result =
-        if mode == Mode::Exact && margins { partition(means, pairs, &Overlap(now)) } else { pairs.len() };
+        if mode == Mode::Exact && margins { partition(means, pairs, Overlap(now)) } else { pairs.len() };
     let mut persisting = result;
     parts.state.lost = 0;
     if events {
         let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
         let pairs = pairs.span_mut(0, result);
-        persisting = partition(means, pairs, &Overlap(before));
+        persisting = partition(means, pairs, Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
         let asked = &*parts.filters.changed;
         let lost = if FILTERS && asked.iter().any(|word| *word != 0) {
             let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
-            partition(means, previous, &Dropped { now, before, asked, staying })
+            partition(means, previous, Dropped { now, before, asked, staying })
         } else if parts.state.entered != 0 {
-            partition(means, previous, &Ended { now, before })
+            partition(means, previous, Ended { now, before })
         } else {
-            partition(means, previous, &Apart(now))
+            partition(means, previous, Apart(now))
         };
         parts.state.lost = lost as u64;
     }
@@ -95,13 +95,13 @@ fn staying<I: Index>(
     previous: &mut [Pair<I>],
     asked: &[u32],
 ) -> core::ops::Range<usize> {
-    let others = partition(means, pairs, &ClearOf(asked));
-    let known = partition(means, previous, &Touch(asked));
+    let others = partition(means, pairs, ClearOf(asked));
+    let known = partition(means, previous, Touch(asked));
     let known = previous.span_mut(0, known);
     heapsort(known, |a, b| a < b);
     let open = pairs.len() - others;
     let open = pairs.span_mut(others, open);
-    let stay = partition(means, open, &Among(known));
+    let stay = partition(means, open, Among(known));
     heapsort(open.span_mut(0, stay), |a, b| a < b);
     others..others + stay
 }
@@ -113,7 +113,7 @@ const PAIRS_PER_BLOCK: usize = 8192;
 
 /// Brings the pairs that the test holds of to the front and returns how many there are: block by block, and then those on
 /// the wrong side of the border change places.
-fn partition<I: Index>(means: Means<'_>, pairs: &mut [Pair<I>], test: &impl Test<I>) -> usize {
+fn partition<I: Index>(means: Means<'_>, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
     if means.is_small() {
         return means.kernels.run(PartitionBlock { pairs, test });
     }
@@ -141,11 +141,13 @@ fn partition<I: Index>(means: Means<'_>, pairs: &mut [Pair<I>], test: &impl Test
 
 struct PartitionBlock<'b, I, T> {
     pairs: &'b mut [Pair<I>],
-    test: &'b T,
+    test: T,
 }
 
 /// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
 const AHEAD: usize = 12;
+/// The most boxes that are not asked for, as they are near anyway.
+const NEAR: usize = 4 << 10;
 
 impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     type Output = usize;
@@ -154,9 +156,12 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, test } = self;
         let mut front = 0;
+        let boxes = test.boxes();
+        let ahead = if boxes.len() > NEAR { AHEAD } else { pairs.len() };
         for index in 0..pairs.len() {
-            if let Some(pair) = pairs.get(index + AHEAD) {
-                test.prepare(simd, pair);
+            if let Some(pair) = pairs.get(index + ahead) {
+                simd.prefetch(boxes, pair[0].at());
+                simd.prefetch(boxes, pair[1].at());
             }
             let pair = pairs.at(index);
             // Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are
@@ -170,21 +175,23 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
 }
 
 /// Something that is true or false of a pair.
-trait Test<I>: Sync {
-    /// Asks for what it takes to tell.
-    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>);
+trait Test<I>: Copy + Sync {
+    /// The boxes that it takes to tell, if any.
+    fn boxes(&self) -> &[KeyBox] {
+        &[]
+    }
 
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
 }
 
 /// The boxes overlap.
+#[derive(Clone, Copy)]
 struct Overlap<'b>(&'b [KeyBox]);
 
 impl<I: Index> Test<I> for Overlap<'_> {
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
-        simd.prefetch(KeyBox::of(self.0, pair[0].at()));
-        simd.prefetch(KeyBox::of(self.0, pair[1].at()));
+    fn boxes(&self) -> &[KeyBox] {
+        self.0
     }
 
     #[inline(always)]
@@ -194,12 +201,13 @@ impl<I: Index> Test<I> for Overlap<'_> {
 }
 
 /// The boxes do not overlap.
+#[derive(Clone, Copy)]
 struct Apart<'b>(&'b [KeyBox]);
 
 impl<I: Index> Test<I> for Apart<'_> {
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
-        Overlap(self.0).prepare(simd, pair);
+    fn boxes(&self) -> &[KeyBox] {
+        self.0
     }
 
     #[inline(always)]
@@ -209,6 +217,7 @@ impl<I: Index> Test<I> for Apart<'_> {
 }
 
 /// The objects that overlapped are not the same any more, or do not overlap any more.
+#[derive(Clone, Copy)]
 struct Ended<'b> {
     now: &'b [KeyBox],
     before: &'b [KeyBox],
@@ -216,8 +225,8 @@ struct Ended<'b> {
 
 impl<I: Index> Test<I> for Ended<'_> {
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
-        Overlap(self.now).prepare(simd, pair);
+    fn boxes(&self) -> &[KeyBox] {
+        self.now
     }
 
     #[inline(always)]
@@ -227,6 +236,7 @@ impl<I: Index> Test<I> for Ended<'_> {
 }
 
 /// As [`Ended`], or no pair any more for the filters.
+#[derive(Clone, Copy)]
 struct Dropped<'b, I> {
     now: &'b [KeyBox],
     before: &'b [KeyBox],
@@ -236,8 +246,8 @@ struct Dropped<'b, I> {
 
 impl<I: Index> Test<I> for Dropped<'_, I> {
     #[inline(always)]
-    fn prepare<S: Simd>(&self, simd: S, pair: &Pair<I>) {
-        Overlap(self.now).prepare(simd, pair);
+    fn boxes(&self) -> &[KeyBox] {
+        self.now
     }
 
     #[inline(always)]
@@ -249,12 +259,10 @@ impl<I: Index> Test<I> for Dropped<'_, I> {
 }
 
 /// Neither object is marked.
+#[derive(Clone, Copy)]
 struct ClearOf<'b>(&'b [u32]);
 
 impl<I: Index> Test<I> for ClearOf<'_> {
-    #[inline(always)]
-    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
-
     #[inline(always)]
     fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
         is_clear_of(self.0, pair)
@@ -262,12 +270,10 @@ impl<I: Index> Test<I> for ClearOf<'_> {
 }
 
 /// One of the objects is marked.
+#[derive(Clone, Copy)]
 struct Touch<'b>(&'b [u32]);
 
 impl<I: Index> Test<I> for Touch<'_> {
-    #[inline(always)]
-    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
-
     #[inline(always)]
     fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
         !is_clear_of(self.0, pair)
@@ -275,12 +281,10 @@ impl<I: Index> Test<I> for Touch<'_> {
 }
 
 /// The pair is in an ascending list.
+#[derive(Clone, Copy)]
 struct Among<'b, I>(&'b [Pair<I>]);
 
 impl<I: Index> Test<I> for Among<'_, I> {
-    #[inline(always)]
-    fn prepare<S: Simd>(&self, _: S, _: &Pair<I>) {}
-
     #[inline(always)]
     fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
         self.0.binary_search(pair).is_ok()

@@ -1,6 +1,6 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
 use crate::id::{Index, Pair};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::query::line::{Crossing, Slabs, Walk};
@@ -36,39 +36,42 @@ pub(super) const HALVES: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -
 
 /// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]
-fn half(_: Avx2, rows: &[Row], query: __m256i) -> u32 {
-    let Ok(rows): Result<&[Row; 32], _> = rows.try_into() else { return 0 };
-    let eights: &[[u8; 32]; 4] = bytemuck::cast_ref(rows);
+fn half(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
     // SAFETY: the token proves AVX2; each load reads eight rows.
     unsafe {
-        // The upper of each two bytes is the query's exactly where a row's byte is at most the query's.
-        let a =
-            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[0].as_ptr().cast())), query);
-        let b =
-            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[1].as_ptr().cast())), query);
-        let c =
-            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[2].as_ptr().cast())), query);
-        let d =
-            _mm256_cmpeq_epi32(_mm256_max_epu8(query, _mm256_loadu_si256(eights[3].as_ptr().cast())), query);
-        // A byte for each row. The halves of the vectors are packed apart: put groups of four back in order.
+        // What the query's bytes exceed a row's by: nothing where none does.
+        let a = _mm256_subs_epu8(query, _mm256_loadu_si256(a.as_ptr().cast()));
+        let b = _mm256_subs_epu8(query, _mm256_loadu_si256(b.as_ptr().cast()));
+        let c = _mm256_subs_epu8(query, _mm256_loadu_si256(c.as_ptr().cast()));
+        let d = _mm256_subs_epu8(query, _mm256_loadu_si256(d.as_ptr().cast()));
+        // A byte for each row: saturation leaves nothing but zero zero. The halves of the vectors are packed apart: put
+        // groups of four back in order.
         let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
+        let inside = _mm256_cmpeq_epi8(bytes, _mm256_setzero_si256());
         let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
-        _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(bytes, order)) as u32
+        _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(inside, order)) as u32
     }
 }
 
-/// For each mask of pairs 0, 2, 1 and 3: where the halves of those that it keeps stand, in the order of the pairs.
-const KEPT: [[u32; 8]; 16] = {
-    let mut table = [[0; 8]; 16];
+/// The high bytes of four lanes. A plain function for the same reason.
+#[inline(always)]
+fn high_bytes(_: Avx2, lanes: [usize; 4]) -> __m128i {
+    let [a, b, c, d] = [2 * lanes[0] + 1, 2 * lanes[1] + 1, 2 * lanes[2] + 1, 2 * lanes[3] + 1];
+    // SAFETY: the token proves AVX2.
+    unsafe { _mm_set1_epi32(i32::from_le_bytes([a as u8, b as u8, c as u8, d as u8])) }
+}
+
+/// For each mask of pairs 0, 2, 1 and 3: where the first halves of those that it keeps stand, in the order of the pairs.
+const KEPT: [[u32; 4]; 16] = {
+    let mut table = [[0; 4]; 16];
     let mut mask = 0;
     while mask < 16 {
-        let (mut pair, mut half) = (0, 0);
+        let (mut pair, mut kept) = (0, 0);
         while pair < 4 {
             let at = [0, 2, 1, 3][pair];
             if mask >> at & 1 != 0 {
-                table[mask][half] = 2 * at as u32;
-                table[mask][half + 1] = 2 * at as u32 + 1;
-                half += 2;
+                table[mask][kept] = 2 * at as u32;
+                kept += 1;
             }
             pair += 1;
         }
@@ -77,11 +80,31 @@ const KEPT: [[u32; 8]; 16] = {
     table
 };
 
+/// The same for both halves.
+const KEPT_WIDE: [[u32; 8]; 16] = {
+    let mut table = [[0; 8]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        let mut half = 0;
+        while half < 8 {
+            table[mask][half] = KEPT[mask][half / 2] + half as u32 % 2;
+            half += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
 /// An instruction set that tests four candidates at a time.
 pub(super) trait Fours: Simd {
-    /// The slots of the pairs that [`Simd::sift`] finds among four candidates, and how many pairs that are. `None` where the
+    /// Writes the pairs that [`Simd::sift`] finds among four candidates and returns how many they are. `None` where the
     /// keys may have to decide, and where a position is not in the slice.
-    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)>;
+    fn pairs_of<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize>;
 }
 
 /// [`Simd::sift`].
@@ -94,16 +117,11 @@ pub(super) fn sift_by_four<S: Fours, I: Index>(
 ) -> Sifted {
     let mut sifted = Sifted::default();
     let mut from = 0;
-    while let Some(&four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
+    while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
         let room = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>());
-        match (simd.pairs_of(sorted, &four), room) {
-            (Some((slots, found)), Some(room)) => {
-                for (pair, slots) in room.iter_mut().zip(slots.as_chunks::<2>().0) {
-                    *pair = [I::from_slot(slots[0]), I::from_slot(slots[1])];
-                }
-                sifted.found += found;
-            }
-            _ => (from..from + 4).for_each(|at| sifted.add(simd, sorted, candidates, at, pairs)),
+        match room.and_then(|room| simd.pairs_of(sorted, four, room)) {
+            Some(found) => sifted.found += found,
+            None => (from..from + 4).for_each(|at| sifted.add(simd, sorted, candidates, at, pairs)),
         }
         from += 4;
     }
@@ -207,11 +225,16 @@ const fn in_order(mask: u32) -> u32 {
 
 impl Fours for Avx2 {
     #[inline(always)]
-    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
+    fn pairs_of<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
         let positions: __m128i = bytemuck::cast(*candidates);
         let end = sorted.len().min(usize::from(u16::MAX)) as i16;
         // SAFETY: `self` proves AVX2; all halves of the candidates are compared with the length before they are taken for
-        // positions.
+        // positions. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
         unsafe {
             let beyond = _mm_cmpeq_epi16(_mm_max_epu16(positions, _mm_set1_epi16(end)), positions);
             if _mm_testz_si128(beyond, beyond) == 0 {
@@ -235,8 +258,18 @@ impl Fours for Avx2 {
             let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
             let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
             let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
-            let pairs = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT[kept]));
-            Some((bytemuck::cast(pairs), kept.count_ones() as usize))
+            if size_of::<I>() == 2 {
+                // Both slots in the first half of their pair.
+                let shifted = _mm256_srli_epi64::<16>(lower_first);
+                let halves = _mm256_blend_epi16::<0b1010_1010>(lower_first, shifted);
+                let kept = _mm256_castsi128_si256(bytemuck::cast(KEPT[kept]));
+                let packed = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(halves, kept));
+                _mm_storeu_si128(pairs.as_mut_ptr().cast(), packed);
+            } else {
+                let packed = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT_WIDE[kept]));
+                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
+            }
+            Some(kept.count_ones() as usize)
         }
     }
 }
@@ -245,9 +278,20 @@ impl Simd for Avx2 {
     /// The last two lanes are zero.
     type Keys = __m256i;
 
-    type Axis = __m128i;
+    type Axis = [__m128i; 2];
 
     type Query = __m256i;
+
+    #[inline(always)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
+        fn compiled<P: Phase>(simd: Avx2, phase: P) -> P::Output {
+            phase.run(simd)
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(self, phase) }
+    }
 
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> __m256i {
@@ -312,9 +356,9 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T: ?Sized>(self, item: &T) {
-        // SAFETY: every CPU with AVX2 has the instruction, and the address is that of a box.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(item).cast()) }
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        // SAFETY: `self` proves AVX2, which includes SSE. Nothing can be told from a prefetch, wherever it points to.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
     }
 
     #[inline(always)]
@@ -350,34 +394,25 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn axis(self, axis: usize) -> __m128i {
-        // The high byte of a lane comes second.
-        let [a, b, c, d] = row_lanes(axis).map(|lane| 2 * lane as i8 + 1);
-        // SAFETY: `self` proves AVX2, which includes SSE2.
-        unsafe { _mm_setr_epi8(a, b, c, d, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1) }
+    fn axis(self, axis: usize) -> [__m128i; 2] {
+        [high_bytes(self, row_lanes(axis)), high_bytes(self, query_lanes(axis))]
     }
 
     #[inline(always)]
-    fn row(self, axis: __m128i, record: &Record) -> Row {
+    fn row(self, [row, _]: [__m128i; 2], record: &Record) -> Row {
         // SAFETY: `self` proves AVX2, which includes SSSE3.
-        unsafe { _mm_cvtsi128_si32(_mm_shuffle_epi8(bytemuck::cast(*record), axis)) }.to_le_bytes()
+        (!unsafe { _mm_cvtsi128_si32(_mm_shuffle_epi8(bytemuck::cast(*record), row)) }).to_le_bytes()
     }
 
     #[inline(always)]
-    fn query(self, row: Row) -> __m256i {
+    fn query(self, [_, query]: [__m128i; 2], record: &Record) -> __m256i {
         // SAFETY: `self` proves AVX2.
-        unsafe {
-            let bytes = _mm256_set1_epi32(i32::from_le_bytes(row));
-            // All groups of four bytes are the same, so the first can serve them all.
-            let swap = _mm256_set1_epi32(0x0203_0001);
-            _mm256_xor_si256(_mm256_shuffle_epi8(bytes, swap), _mm256_set1_epi8(-1))
-        }
+        unsafe { _mm256_broadcastd_epi32(_mm_shuffle_epi8(bytemuck::cast(*record), query)) }
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row], at: usize, count: usize, query: __m256i) -> u64 {
-        let Some(rows) = rows.get(at..).and_then(|rows| rows.first_chunk::<WINDOW>()) else { return 0 };
-        let (first, second) = rows.split_at(WINDOW / 2);
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: __m256i) -> u64 {
+        let [first, second]: &[[[u8; 32]; 4]; 2] = bytemuck::cast_ref(rows);
         let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
         // SAFETY: `self` proves BMI2.
         unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }

@@ -1,5 +1,5 @@
 //! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
-//! shorter is left to [`Avx2`].
+//! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
 
 use super::avx2::{Avx2, Fours, HALVES, sift_by_four};
 use super::{Contact, EIGHT, Phase, Row, Sifted, Simd, WINDOW};
@@ -10,6 +10,7 @@ use crate::tree::{Frame, Record};
 use core::arch::x86_64::*;
 
 cpufeatures::new!(detected, "avx512f", "avx512bw", "avx512dq", "avx512vl");
+cpufeatures::new!(second_generation, "avx512vbmi2");
 
 /// Proof that the CPU has these parts of AVX-512 and what [`Avx2`] proves, and that the operating system keeps the wide
 /// registers and the masks.
@@ -20,6 +21,17 @@ impl Avx512 {
     /// Asks the CPU.
     pub(crate) fn detect() -> Option<Self> {
         if detected::get() { Avx2::detect().map(Self) } else { None }
+    }
+
+    /// Whether the CPU is of the second generation or later: Ice Lake, Zen 4. The first one, up to Cascade Lake, slows down its
+    /// clock for the wide registers, and a step takes longer with them than without.
+    pub(crate) fn pays() -> bool {
+        second_generation::get()
+    }
+
+    /// The same CPU without the wide registers.
+    pub(crate) const fn narrow(self) -> Avx2 {
+        self.0
     }
 
     /// Runs a phase compiled for this level.
@@ -43,9 +55,9 @@ const TAGS: __mmask16 = 0x8888;
 fn quarter(_: Avx512, rows: &[u8; 64], query: __m512i) -> __mmask16 {
     // SAFETY: the token proves AVX-512 BW; the load reads the 64 bytes.
     unsafe {
-        // The upper of each two bytes is the query's exactly where a row's byte is at most the query's.
-        let upper = _mm512_max_epu8(query, _mm512_loadu_si512(rows.as_ptr().cast()));
-        _mm512_cmpeq_epi32_mask(upper, query)
+        // What the query's bytes exceed a row's by: nothing where none does.
+        let excess = _mm512_subs_epu8(query, _mm512_loadu_si512(rows.as_ptr().cast()));
+        _mm512_testn_epi32_mask(excess, excess)
     }
 }
 
@@ -76,7 +88,12 @@ unsafe fn pick(_: Avx512, records: &[Record], [a, b, c, d]: [u32; 4]) -> __m512i
 
 impl Fours for Avx512 {
     #[inline(always)]
-    fn pairs_of(self, sorted: &[Record], candidates: &[u32; 4]) -> Option<([u32; 8], usize)> {
+    fn pairs_of<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
         let positions: __m128i = bytemuck::cast(*candidates);
         let end = sorted.len().min(usize::from(u16::MAX)) as i16;
         // SAFETY: `self` proves AVX-512 F, BW and VL; all halves of the candidates are compared with the length before they are
@@ -102,8 +119,13 @@ impl Fours for Avx512 {
             let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
             let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
             let kept = zero(self, apart) & 0b1010_1010;
-            let pairs = _mm512_maskz_compress_epi64(kept, lower_first);
-            Some((bytemuck::cast(_mm512_castsi512_si256(pairs)), kept.count_ones() as usize))
+            let packed = _mm512_castsi512_si256(_mm512_maskz_compress_epi64(kept, lower_first));
+            if size_of::<I>() == 2 {
+                _mm_storeu_si128(pairs.as_mut_ptr().cast(), _mm256_cvtepi32_epi16(packed));
+            } else {
+                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
+            }
+            Some(kept.count_ones() as usize)
         }
     }
 }
@@ -114,6 +136,17 @@ impl Simd for Avx512 {
     type Axis = <Avx2 as Simd>::Axis;
 
     type Query = __m512i;
+
+    #[inline(always)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        #[inline(never)]
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt")]
+        fn compiled<P: Phase>(simd: Avx512, phase: P) -> P::Output {
+            phase.run(simd)
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(self, phase) }
+    }
 
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> Self::Keys {
@@ -141,8 +174,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch<T: ?Sized>(self, item: &T) {
-        self.0.prefetch(item);
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        self.0.prefetch(items, index);
     }
 
     #[inline(always)]
@@ -176,19 +209,13 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn query(self, row: Row) -> __m512i {
-        // SAFETY: `self` proves AVX-512 F and BW.
-        unsafe {
-            let bytes = _mm512_set1_epi32(i32::from_le_bytes(row));
-            // All groups of four bytes are the same, so the first can serve them all.
-            let swap = _mm512_set1_epi32(0x0203_0001);
-            _mm512_xor_si512(_mm512_shuffle_epi8(bytes, swap), _mm512_set1_epi8(-1))
-        }
+    fn query(self, [_, query]: Self::Axis, record: &Record) -> __m512i {
+        // SAFETY: `self` proves AVX-512 F.
+        unsafe { _mm512_broadcastd_epi32(_mm_shuffle_epi8(bytemuck::cast(*record), query)) }
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row], at: usize, count: usize, query: __m512i) -> u64 {
-        let Some(rows) = rows.get(at..).and_then(|rows| rows.first_chunk::<WINDOW>()) else { return 0 };
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: __m512i) -> u64 {
         let [a, b, c, d]: &[[u8; 64]; 4] = bytemuck::cast_ref(rows);
         // SAFETY: `self` proves AVX-512 BW and BMI2.
         unsafe {
@@ -210,14 +237,7 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
-        // SAFETY: `self` proves AVX-512 BW and BMI2; the loads read four records each.
-        unsafe {
-            let limit = _mm512_broadcast_i32x4(bytemuck::cast(limit));
-            let first = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().cast()), limit);
-            let last = _mm512_subs_epu16(_mm512_loadu_si512(records.as_ptr().add(4).cast()), limit);
-            let zeros = u32::from(zero(self, first)) | u32::from(zero(self, last)) << 8;
-            _pext_u32(zeros, 0b0101_0101_0101_0101)
-        }
+        self.0.touching(records, limit)
     }
 
     #[inline(always)]

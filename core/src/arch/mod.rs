@@ -84,6 +84,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// What rows are compared with.
     type Query: Copy;
 
+    /// Runs a phase as a call, so that what it needs takes no registers from its caller's loops.
+    fn call<P: Phase>(self, phase: P) -> P::Output;
+
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
@@ -99,24 +102,14 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
-    /// Asks for an item that is needed soon.
-    fn prefetch<T: ?Sized>(self, item: &T);
+    /// Asks for an item that is needed soon, where there is one.
+    fn prefetch<T>(self, items: &[T], index: usize);
 
-    /// Asks for `N` items from a position on, a cache line at a time; for none where there are not as many.
+    /// Asks for `N` items from a position on, a cache line at a time.
     #[inline(always)]
     fn prefetch_from<const N: usize, T>(self, items: &[T], start: usize) {
-        if let Some(items) = items.get(start..).and_then(|rest| rest.first_chunk::<N>()) {
-            for line in items.chunks(ALIGN / size_of::<T>()) {
-                self.prefetch(line);
-            }
-        }
-    }
-
-    /// Asks for one of some items.
-    #[inline(always)]
-    fn prefetch_at<T>(self, items: &[T], index: usize) {
-        if let Some(item) = items.get(index) {
-            self.prefetch(item);
+        for offset in (0..N).step_by(ALIGN / size_of::<T>()) {
+            self.prefetch(items, start + offset);
         }
     }
 
@@ -135,15 +128,15 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Prepares the rows of a sweep along an axis.
     fn axis(self, axis: usize) -> Self::Axis;
 
-    /// The row of a record: the high bytes of the minimum and the complemented maximum on each of the two other axes.
+    /// The row of a record: the high bytes of the complemented minimum and the maximum on each of the two other axes.
     fn row(self, axis: Self::Axis, record: &Record) -> Row;
 
-    /// Prepares a comparison with a row: its maxima and complemented minima.
-    fn query(self, row: Row) -> Self::Query;
+    /// Prepares a comparison of rows with a record: the high bytes of its complemented maximum and its minimum on each of the
+    /// two other axes, which are at most those of the rows that it touches there.
+    fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
 
-    /// The rows from `at` on, at most `count` and [`WINDOW`] of them, whose bytes are all at most the query's: bit `i`
-    /// for row `at + i`. Behind the rows there is room for a window; without that there are none.
-    fn window(self, rows: &[Row], at: usize, count: usize, query: Self::Query) -> u64;
+    /// The first `count` rows, at most all, whose bytes are all at least the query's: bit `i` for row `i`.
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
     /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
     /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can
@@ -193,7 +186,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
 pub(crate) const MINIMA: u32 = 0b111;
 pub(crate) const MAXIMA: u32 = 0b111 << 3;
 
-/// The lanes that a row comes from.
+/// The lanes that a row comes from, complemented.
 #[inline(always)]
 const fn row_lanes(axis: usize) -> [usize; 4] {
     match axis {
@@ -201,6 +194,13 @@ const fn row_lanes(axis: usize) -> [usize; 4] {
         1 => [2, 5, 0, 3],
         _ => [0, 3, 1, 4],
     }
+}
+
+/// The lanes that a query comes from.
+#[inline(always)]
+const fn query_lanes(axis: usize) -> [usize; 4] {
+    let [a, b, c, d] = row_lanes(axis);
+    [b, a, d, c]
 }
 
 /// What another record's lanes must not exceed for it to touch this one: the maxima, then the complemented minima.

@@ -1,6 +1,6 @@
 //! The level that every CPU has. Also the definition of what each operation means.
 
-use super::{Contact, EIGHT, Row, Simd, WINDOW, row_lanes};
+use super::{Contact, EIGHT, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::key::{KeyBox, value};
@@ -17,6 +17,11 @@ impl Simd for Scalar {
     type Axis = usize;
 
     type Query = Row;
+
+    #[inline(never)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        phase.run(self)
+    }
 
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> KeyBox {
@@ -54,7 +59,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn prefetch<T: ?Sized>(self, _: &T) {}
+    fn prefetch<T>(self, _: &[T], _: usize) {}
 
     #[inline(always)]
     fn same(self, a: KeyBox, b: KeyBox) -> bool {
@@ -87,25 +92,25 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn row(self, axis: usize, record: &Record) -> Row {
-        row_lanes(axis).map(|lane| (record.lanes.at(lane) >> 8) as u8)
+        row_lanes(axis).map(|lane| (!record.lanes.at(lane) >> 8) as u8)
     }
 
     #[inline(always)]
-    fn query(self, [a, b, c, d]: Row) -> Row {
-        [!b, !a, !d, !c]
+    fn query(self, axis: usize, record: &Record) -> Row {
+        query_lanes(axis).map(|lane| (record.lanes.at(lane) >> 8) as u8)
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row], at: usize, count: usize, query: Row) -> u64 {
-        // All four bytes at once. With its high bit set, no byte of the query borrows from the next one.
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
+        // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
         const HIGH: u32 = 0x8080_8080;
         let query = u32::from_ne_bytes(query);
         let mut mask = 0;
-        for (index, row) in rows.span(at, count.min(WINDOW)).iter().enumerate() {
+        for (index, row) in rows.iter().take(count).enumerate() {
             let row = u32::from_ne_bytes(*row);
-            let rest = (query | HIGH) - (row & !HIGH);
+            let rest = (row | HIGH) - (query & !HIGH);
             // High bits that differ decide, else the bits below them.
-            let inside = (query & !row) | (!(query ^ row) & rest);
+            let inside = (row & !query) | (!(row ^ query) & rest);
             mask |= u64::from(inside & HIGH == HIGH) << index;
         }
         mask

@@ -305,8 +305,8 @@ fn members<S: Simd, I: Index>(
             let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
             mask &= mask - 1;
             if is_current(parts, slot) {
-                simd.prefetch(KeyBox::of(parts.boxes.now, slot));
-                simd.prefetch_at(parts.generations, slot);
+                simd.prefetch(parts.boxes.now, slot);
+                simd.prefetch(parts.generations, slot);
                 slots.put(count, slot);
                 count += 1;
                 if count == TOGETHER {

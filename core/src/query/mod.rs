@@ -121,7 +121,7 @@ fn parts_near<S: Simd, I: Index>(
 /// Asks for what tells which parts of a leaf of the last full step there are to look at.
 #[inline(always)]
 fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
-    simd.prefetch_at(parts.tree.frames, whole);
+    simd.prefetch(parts.tree.frames, whole);
     let first = whole << parts.state.finer();
     simd.prefetch_from::<PARTS, _>(parts.tree.bounds, first);
     simd.prefetch_from::<PARTS, _>(parts.tree.leaves, first);

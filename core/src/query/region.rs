@@ -172,7 +172,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                     while mask != 0 {
                         let leaf = (whole << finer) + mask.trailing_zeros() as usize;
                         mask &= mask - 1;
-                        simd.prefetch_at(tree.leaves, leaf);
+                        simd.prefetch(tree.leaves, leaf);
                         near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
                         near.leaf_count += 1;
                     }
@@ -228,9 +228,9 @@ impl<I: Index> Near<'_, '_, I> {
             while let Some((slot, certain)) = members.next() {
                 let certain = certain && decides;
                 if !certain {
-                    simd.prefetch(KeyBox::of(parts.boxes.now, slot));
+                    simd.prefetch(parts.boxes.now, slot);
                 }
-                simd.prefetch_at(parts.generations, slot);
+                simd.prefetch(parts.generations, slot);
                 self.slots.put(self.slot_count, (slot, certain));
                 self.slot_count += 1;
                 if self.slot_count == TOGETHER && self.flush(simd, visit) {

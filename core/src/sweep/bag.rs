@@ -10,7 +10,7 @@
 use super::Sink;
 use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::{Row, Sifted, Simd, WINDOW};
+use crate::arch::{Phase, Row, Sifted, Simd, WINDOW};
 use crate::id::{Index, Pair, pair};
 use crate::key::KeyBox;
 use crate::tree::{Frame, Record};
@@ -37,8 +37,8 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     let ends = sort(simd, bags, axis, 0, bench);
     let count = bags[0].len() + bags[1].len();
     let mut scan = Scan::new(simd, axis, count, bench, boxes, sink);
-    for at in 0..count {
-        scan.rows(at, at + 1, scan.end(at, &ends));
+    for (at, record) in scan.sorted.iter().enumerate() {
+        scan.rows(at, record, at + 1, reach_of(record, axis, &ends));
     }
     scan.test();
 }
@@ -59,14 +59,14 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
     let mut scan = Scan::new(simd, axis, left + right, bench, boxes, sink);
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    for at in 0..left {
-        let run = scan.start(at);
-        let first = if run == 0 { left } else { right_ends[run - 1] as usize };
-        scan.rows(at, first, scan.end(at, &right_ends));
-    }
-    for at in left..left + right {
-        let first = left_ends[scan.start(at)] as usize;
-        scan.rows(at, first, scan.end(at, &left_ends));
+    for (at, record) in scan.sorted.iter().enumerate() {
+        let run = high(record.lanes[axis]) as usize;
+        if at < left {
+            let first = if run == 0 { left } else { right_ends[run - 1] as usize };
+            scan.rows(at, record, first, reach_of(record, axis, &right_ends));
+        } else {
+            scan.rows(at, record, left_ends[run] as usize, reach_of(record, axis, &left_ends));
+        }
     }
     scan.test();
 }
@@ -97,8 +97,8 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         *run = end;
     }
     let mut scan = Scan::new(simd, axis, order.len(), bench, boxes, sink);
-    for at in 0..order.len() {
-        scan.rows(at, at + 1, scan.end(at, &ends));
+    for (at, record) in scan.sorted.iter().enumerate() {
+        scan.rows(at, record, at + 1, reach_of(record, axis, &ends));
     }
     scan.test();
 }
@@ -137,14 +137,22 @@ fn sort<S: Simd, I>(
     ends
 }
 
+/// The end of the last run that a record reaches.
+#[inline(always)]
+fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
+    ends[high(!record.lanes[3 + axis]) as usize] as usize
+}
+
 /// Looks for pairs in a sorted bag.
-struct Scan<'s, S, I> {
+struct Scan<'s, S: Simd, I> {
     simd: S,
-    axis: usize,
+    lanes: S::Axis,
     sorted: &'s [Record],
     rows: &'s [Row],
     candidates: &'s mut [u32],
-    collected: usize,
+    collected: u32,
+    /// As many as leave room for a window.
+    most: u32,
     pairs: &'s mut [Pair<I>],
     tested: &'s mut u64,
     tied: &'s mut u64,
@@ -164,47 +172,45 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
     ) -> Self {
         let Bench { sorted, rows, candidates, pairs, tested, tied } = bench;
         let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
-        Self { simd, axis, sorted, rows, candidates, collected: 0, pairs, tested, tied, boxes, sink }
-    }
-
-    /// The sort byte of a record.
-    #[inline(always)]
-    fn start(&self, at: usize) -> usize {
-        self.sorted.get(at).map_or(0, |record| high(record.lanes[self.axis]) as usize)
-    }
-
-    /// The end of the last run that a record reaches.
-    #[inline(always)]
-    fn end(&self, at: usize, ends: &Ends) -> usize {
-        self.sorted.get(at).map_or(0, |record| ends[high(!record.lanes[3 + self.axis]) as usize] as usize)
+        let (lanes, most) = (simd.axis(axis), candidates.len().saturating_sub(WINDOW) as u32);
+        Self { simd, lanes, sorted, rows, candidates, collected: 0, most, pairs, tested, tied, boxes, sink }
     }
 
     /// Collects the candidates among the rows from `first` to `end` for the record at `at`.
     #[inline(always)]
-    fn rows(&mut self, at: usize, mut first: usize, end: usize) {
+    fn rows(&mut self, at: usize, record: &Record, first: usize, end: usize) {
         if first >= end {
             return;
         }
-        let query = self.simd.query(self.rows.at(at));
-        while first < end {
-            let mask = self.simd.window(self.rows, first, end - first, query);
-            let base = ((at << 16) | first) as u32;
-            if let Some(room) = self.candidates.get_mut(self.collected..) {
+        let query = self.simd.query(self.lanes, record);
+        let (mut base, mut left) = (((at << 16) | first) as u32, end - first);
+        let mut rest = self.rows.get(first..).unwrap_or_default();
+        while let Some((rows, behind)) = rest.split_first_chunk::<WINDOW>() {
+            let mask = self.simd.window(rows, left, query);
+            let room = self.collected as usize..self.collected as usize + WINDOW;
+            if let Some(room) = self.candidates.get_mut(room).and_then(|room| room.first_chunk_mut()) {
                 self.collected += unpack(mask, base, room);
             }
-            if self.collected + WINDOW > self.candidates.len() {
+            if self.collected > self.most {
                 self.test();
             }
-            first += WINDOW;
+            if left <= WINDOW {
+                break;
+            }
+            base += WINDOW as u32;
+            left -= WINDOW;
+            rest = behind;
         }
     }
 
     /// Tests the candidates on all lanes and hands the pairs on.
     #[inline(always)]
     fn test(&mut self) {
-        *self.tested += self.collected as u64;
-        let candidates = self.candidates.span_mut(0, self.collected);
-        let Sifted { found, tied } = test(self.simd, self.sorted, candidates, self.pairs, self.boxes);
+        *self.tested += u64::from(self.collected);
+        let candidates = self.candidates.span_mut(0, self.collected as usize);
+        let pairs = self.pairs.span_mut(0, self.collected as usize);
+        let (sorted, boxes) = (self.sorted, self.boxes);
+        let Sifted { found, tied } = self.simd.call(Test { sorted, candidates, pairs, boxes });
         *self.tied += tied as u64;
         self.sink.take(self.pairs.span_mut(0, found));
         self.collected = 0;
@@ -213,8 +219,8 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
 
 /// Writes a candidate for each set bit and returns how many there are.
 #[inline(always)]
-fn unpack(mask: u64, base: u32, room: &mut [u32]) -> usize {
-    let count = mask.count_ones() as usize;
+fn unpack(mask: u64, base: u32, room: &mut [u32; WINDOW]) -> u32 {
+    let count = mask.count_ones();
     let mut rest = mask;
     // Most masks have few bits, and how many is hard to predict: four are written always.
     for four in room.as_chunks_mut::<4>().0 {
@@ -229,22 +235,28 @@ fn unpack(mask: u64, base: u32, room: &mut [u32]) -> usize {
     count
 }
 
-#[inline(always)]
-fn test<S: Simd, I: Index>(
-    simd: S,
-    sorted: &[Record],
-    candidates: &mut [u32],
-    pairs: &mut [Pair<I>],
-    boxes: &[KeyBox],
-) -> Sifted {
-    let pairs = pairs.span_mut(0, candidates.len());
-    let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
-    // Of boxes that share a step of the grid only the keys can tell.
-    for &candidate in candidates.span(0, tied) {
-        let a = sorted.at((candidate >> 16) as usize).slot();
-        let b = sorted.at((candidate & 0xffff) as usize).slot();
-        pairs.put(found, pair::<I>(a, b));
-        found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
+/// Tests candidates: see [`Simd::sift`]. Their pairs come to the front of `pairs`, which has a place for each.
+struct Test<'t, I> {
+    sorted: &'t [Record],
+    candidates: &'t mut [u32],
+    pairs: &'t mut [Pair<I>],
+    boxes: &'t [KeyBox],
+}
+
+impl<I: Index> Phase for Test<'_, I> {
+    type Output = Sifted;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Sifted {
+        let Self { sorted, candidates, pairs, boxes } = self;
+        let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
+        // Of boxes that share a step of the grid only the keys can tell.
+        for &candidate in candidates.span(0, tied) {
+            let a = sorted.at((candidate >> 16) as usize).slot();
+            let b = sorted.at((candidate & 0xffff) as usize).slot();
+            pairs.put(found, pair::<I>(a, b));
+            found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
+        }
+        Sifted { found, tied }
     }
-    Sifted { found, tied }
 }

@@ -14,7 +14,7 @@ use crate::key::KeyBox;
 use crate::state::State;
 use crate::storage::TreeParts;
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Front, Leaf, Record, Sides};
+use crate::tree::{Cell, Frame, Front, Leaf, Record};
 
 /// What the sweeps of all leaves read.
 #[derive(Clone, Copy)]
@@ -70,9 +70,9 @@ impl<'g> Grove<'g> {
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, visitors: &mut [Record]) -> usize {
         let cell = self.cells.at(index);
-        let (sides, entrance) = (cell.sides(simd), cell.entrance(simd));
+        let (low, entrance) = (cell.low_keys(simd), cell.entrance(simd));
         let mut gathered =
-            Gathered { simd, sides, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
+            Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
         // The cell is half-open: minima at its high side are in the next one.
         let high = cell.high().map(|key| key.saturating_sub(1));
         let mut visit = Visit::new(simd, self.planes, self.reach, self.depth, index, cell.low(), high);
@@ -90,7 +90,7 @@ impl<'g> Grove<'g> {
 /// The visitors of a leaf so far.
 struct Gathered<'v, S: Simd> {
     simd: S,
-    sides: Sides<S>,
+    low: S::Keys,
     entrance: S::Keys,
     frame: Frame,
     skip: usize,
@@ -111,7 +111,7 @@ impl<S: Simd> Gathered<'_, S> {
             }
             let place = self.count.checked_sub(self.skip).and_then(|at| self.visitors.get_mut(at));
             if let Some(place) = place {
-                let marks = Record::BELOW * self.sides.below(simd, keys);
+                let marks = Record::BELOW * (simd.above(self.low, keys) & MINIMA);
                 *place = simd.record(&self.frame, keys, front.slot | marks);
             }
             self.count += 1;

@@ -83,7 +83,7 @@ impl<I: Index> Near<'_, '_, I> {
         let grove = self.grove;
         let movers = self.movers.span(start as usize, (end - start) as usize);
         for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
-            simd.prefetch(KeyBox::of(grove.boxes, ahead.at()));
+            simd.prefetch(grove.boxes, ahead.at());
         }
         let mut around = KeyBox::EMPTY;
         for mover in movers {
@@ -104,7 +104,7 @@ impl<I: Index> Near<'_, '_, I> {
         let mut visit =
             Visit::new(simd, grove.planes, grove.reach, grove.depth, leaf, around.min, around.max);
         while let Some(whole) = visit.next(simd) {
-            simd.prefetch_at(grove.frames, whole);
+            simd.prefetch(grove.frames, whole);
             simd.prefetch_from::<PARTS, _>(grove.bounds, whole << grove.finer);
             self.visits.put(self.visit_count, (whole, start, end));
             self.visit_count += 1;
@@ -132,7 +132,7 @@ impl<I: Index> Near<'_, '_, I> {
                 while mask != 0 {
                     let leaf = first + mask.trailing_zeros() as usize;
                     mask &= mask - 1;
-                    simd.prefetch_at(grove.leaves, leaf);
+                    simd.prefetch(grove.leaves, leaf);
                     self.leaves.put(self.test_count, leaf as u32);
                     self.records.put(self.test_count, record);
                     self.test_count += 1;

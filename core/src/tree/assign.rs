@@ -154,12 +154,12 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             }
             let mut leaf = home.at();
             // A home that is no leaf of this tree has a cell that holds nothing.
-            let mut sides = cells.get(leaf).unwrap_or(&Cell::NOWHERE).sides(simd);
-            if !sides.hold(simd, keys) {
+            let mut standing = cells.get(leaf).unwrap_or(&Cell::NOWHERE).standing(simd, keys);
+            if !standing.is_home() {
                 leaf = leaf_of(planes, depth, &bounds.min);
-                sides = cells.at(leaf).sides(simd);
+                standing = cells.at(leaf).standing(simd, keys);
             }
-            if sides.are_dwarfed_by(simd, keys) {
+            if standing.is_large() {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
                 continue;
@@ -167,7 +167,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             *home = I::from_slot(leaf as u32);
             if let Some([members, fronts]) = counts.get_mut(leaf) {
                 *members += 1;
-                *fronts += u32::from(sides.are_left_by(simd, keys));
+                *fronts += u32::from(standing.leaves());
             }
         }
         census.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
@@ -291,12 +291,17 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
             if *home < I::LARGE {
                 let leaf = home.at();
                 let Some([member, front]) = next.get_mut(leaf) else { continue };
+                let (Some(cell), Some(frame), Some(leaf)) =
+                    (cells.get(leaf), frames.get(leaf), leaves.get(leaf))
+                else {
+                    continue;
+                };
                 *place = I::from_slot(*member);
                 let keys = simd.keys(bounds);
-                let record = simd.record(&frames.at(leaf), keys, slot);
-                records.store((leaves.at(leaf).start + *member) as usize, &record);
+                let record = simd.record(frame, keys, slot);
+                records.store((leaf.start + *member) as usize, &record);
                 *member += 1;
-                if cells.at(leaf).sides(simd).are_left_by(simd, keys) {
+                if cell.standing(simd, keys).leaves() {
                     fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
                     *front += 1;
                 }

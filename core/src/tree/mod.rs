@@ -145,10 +145,17 @@ impl Cell {
         (0..3).all(|k| self.low()[k] <= min[k] && min[k] < self.high()[k])
     }
 
-    /// The sides in registers.
+    /// Where a box stands.
     #[inline(always)]
-    pub(crate) fn sides<S: Simd>(&self, simd: S) -> Sides<S> {
-        Sides { from: simd.keys(&self.from), until: simd.keys(&self.until) }
+    pub(crate) fn standing<S: Simd>(&self, simd: S, keys: S::Keys) -> Standing {
+        let (from, until) = (simd.keys(&self.from), simd.keys(&self.until));
+        Standing { before: simd.above(from, keys), inside: simd.above(until, keys) }
+    }
+
+    /// The low sides, ready to be compared with boxes.
+    #[inline(always)]
+    pub(crate) fn low_keys<S: Simd>(&self, simd: S) -> S::Keys {
+        simd.keys(&self.from)
     }
 
     /// The sides that a box from elsewhere must pass to touch this cell.
@@ -158,35 +165,32 @@ impl Cell {
     }
 }
 
-/// The sides of a cell, ready to be compared with boxes.
-pub(crate) struct Sides<S: Simd> {
-    from: S::Keys,
-    until: S::Keys,
+/// Where a box stands in regard to a cell: bits of its keys, as [`Simd::above`] has them.
+#[derive(Clone, Copy)]
+pub(crate) struct Standing {
+    /// Those that do not reach the low sides, or the far ones.
+    before: u32,
+    /// Those that do not reach the high sides.
+    inside: u32,
 }
 
-impl<S: Simd> Sides<S> {
-    /// Whether a box's minimum corner is at home here.
+impl Standing {
+    /// Whether its minimum corner is at home here.
     #[inline(always)]
-    pub(crate) fn hold(&self, simd: S, keys: S::Keys) -> bool {
-        (simd.above(self.until, keys) & !simd.above(self.from, keys)) & MINIMA == MINIMA
+    pub(crate) const fn is_home(self) -> bool {
+        self.inside & !self.before & MINIMA == MINIMA
     }
 
-    /// Whether a box that is at home here touches other cells.
+    /// Whether the box, if it is at home here, touches other cells.
     #[inline(always)]
-    pub(crate) fn are_left_by(&self, simd: S, keys: S::Keys) -> bool {
-        simd.above(self.until, keys) & MAXIMA != MAXIMA
+    pub(crate) const fn leaves(self) -> bool {
+        self.inside & MAXIMA != MAXIMA
     }
 
-    /// Whether a box that is at home here is a large object.
+    /// Whether the box, if it is at home here, is a large object.
     #[inline(always)]
-    pub(crate) fn are_dwarfed_by(&self, simd: S, keys: S::Keys) -> bool {
-        simd.above(self.from, keys) & MAXIMA != MAXIMA
-    }
-
-    /// Below which low sides a box's minimum lies: one bit an axis.
-    #[inline(always)]
-    pub(crate) fn below(&self, simd: S, keys: S::Keys) -> u32 {
-        simd.above(self.from, keys) & MINIMA
+    pub(crate) const fn is_large(self) -> bool {
+        self.before & MAXIMA != MAXIMA
     }
 }
 

@@ -87,7 +87,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let mut lens = [0u32; PARTS];
     for (ahead, record) in tree.records.span(leaf.start as usize, count).iter().enumerate() {
         slots.put(ahead, I::from_slot(record.slot()));
-        simd.prefetch(KeyBox::of(boxes, record.slot() as usize));
+        simd.prefetch(boxes, record.slot() as usize);
     }
     for (slot, goal) in slots.iter().zip(&mut *goals) {
         let bounds = KeyBox::of(boxes, slot.at());

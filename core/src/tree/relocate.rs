@@ -48,9 +48,9 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         return true;
     }
     let keys = simd.keys(&bounds);
-    let stays = home != I::NONE && parts.tree.cells.at(home.at()).sides(simd).hold(simd, keys);
+    let stays = home != I::NONE && parts.tree.cells.at(home.at()).standing(simd, keys).is_home();
     let leaf = if stays { home.at() } else { home_of(parts.tree.planes, parts.state, &bounds.min) };
-    if parts.tree.cells.at(leaf).sides(simd).are_dwarfed_by(simd, keys) {
+    if parts.tree.cells.at(leaf).standing(simd, keys).is_large() {
         withdraw(parts, slot);
         return admit_large(parts, slot, &bounds);
     }

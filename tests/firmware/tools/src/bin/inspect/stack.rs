@@ -11,13 +11,14 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 18] = [
+const HOOKS: [(&str, &[&str]); 19] = [
     ("in_parallel::{closure", &["paths::", "collect::{closure"]),
     ("collect::{closure", &["paths::"]),
     ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
     ("Gated<u16>", &["Ordered<u16>", "Staged<u16>", RULE]),
     ("Alone as", &["Serial as"]),
     ("SweepLeaves", &["Sink<u16>>::take"]),
+    ("paths::full::<u16>::{closure", &["Sink<u16>>::take"]),
     ("paths::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
     ("ingest::", &["ingest::", "Executor>::"]),
     ("assign::", &["assign::", "Executor>::"]),
@@ -69,7 +70,8 @@ pub(crate) fn check(binary: &Binary, limit: u32, measured: &str) -> Result<Vec<S
             seen.map_or("-".into(), |seen| seen.to_string())
         );
         if bound > limit {
-            faults.push(format!("{call} may use {bound} bytes of stack, more than {limit}"));
+            let chain = bounds.chain(function);
+            faults.push(format!("{call} may use {bound} bytes of stack, more than {limit}:\n{chain}"));
         }
         if seen.is_some_and(|seen| seen > bound) {
             faults.push(format!("{call} was seen to use more stack than the computed {bound} bytes"));
@@ -126,6 +128,16 @@ impl<'b> Bounds<'b> {
         let bound = frame + realigned(self.binary, function) + deepest;
         self.known.insert(function.start, Some(bound));
         bound
+    }
+
+    /// The calls that need the most stack, and how much there is left to go in each.
+    fn chain(&mut self, function: &'b Function) -> String {
+        let (mut text, mut next) = (String::new(), Some(function));
+        while let Some(function) = next {
+            text += &format!("  {} {}\n", self.of(function), function.name);
+            next = self.called_by(function).into_iter().max_by_key(|called| self.of(called));
+        }
+        text
     }
 
     fn called_by(&mut self, function: &'b Function) -> Vec<&'b Function> {
