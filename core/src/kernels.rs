@@ -3,7 +3,7 @@
 use crate::arch::{Phase, scalar::Scalar};
 
 #[cfg(target_arch = "x86_64")]
-use crate::arch::{avx2::Avx2, avx512::Avx512};
+use crate::arch::{Simd, avx2::Avx2, avx512::Avx512};
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
 /// Every level gives the same bytes; they differ in speed alone.
@@ -85,9 +85,9 @@ impl Kernels {
         match self.0 {
             Level::Scalar(simd) => phase.run(simd),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.run(phase),
+            Level::Avx2(simd) => simd.call(phase),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(simd) => simd.narrow().run(phase),
+            Level::Avx512(simd) => simd.narrow().call(phase),
         }
     }
 
@@ -96,7 +96,7 @@ impl Kernels {
     pub(crate) fn run_wide<P: Phase>(self, phase: P) -> P::Output {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(simd) => simd.run(phase),
+            Level::Avx512(simd) => simd.call(phase),
             _ => self.run(phase),
         }
     }

@@ -18,17 +18,6 @@ impl Avx2 {
     pub(crate) fn detect() -> Option<Self> {
         detected::get().then_some(Self(()))
     }
-
-    /// Runs a phase compiled for this level.
-    #[inline]
-    pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
-        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
-        fn compiled<P: Phase>(simd: Avx2, phase: P) -> P::Output {
-            phase.run(simd)
-        }
-        // SAFETY: `self` proves that the CPU has these features.
-        unsafe { compiled(self, phase) }
-    }
 }
 
 /// The bytes of a record with the halves of its six lanes changed, and nothing of its tag.

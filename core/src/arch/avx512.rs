@@ -33,17 +33,6 @@ impl Avx512 {
     pub(crate) const fn narrow(self) -> Avx2 {
         self.0
     }
-
-    /// Runs a phase compiled for this level.
-    #[inline]
-    pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,popcnt")]
-        fn compiled<P: Phase>(simd: Avx512, phase: P) -> P::Output {
-            phase.run(simd)
-        }
-        // SAFETY: `self` proves that the CPU has these features.
-        unsafe { compiled(self, phase) }
-    }
 }
 
 /// The lanes of four records but for their tags, and the tags alone.

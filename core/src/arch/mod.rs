@@ -84,7 +84,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// What rows are compared with.
     type Query: Copy;
 
-    /// Runs a phase as a call, so that what it needs takes no registers from its caller's loops.
+    /// Runs a phase compiled for this level, as a call: what it needs takes no registers from its caller's loops.
     fn call<P: Phase>(self, phase: P) -> P::Output;
 
     /// The keys of a box.

@@ -134,8 +134,14 @@ impl<'b> Bounds<'b> {
     fn chain(&mut self, function: &'b Function) -> String {
         let (mut text, mut next) = (String::new(), Some(function));
         while let Some(function) = next {
-            text += &format!("  {} {}\n", self.of(function), function.name);
-            next = self.called_by(function).into_iter().max_by_key(|called| self.of(called));
+            let bound = self.of(function);
+            text += &format!("  {bound} {}\n", function.name);
+            let deeper = self.called_by(function).into_iter().map(|called| (self.of(called), called));
+            // Less is left in each, but for what calls itself.
+            next = deeper
+                .filter(|(left, _)| *left < bound)
+                .max_by_key(|(left, _)| *left)
+                .map(|(_, called)| called);
         }
         text
     }
