@@ -60,6 +60,9 @@ impl KeyBox {
     /// Overlaps nothing, not even itself: the box of a slot without an object.
     pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
 
+    /// A box around nothing, whose sides are numbers: it only overlaps what is unbounded.
+    pub(crate) const NOTHING: Self = Self { min: [POSITIVE_INFINITY; 3], max: [NEGATIVE_INFINITY; 3] };
+
     /// The box of one point.
     pub(crate) const fn at(corner: [i32; 3]) -> Self {
         Self { min: corner, max: corner }
@@ -121,6 +124,15 @@ impl KeyBox {
     #[inline(always)]
     pub(crate) fn contains(&self, inner: &Self) -> bool {
         on_all_axes(|k| self.min[k] <= inner.min[k] && inner.max[k] <= self.max[k])
+    }
+
+    /// Grows it to hold another box as well.
+    #[inline(always)]
+    pub(crate) fn include(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.min[k] = self.min[k].min(other.min[k]);
+            self.max[k] = self.max[k].max(other.max[k]);
+        }
     }
 
     /// The box grown by a length on all sides (erratum E1): two single-rounded operations an axis that saturate

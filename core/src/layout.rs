@@ -180,7 +180,7 @@ impl Sizes {
         plan.add::<Frame>(self.whole_leaves);
         plan.add::<Leaf>(self.leaves);
         plan.add::<Record>(self.leaves);
-        plan.add::<[i32; 3]>(2 * self.whole_leaves);
+        plan.add::<KeyBox>(2 * self.whole_leaves);
         plan.add::<u32>(self.tally());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);

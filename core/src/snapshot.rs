@@ -27,7 +27,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0003;
+const MAGIC: u64 = 0x7472_6973_6170_0004;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -147,7 +147,7 @@ macro_rules! walk {
         $each($bytes!($parts.tree.frames.$span(0, leaves >> FINER)));
         $each($bytes!($parts.tree.leaves.$span(0, leaves)));
         $each($bytes!($parts.tree.bounds.$span(0, leaves)));
-        $each($bytes!($parts.tree.reach.$span(0, 2 * leaves >> FINER)));
+        $each($bytes!($parts.tree.nodes.$span(0, 2 * leaves >> FINER)));
         $each($bytes!(
             $parts.tree.fronts.$span($parts.state.large_start as usize * usize::from(large > 0), large)
         ));

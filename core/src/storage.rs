@@ -89,8 +89,8 @@ pub(crate) struct TreeParts<'m> {
     /// By leaf, where those of the last full step are divided: a box around the members, as a record in their frame. Else it
     /// means nothing.
     pub(crate) bounds: &'m mut [Record],
-    /// By node down to the leaves of a full step: how far the members reach, at most.
-    pub(crate) reach: &'m mut [[i32; 3]],
+    /// By node down to the leaves of a full step: a box around the members. Node zero has none.
+    pub(crate) nodes: &'m mut [KeyBox],
     /// The leaves' records, one leaf after another, each with some room.
     pub(crate) records: &'m mut [Record],
     /// The leaves' fronts, one after another, and behind them the large-object list.
@@ -173,7 +173,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 frames: slab.take(sizes.whole_leaves)?,
                 leaves: slab.take(sizes.leaves)?,
                 bounds: slab.take(sizes.leaves)?,
-                reach: slab.take(2 * sizes.whole_leaves)?,
+                nodes: slab.take(2 * sizes.whole_leaves)?,
                 tally: slab.take(sizes.tally())?,
             },
             output: OutputParts {
@@ -224,7 +224,7 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.frames.fill(Frame::default());
         tree.leaves.fill(Leaf::default());
         tree.bounds.fill(Record::default());
-        tree.reach.fill([0; 3]);
+        tree.nodes.fill(KeyBox::NOTHING);
         self.output.planes.fill(Planes::default());
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);

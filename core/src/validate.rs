@@ -124,8 +124,8 @@ fn square(slot: usize) -> u64 {
     (slot as u64 + 1).pow(2)
 }
 
-/// Every object that has not moved since stands once where the planes say, with a record of its box, and nodes reach as far as
-/// their members.
+/// Every object that has not moved since stands once where the planes say, with a record of its box, and the boxes of
+/// nodes hold it.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let finer = parts.state.finer();
     let leaves = parts.state.leaves() as usize;
@@ -159,10 +159,9 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             )?;
             let mut node = (leaves + index) >> finer;
             while node > 0 {
-                let reach = parts.tree.reach.at(node);
                 check(
-                    (0..3).all(|k| bounds.max[k] <= reach[k]),
-                    "a node does not reach as far as a member",
+                    parts.tree.nodes.at(node).contains(&bounds),
+                    "the box of a node does not hold a member",
                     node,
                 )?;
                 node /= 2;

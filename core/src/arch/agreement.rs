@@ -9,7 +9,7 @@ use crate::kernels::Kernels;
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::query::Cast;
 use crate::query::line::{Line, Slabs, Walk};
-use crate::tree::{Frame, Record, plane};
+use crate::tree::{Frame, Record};
 
 impl Kernels {
     /// Tells the operations that give something else than the scalar ones, once for each time in so many rounds of random
@@ -155,14 +155,13 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let crossed = simd.crossed(&records, &crossing) == Scalar.crossed(&records, &crossing);
     let times = |times: [f32; EIGHT]| times.map(f32::to_bits);
     let met = times(simd.met(&records, &crossing)) == times(Scalar.met(&records, &crossing));
-    let [x, y, z] = [(); 3].map(|()| random.below(9) as f32 - 4.0);
-    let low = [x, y, z, f32::NEG_INFINITY];
-    let plane = plane(random.below(3), crate::key::key(random.float()));
-    let reaches = random.bounds();
-    let bits = |([left, right], above): ([f32; 2], [f32; 4])| ([left.to_bits(), right.to_bits()], above);
-    let entered = bits(simd.enter(&walk, low, plane, &reaches, until));
-    let enter = entered == bits(Scalar.enter(&walk, low, plane, &reaches, until));
-    rounds.check([("crossed", crossed), ("met", met), ("enter", enter)]);
+    let nodes = [(); 2].map(|()| if random.below(8) == 0 { KeyBox::NOTHING } else { random.bounds() });
+    let entered = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let enter = entered == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let mut numbers = [[(); EIGHT].map(|()| random.below(8) as u32 * 0x2000_0000); 2];
+    let [taken, expected] = &mut numbers;
+    let take_least = simd.take_least(taken) == Scalar.take_least(expected) && taken == expected;
+    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("take_least", take_least)]);
 }
 
 /// SplitMix64.

@@ -2,9 +2,9 @@
 
 use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
 use crate::id::{Index, Pair};
-use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
+use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::query::line::{Crossing, Slabs, Walk};
-use crate::tree::{Frame, GRID_MAX, Record, axis_of, key_of};
+use crate::tree::{Frame, GRID_MAX, Record};
 use core::arch::x86_64::*;
 
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
@@ -156,6 +156,16 @@ fn values(_: Avx2, keys: __m128i) -> __m256d {
     }
 }
 
+/// The floats of eight keys. A plain function for the same reason.
+#[inline(always)]
+fn floats(_: Avx2, keys: __m256i) -> __m256 {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
+        _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign))
+    }
+}
+
 /// Four numbers, twice. A plain function for the same reason.
 #[inline(always)]
 fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
@@ -163,7 +173,8 @@ fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
-/// When a cast comes to some records' boxes, and all ones for those that it may touch. A plain function, as [`twice`] is.
+/// When a cast comes to some records' boxes, and all ones for those that it may touch; the even records in the lower half. A
+/// plain function, as [`twice`] is.
 #[inline(always)]
 fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m256) {
     let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
@@ -194,9 +205,7 @@ fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m2
         let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
         let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.until))));
         let from = _mm256_min_ps(from, _mm256_set1_ps(Crossing::LATEST));
-        let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
-        let met = _mm256_cmp_ps::<_CMP_LE_OQ>(from, to);
-        (_mm256_permutevar8x32_ps(from, order), _mm256_permutevar8x32_ps(met, order))
+        (from, _mm256_cmp_ps::<_CMP_LE_OQ>(from, to))
     }
 }
 
@@ -473,45 +482,30 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn enter(
-        self,
-        walk: &Walk,
-        low: [f32; 4],
-        plane: i32,
-        reaches: &KeyBox,
-        until: f32,
-    ) -> ([f32; 2], [f32; 4]) {
-        // SAFETY: `self` proves AVX2; the walk's rows are four numbers each.
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        // SAFETY: `self` proves AVX2; the walk's rows are four numbers each. Of the six keys of a box four are read, from the first
+        // one and from the third one on.
         unsafe {
-            let low: __m128 = bytemuck::cast(low);
-            // The plane on its axis, and on the others what any number is above.
-            let axis = _mm_cmpeq_epi32(_mm_set1_epi32(axis_of(plane) as i32), _mm_setr_epi32(0, 1, 2, 3));
-            let plane = _mm_set1_ps(value(key_of(plane)));
-            let plane = _mm_blendv_ps(_mm_set1_ps(f32::NEG_INFINITY), plane, _mm_castsi128_ps(axis));
-            // NaN, of a plane that nobody reaches, falls to the second operand.
-            let above = _mm_max_ps(plane, low);
-            let low = _mm256_set_m128(above, low);
-            // The left child's reach in the lower half, the right one's in the upper half.
-            let halves = _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6);
-            let keys = _mm256_permutevar8x32_epi32(self.keys(reaches), halves);
-            let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
-            let high = _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign));
+            let [a, b] = nodes.map(|node| bytemuck::cast_ref::<KeyBox, [i32; 6]>(node).as_ptr());
+            // The low sides and one more, then one and the high sides.
+            let low = _mm256_loadu2_m128i(b.cast(), a.cast());
+            let high = _mm256_loadu2_m128i(b.add(2).cast(), a.add(2).cast());
+            let high = _mm256_shuffle_epi32::<0b11_11_10_01>(high);
+            let (low, high) = (floats(self, low), floats(self, high));
             let back = _mm256_castsi256_ps(_mm256_broadcastsi128_si256(bytemuck::cast(walk.back)));
             let first = _mm256_sub_ps(_mm256_blendv_ps(low, high, back), twice(self, &walk.first));
             let last = _mm256_sub_ps(_mm256_blendv_ps(high, low, back), twice(self, &walk.last));
+            // NaN falls to the second operand.
             let from = _mm256_max_ps(_mm256_mul_ps(first, twice(self, &walk.come)), _mm256_setzero_ps());
             let to = _mm256_min_ps(_mm256_mul_ps(last, twice(self, &walk.leave)), _mm256_set1_ps(until));
-            let from = _mm256_max_ps(from, _mm256_permute_ps::<0b01_00_11_10>(from));
-            let from = _mm256_max_ps(from, _mm256_permute_ps::<0b10_11_00_01>(from));
-            let to = _mm256_min_ps(to, _mm256_permute_ps::<0b01_00_11_10>(to));
-            let to = _mm256_min_ps(to, _mm256_permute_ps::<0b10_11_00_01>(to));
+            // The first lane of each half takes the second one, and the third one.
+            let two = _mm256_max_ps(from, _mm256_permute_ps::<0b01>(from));
+            let from = _mm256_max_ps(two, _mm256_permute_ps::<0b10>(from));
+            let two = _mm256_min_ps(to, _mm256_permute_ps::<0b01>(to));
+            let to = _mm256_min_ps(two, _mm256_permute_ps::<0b10>(to));
             let met = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_add_ps(to, _mm256_set1_ps(Walk::LEAST)));
-            // The first lane of a child without members is the lowest key.
-            let none = _mm256_castsi256_ps(_mm256_cmpeq_epi32(keys, _mm256_set1_epi32(i32::MIN)));
-            let met = _mm256_andnot_ps(none, met);
             let from = _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), from, met);
-            let right = _mm_cvtss_f32(_mm256_extractf128_ps::<1>(from));
-            ([_mm256_cvtss_f32(from), right], bytemuck::cast(above))
+            [_mm256_cvtss_f32(from), _mm_cvtss_f32(_mm256_extractf128_ps::<1>(from))]
         }
     }
 
@@ -519,23 +513,38 @@ impl Simd for Avx2 {
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
         let (_, met) = met(self, records, crossing);
         // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_movemask_ps(met) as u32 }
+        in_order(unsafe { _mm256_movemask_ps(met) as u32 })
     }
 
     #[inline(always)]
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
         let (times, met) = met(self, records, crossing);
         // SAFETY: `self` proves AVX2.
-        bytemuck::cast(unsafe { _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), times, met) })
+        unsafe {
+            let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+            let times = _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), times, met);
+            bytemuck::cast(_mm256_permutevar8x32_ps(times, order))
+        }
+    }
+
+    #[inline(always)]
+    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        let all: __m256i = bytemuck::cast(*numbers);
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let least = _mm256_min_epu32(all, _mm256_permute2x128_si256::<1>(all, all));
+            let least = _mm256_min_epu32(least, _mm256_shuffle_epi32::<0b01_00_11_10>(least));
+            let least = _mm256_min_epu32(least, _mm256_shuffle_epi32::<0b10_11_00_01>(least));
+            *numbers = bytemuck::cast(_mm256_or_si256(all, _mm256_cmpeq_epi32(all, least)));
+            _mm256_cvtsi256_si32(least) as u32
+        }
     }
 
     #[inline(always)]
     fn record(self, frame: &Frame, keys: __m256i, tag: u32) -> Record {
         // SAFETY: `self` proves AVX2; the frame's rows are eight floats each.
         unsafe {
-            let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
-            let x = _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign));
-            let at = _mm256_sub_ps(x, _mm256_loadu_ps(frame.origin.as_ptr()));
+            let at = _mm256_sub_ps(floats(self, keys), _mm256_loadu_ps(frame.origin.as_ptr()));
             let at = _mm256_mul_ps(at, _mm256_loadu_ps(frame.scale.as_ptr()));
             // NaN falls to the second operand: zero.
             let at = _mm256_min_ps(_mm256_max_ps(at, _mm256_setzero_ps()), _mm256_set1_ps(GRID_MAX));

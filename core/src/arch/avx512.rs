@@ -235,15 +235,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn enter(
-        self,
-        walk: &Walk,
-        low: [f32; 4],
-        plane: i32,
-        reaches: &KeyBox,
-        until: f32,
-    ) -> ([f32; 2], [f32; 4]) {
-        self.0.enter(walk, low, plane, reaches, until)
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        self.0.enter(walk, nodes, until)
     }
 
     #[inline(always)]
@@ -254,6 +247,11 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
         self.0.met(records, crossing)
+    }
+
+    #[inline(always)]
+    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        self.0.take_least(numbers)
     }
 
     #[inline(always)]

@@ -160,23 +160,25 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// is above the second. Only the first three axes count.
     fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
 
-    /// When a cast comes to the children of a node, of the time from zero to `until`, or NaN where it does not or where there
-    /// is nothing. Takes the low sides of the node's members, its plane, and how far the members of either child reach; returns
-    /// the low sides of the right child as well.
-    fn enter(
-        self,
-        walk: &Walk,
-        low: [f32; 4],
-        plane: i32,
-        reaches: &KeyBox,
-        until: f32,
-    ) -> ([f32; 2], [f32; 4]);
+    /// When a cast comes to the boxes of two nodes, of the time from zero to `until`, or NaN where it does not. Their sides are
+    /// numbers.
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2];
 
     /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
 
     /// When a cast comes to each of some records of a leaf, or NaN for those that it cannot touch.
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
+
+    /// Takes the least of some numbers out; where it was, the greatest number stands then. Returns it.
+    #[inline(always)]
+    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));
+        for number in numbers {
+            *number |= if *number == least { u32::MAX } else { 0 };
+        }
+        least
+    }
 
     /// A box on the grid of a leaf.
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;

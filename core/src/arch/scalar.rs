@@ -147,15 +147,8 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn enter(
-        self,
-        walk: &Walk,
-        low: [f32; 4],
-        plane: i32,
-        reaches: &KeyBox,
-        until: f32,
-    ) -> ([f32; 2], [f32; 4]) {
-        walk.enter(low, plane, reaches, until)
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        walk.enter(nodes, until)
     }
 
     #[inline(always)]

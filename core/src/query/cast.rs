@@ -8,7 +8,7 @@ use crate::arch::{EIGHT, Phase, Simd};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::kernels::Kernels;
-use crate::key::KeyBox;
+use crate::key::{KeyBox, key};
 use crate::sort::heapsort;
 use crate::tree::{Frame, first_of_eight, leaf_of, parts_of};
 use crate::world::World;
@@ -39,9 +39,10 @@ impl Cast {
     }
 
     pub(super) fn is_valid(&self) -> bool {
-        let finite = |corner: &[f32; 3]| corner.iter().all(|x| x.is_finite());
-        let start = self.start.is_valid() && finite(&self.start.min) && finite(&self.start.max);
-        start && finite(&self.direction) && self.distance >= 0.0
+        let Self { start: Aabb { min, max }, direction, distance } = self;
+        // All of them, so that nothing branches.
+        let finite = [min, max, direction].into_iter().flatten().fold(true, |all, x| all & x.is_finite());
+        finite & self.start.is_valid() & (*distance >= 0.0)
     }
 }
 
@@ -77,7 +78,7 @@ impl<I: Index> World<'_, I> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        kernels.run(Hits { world: self, line: Line::new(cast), visit });
+        kernels.run(Hits { world: self, cast, visit });
         Ok(())
     }
 
@@ -128,9 +129,7 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
 /// A node that waits to be visited.
 #[derive(Clone, Copy, Default)]
 struct Waiting {
-    /// The low sides of its members.
-    low: [f32; 4],
-    /// When the cast comes to it, in the time of [`Walk`].
+    /// When the cast comes to it, in the time of [`Walk`]; NaN if it does not.
     from: f32,
     node: u32,
 }
@@ -143,7 +142,7 @@ const TOGETHER: usize = 16;
 
 struct Hits<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
-    line: Line,
+    cast: &'q Cast,
     visit: &'q mut dyn FnMut(Hit) -> f64,
 }
 
@@ -152,57 +151,50 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { world, line, visit } = self;
+        let Self { world, cast, visit } = self;
         let parts = &world.parts;
-        let mut far = line.distance;
+        // What takes longest is started first: the way to the leaf where the cast starts, which is found by planes alone.
+        let first = 1u32 << parts.state.depth;
+        let mut home = first;
+        if world.has_tree() {
+            let leaf = leaf_of(parts.tree.planes, parts.state.depth, &cast.start.min.map(key));
+            prefetch_parts(simd, parts, leaf);
+            home |= leaf as u32;
+        }
+        let line = Line::new(cast);
+        let mut search = Search { world, far: line.distance, line, visit, slots: [0; TOGETHER] };
         // The large ones first: they are often hit, and what is behind them need not be looked at.
-        for slot in world.large_in_tree().chain(world.apart_from_tree()) {
-            let now = KeyBox::of(parts.boxes.now, slot);
-            let (distance, to) = line.span(simd, &now.min, &now.max, far);
-            if let (true, Some(id)) = (distance <= to, world.id_of(slot)) {
-                far = far.min(visit(Hit { id, distance }));
+        if !world.is_all_in_leaves() {
+            for slot in world.large_in_tree().chain(world.apart_from_tree()) {
+                search.slots[0] = slot as u32;
+                search.look(simd, 1);
             }
         }
         if !world.has_tree() {
             return;
         }
-        let first = 1u32 << parts.state.depth;
-        let walk = Walk::new(&line);
-        let reaches: &[KeyBox] = bytemuck::try_cast_slice(parts.tree.reach).unwrap_or_default();
-        let mut until = walk.time(far);
+        let walk = Walk::new(&search.line);
+        let nodes = &*parts.tree.nodes;
+        let mut until = walk.time(search.far);
         let mut stack = [Waiting::default(); STACK];
         let mut waiting = 0;
-        // The way to the leaf where the cast starts is found by planes alone, so that the nodes on it, and what is beside them,
-        // can be looked at all together. What is met of it waits, the deepest last: the nearest.
-        let home = first | leaf_of(parts.tree.planes, parts.state.depth, &line.corner()) as u32;
-        prefetch_parts(simd, parts, (home - first) as usize);
-        let (mut low, mut from) = ([f32::NEG_INFINITY; 4], 0.0);
-        for level in (0..parts.state.depth).rev() {
-            let child = home >> level;
-            let node = (child / 2) as usize;
-            let plane = parts.tree.planes.at(node);
-            let (entered, above) = simd.enter(&walk, low, plane, KeyBox::of(reaches, node), until);
-            let lows = [low, above];
-            let side = (child & 1) as usize;
-            let beside = entered.at(side ^ 1);
-            // Written always, and kept or not, so that nothing depends on a guess of the branch predictor.
-            stack.put(waiting, Waiting { low: lows.at(side ^ 1), from: beside, node: child ^ 1 });
-            waiting += usize::from(beside <= until);
-            (low, from) = (lows.at(side), entered.at(side));
+        // All that is beside that way, the deepest last: the nearest. None of it waits for another; node zero is nothing.
+        for level in (0..parts.state.depth).rev().step_by(2) {
+            let upper = home >> level ^ 1;
+            let lower = if level > 0 { home >> (level - 1) ^ 1 } else { 0 };
+            for node in enter(simd, &walk, nodes, [upper, lower], until) {
+                stack.put(waiting, node);
+                waiting += 1;
+            }
         }
-        stack.put(waiting, Waiting { low, from, node: home });
+        stack.put(waiting, Waiting { from: 0.0, node: home });
         waiting += 1;
         while waiting > 0 {
             waiting -= 1;
             let mut here = stack.at(waiting);
             // Down to the leaf that is met first. What is not met has no time, and NaN is not at most anything.
             while here.from <= until && here.node < first {
-                let Waiting { node, low, .. } = here;
-                let plane = parts.tree.planes.at(node as usize);
-                let ([left, right], above) =
-                    simd.enter(&walk, low, plane, KeyBox::of(reaches, node as usize), until);
-                let left = Waiting { low, from: left, node: 2 * node };
-                let right = Waiting { low: above, from: right, node: 2 * node + 1 };
+                let [left, right] = enter(simd, &walk, nodes, [2 * here.node, 2 * here.node + 1], until);
                 let swap = right.from < left.from || left.from.is_nan();
                 let (near, later) = if swap { (right, left) } else { (left, right) };
                 if later.from <= until {
@@ -215,12 +207,19 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
                 }
             }
             if here.from <= until {
-                let whole = (here.node - first) as usize;
-                far = parts_met(simd, world, whole, &line, &walk, far, visit);
-                until = walk.time(far);
+                search.visit_leaf(simd, &walk, (here.node - first) as usize);
+                until = walk.time(search.far);
             }
         }
     }
+}
+
+/// Two nodes, to be visited when the cast comes to them.
+#[inline(always)]
+fn enter<S: Simd>(simd: S, walk: &Walk, nodes: &[KeyBox], pair: [u32; 2], until: f32) -> [Waiting; 2] {
+    let [a, b] = pair;
+    let [from, other] = simd.enter(walk, pair.map(|node| KeyBox::of(nodes, node as usize)), until);
+    [Waiting { from, node: a }, Waiting { from: other, node: b }]
 }
 
 /// The parts of a leaf that a cast meets, nearer ones first: a number each, its time with the number of the part in the lowest
@@ -243,98 +242,86 @@ impl Met {
 
     /// Takes the first one out; returns the part and when it is met, NaN where none is left.
     #[inline(always)]
-    fn take(&mut self) -> (usize, f32) {
-        let first = self.0.into_iter().fold(u32::MAX, u32::min);
-        for number in &mut self.0 {
-            *number |= if *number == first { u32::MAX } else { 0 };
-        }
+    fn take<S: Simd>(&mut self, simd: S) -> (usize, f32) {
+        let first = simd.take_least(&mut self.0);
         ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
     }
 }
 
-/// Visits the members of a leaf of the last full step that the cast meets, part by part, and returns how far to look on.
-#[inline(always)]
-fn parts_met<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    whole: usize,
-    line: &Line,
-    walk: &Walk,
-    mut far: f64,
-    visit: &mut dyn FnMut(Hit) -> f64,
-) -> f64 {
-    let parts = &world.parts;
-    let finer = parts.state.finer();
-    let mut crossing = walk.crossing(parts.tree.frames.get(whole).unwrap_or(&Frame::NONE), walk.time(far));
-    let first = whole << finer;
-    let mut met = Met::new(match parts_of(parts.tree.bounds, finer, whole) {
-        Some(bounds) => simd.met(bounds, &crossing),
-        None => Met::WHOLE,
-    });
-    let (mut part, mut from) = met.take();
-    prefetch_members(simd, parts, first + part);
-    // What is not met has no time, and NaN is not at most anything.
-    while from <= crossing.until {
-        let leaf = first + part;
-        (part, from) = met.take();
-        prefetch_members(simd, parts, first + part);
-        far = members(simd, world, leaf, line, &crossing, far, visit);
-        crossing.until = walk.time(far);
-    }
-    far
+/// A cast that looks for hits.
+struct Search<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    line: Line,
+    /// How far to look.
+    far: f64,
+    visit: &'q mut dyn FnMut(Hit) -> f64,
+    /// Objects that it may touch.
+    slots: [u32; TOGETHER],
 }
 
-/// Visits the members of a leaf that the cast meets, and returns how far to look on.
-#[inline(always)]
-fn members<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    leaf: usize,
-    line: &Line,
-    crossing: &Crossing,
-    mut far: f64,
-    visit: &mut dyn FnMut(Hit) -> f64,
-) -> f64 {
-    let parts = &world.parts;
-    let bag = parts.tree.leaves.at(leaf);
-    let mut slots = [0; TOGETHER];
-    let mut count = 0;
-    for (eight, left) in bag.eights(parts.tree.records) {
-        let mut mask = simd.crossed(eight, crossing) & first_of_eight(left);
-        while mask != 0 {
-            let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
-            mask &= mask - 1;
-            if is_current(parts, slot) {
-                simd.prefetch(parts.boxes.now, slot);
-                simd.prefetch(parts.generations, slot);
-                slots.put(count, slot);
-                count += 1;
-                if count == TOGETHER {
-                    far = look(simd, world, line, &slots, far, visit);
-                    count = 0;
+impl<I: Index> Search<'_, '_, I> {
+    /// Visits the members of a leaf of the last full step that the cast meets, part by part.
+    #[inline(always)]
+    fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
+        let parts = &self.world.parts;
+        let finer = parts.state.finer();
+        let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
+        let mut crossing = walk.crossing(frame, walk.time(self.far));
+        let first = whole << finer;
+        let mut met = Met::new(match parts_of(parts.tree.bounds, finer, whole) {
+            Some(bounds) => simd.met(bounds, &crossing),
+            None => Met::WHOLE,
+        });
+        let (mut part, mut from) = met.take(simd);
+        prefetch_members(simd, parts, first + part);
+        // What is not met has no time, and NaN is not at most anything.
+        while from <= crossing.until {
+            let leaf = first + part;
+            (part, from) = met.take(simd);
+            prefetch_members(simd, parts, first + part);
+            self.visit_members(simd, leaf, &crossing);
+            crossing.until = walk.time(self.far);
+        }
+    }
+
+    /// Visits the members of a leaf that the cast meets.
+    #[inline(always)]
+    fn visit_members<S: Simd>(&mut self, simd: S, leaf: usize, crossing: &Crossing) {
+        let parts = &self.world.parts;
+        let mut count = 0;
+        for (eight, left) in parts.tree.leaves.at(leaf).eights(parts.tree.records) {
+            let mut mask = simd.crossed(eight, crossing);
+            if mask != 0 {
+                mask &= first_of_eight(left);
+            }
+            while mask != 0 {
+                let slot = eight.at(mask.trailing_zeros() as usize).slot();
+                mask &= mask - 1;
+                if is_current(parts, slot as usize) {
+                    simd.prefetch(parts.boxes.now, slot as usize);
+                    simd.prefetch(parts.generations, slot as usize);
+                    self.slots.put(count, slot);
+                    count += 1;
+                    if count == TOGETHER {
+                        self.look(simd, count);
+                        count = 0;
+                    }
                 }
             }
         }
+        self.look(simd, count);
     }
-    look(simd, world, line, slots.span(0, count), far, visit)
-}
 
-/// Visits the objects that the cast meets, and returns how far to look on.
-#[inline(always)]
-fn look<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    line: &Line,
-    slots: &[usize],
-    mut far: f64,
-    visit: &mut dyn FnMut(Hit) -> f64,
-) -> f64 {
-    for &slot in slots {
-        let now = KeyBox::of(world.parts.boxes.now, slot);
-        let (distance, to) = line.span(simd, &now.min, &now.max, far);
-        if let (true, Some(id)) = (distance <= to, world.id_of(slot)) {
-            far = far.min(visit(Hit { id, distance }));
+    /// Visits those of the first so many objects that the cast meets.
+    #[inline(always)]
+    fn look<S: Simd>(&mut self, simd: S, count: usize) {
+        for slot in self.slots.span(0, count) {
+            let slot = *slot as usize;
+            let now = KeyBox::of(self.world.parts.boxes.now, slot);
+            let (distance, to) = self.line.span(simd, &now.min, &now.max, self.far);
+            if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
+                self.far = self.far.min((self.visit)(Hit { id, distance }));
+            }
         }
     }
-    far
 }

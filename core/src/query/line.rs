@@ -3,13 +3,12 @@
 use super::Cast;
 use crate::access::Access;
 use crate::arch::Simd;
-use crate::key::{KeyBox, key, value};
-use crate::tree::{Frame, Record, axis_of, key_of};
+use crate::key::{KeyBox, value};
+use crate::tree::{Frame, Record};
 
 /// A cast, prepared: a box is met where the point `t * direction` is inside the box's difference from the start. A fourth
 /// axis, which nothing moves along, fills the vectors.
 pub(crate) struct Line {
-    low: [f64; 4],
     direction: [f64; 4],
     pub(super) distance: f64,
     pub(crate) slabs: Slabs,
@@ -106,7 +105,7 @@ pub(crate) struct Walk {
     /// What distances from the sides are multiplied with.
     pub(crate) come: [f32; 4],
     pub(crate) leave: [f32; 4],
-    /// Time in one unit of distance.
+    /// Time in one unit of distance, and a little more than all roundings.
     speed: f64,
     sides: SidesMet,
 }
@@ -117,21 +116,19 @@ impl Walk {
     /// Added to the time of leaving, for numbers so small that their factors do nothing.
     pub(crate) const LEAST: f32 = f32::from_bits(27 << 23);
 
+    #[inline(always)]
     pub(crate) fn new(line: &Line) -> Self {
         let Slabs { back, first, last, inverse } = line.slabs;
         let most = line.direction.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
         let speed = if most > 0.0 { most } else { 1.0 };
         let factor = inverse.map(|inverse| inverse * speed);
         let greatest = f64::from(f32::MAX);
-        let mut last = last.map(|side| side as f32);
-        // Nothing is left on the axis that does not count.
-        last[3] = f32::MIN;
-        let first = first.map(|side| side as f32);
+        let [first, last] = [first, last].map(|sides| sides.map(|side| side as f32));
         let come = factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32);
         // Infinite where it is too large: what is not left yet is never left.
         let leave = factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32);
         let sides = SidesMet::new(&back, [&first, &last], [&come, &leave]);
-        Self { back, first, last, come, leave, speed, sides }
+        Self { back, first, last, come, leave, speed: speed * (1.0 + Self::SLACK), sides }
     }
 
     /// What it takes to find the members of a leaf that the cast may touch until a time.
@@ -157,34 +154,24 @@ impl Walk {
 
     /// A time that is not before a distance.
     pub(super) fn time(&self, distance: f64) -> f32 {
-        (distance * self.speed * (1.0 + Self::SLACK)) as f32 + Self::LEAST
+        (distance * self.speed) as f32 + Self::LEAST
     }
 
     /// As [`Simd::enter`].
     #[inline(always)]
-    pub(crate) fn enter(
-        &self,
-        low: [f32; 4],
-        plane: i32,
-        reaches: &KeyBox,
-        until: f32,
-    ) -> ([f32; 2], [f32; 4]) {
-        let mut above = low;
-        let (axis, key) = (axis_of(plane), value(key_of(plane)));
-        above[axis] = if key > above[axis] { key } else { above[axis] };
-        let child = |low: &[f32; 4], reach: &[i32; 3]| {
+    pub(crate) fn enter(&self, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        nodes.map(|node| {
             let (mut from, mut to) = (0.0, until);
             for k in 0..3 {
-                let (low, high) = (low[k], value(reach[k]));
+                let (low, high) = (value(node.min[k]), value(node.max[k]));
                 let (entry, exit) = if self.back[k] != 0 { (high, low) } else { (low, high) };
                 let come = (entry - self.first[k]) * self.come[k];
                 let leave = (exit - self.last[k]) * self.leave[k];
                 from = if come > from { come } else { from };
                 to = if leave < to { leave } else { to };
             }
-            if from <= to + Self::LEAST && reach[0] != i32::MIN { from } else { f32::NAN }
-        };
-        ([child(&low, &reaches.min), child(&above, &reaches.max)], above)
+            if from <= to + Self::LEAST { from } else { f32::NAN }
+        })
     }
 }
 
@@ -229,27 +216,22 @@ impl Slabs {
 }
 
 impl Line {
+    #[inline(always)]
     pub(crate) fn new(cast: &Cast) -> Self {
         let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(f64::from);
         let (low, high, direction) = (four(cast.start.min), four(cast.start.max), four(cast.direction));
         let inverse = direction.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d });
         let (mut first, mut last) = (high, low);
-        for k in 0..3 {
-            if direction[k] < 0.0 {
-                (first[k], last[k]) = (low[k], high[k]);
-            }
+        for k in 0..4 {
+            let back = direction[k] < 0.0;
+            first[k] = if back { low[k] } else { high[k] };
+            last[k] = if back { high[k] } else { low[k] };
         }
         let back = direction.map(|d| -i32::from(d < 0.0));
         let slabs = Slabs { back, first, last, inverse };
         // Finite: beyond it is where a line along which nothing moves would meet the boxes beside it.
         let distance = f64::from(cast.distance).min(f64::MAX);
-        Self { low, direction, distance, slabs }
-    }
-
-    /// Where the low corner starts.
-    pub(super) fn corner(&self) -> [i32; 3] {
-        let [x, y, z, _] = self.low.map(|side| key(side as f32));
-        [x, y, z]
+        Self { direction, distance, slabs }
     }
 
     /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each

@@ -27,6 +27,11 @@ impl<I: Index> World<'_, I> {
         self.parts.state.filled != 0
     }
 
+    /// Whether there is nothing but what stands in the tree's leaves.
+    fn is_all_in_leaves(&self) -> bool {
+        self.has_tree() && self.parts.state.large == 0 && self.parts.state.touched == 0
+    }
+
     /// The slots that the tree does not answer for: all, or those that were touched since the last step.
     fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let (has_tree, touched) = (self.has_tree(), self.parts.state.touched != 0);
@@ -89,7 +94,10 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         loop {
             while self.mask == 0 {
                 let (eight, left) = self.eights.next()?;
-                self.mask = self.simd.touching(eight, self.limit) & first_of_eight(left);
+                self.mask = self.simd.touching(eight, self.limit);
+                if self.mask != 0 {
+                    self.mask &= first_of_eight(left);
+                }
                 self.eight = eight;
             }
             let record = self.eight.at(self.mask.trailing_zeros() as usize);

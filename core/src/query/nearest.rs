@@ -8,9 +8,9 @@ use crate::arch::{Phase, Simd};
 use crate::error::Error;
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::{KeyBox, NEGATIVE_INFINITY, key};
+use crate::key::{KeyBox, key};
 use crate::sort::{heapsort, sift_down, sift_up};
-use crate::tree::{axis_of, home_of, key_of};
+use crate::tree::home_of;
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -64,7 +64,6 @@ impl Best<'_> {
 #[derive(Clone, Copy, Default)]
 struct Waiting {
     node: u32,
-    low: [i32; 3],
     squared: f64,
 }
 
@@ -95,15 +94,15 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             offer(&mut best, slot);
         }
         let has_tree = world.has_tree();
-        let (planes, finer) = (&*parts.tree.planes, parts.state.finer());
-        let home = if has_tree { home_of(planes, parts.state, &point.map(key)) } else { 0 };
+        let finer = parts.state.finer();
+        let home = if has_tree { home_of(parts.tree.planes, parts.state, &point.map(key)) } else { 0 };
         let first = 1u32 << parts.state.depth;
         let mut stack = [Waiting::default(); STACK];
-        stack[0] = Waiting { node: 1, low: [NEGATIVE_INFINITY; 3], squared: 0.0 };
+        stack[0] = Waiting { node: 1, squared: 0.0 };
         let mut waiting = usize::from(has_tree);
         while waiting > 0 {
             waiting -= 1;
-            let Waiting { node, low, squared } = stack.at(waiting);
+            let Waiting { node, squared } = stack.at(waiting);
             let limit = best.limit();
             if squared > limit {
                 continue;
@@ -127,16 +126,12 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                 }
                 continue;
             }
-            let plane = planes.at(node as usize);
-            let mut right = low;
-            right[axis_of(plane)] = right[axis_of(plane)].max(key_of(plane));
-            let enter = |node: u32, low: [i32; 3]| {
-                let max = parts.tree.reach.at(node as usize);
-                let squared = squared_distance(&point, &KeyBox { min: low, max });
-                // A node without members reaches nowhere.
-                (max[0] != i32::MIN && squared <= limit).then_some(Waiting { node, low, squared })
+            let enter = |node: u32| {
+                let around = KeyBox::of(parts.tree.nodes, node as usize);
+                let squared = squared_distance(&point, around);
+                (!around.is_empty() && squared <= limit).then_some(Waiting { node, squared })
             };
-            let mut children = [enter(2 * node, low), enter(2 * node + 1, right)];
+            let mut children = [enter(2 * node), enter(2 * node + 1)];
             let squared = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.squared);
             if squared(&children[0]) <= squared(&children[1]) {
                 children.swap(0, 1);

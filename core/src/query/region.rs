@@ -144,9 +144,9 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let (low, high, depth, finer) = (bounds.min, bounds.max, parts.state.depth, parts.state.finer());
-            let home = leaf_of(tree.planes, depth, &low);
-            let mut visits = Visit::new(simd, tree.planes, tree.reach, depth, home, low, high);
+            let (depth, finer) = (parts.state.depth, parts.state.finer());
+            let home = leaf_of(tree.planes, depth, &bounds.min);
+            let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
             let mut wholes = [0; WHOLES];
             let mut near = Near {
                 world,

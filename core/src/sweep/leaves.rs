@@ -20,8 +20,8 @@ use crate::tree::{Cell, Frame, Front, Leaf, Record};
 #[derive(Clone, Copy)]
 pub(crate) struct Grove<'g> {
     pub(crate) boxes: &'g [KeyBox],
-    pub(crate) planes: &'g [i32],
-    pub(crate) reach: &'g [[i32; 3]],
+    /// By node.
+    pub(crate) nodes: &'g [KeyBox],
     pub(crate) depth: u32,
     /// How many levels below `depth` leaves stand.
     pub(crate) finer: u32,
@@ -39,8 +39,7 @@ impl<'g> Grove<'g> {
     pub(crate) fn new(state: &State, boxes: &'g [KeyBox], tree: &'g TreeParts<'_>) -> Self {
         Self {
             boxes,
-            planes: tree.planes,
-            reach: tree.reach,
+            nodes: tree.nodes,
             depth: state.depth,
             finer: state.finer(),
             cells: tree.cells,
@@ -59,12 +58,6 @@ impl<'g> Grove<'g> {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
-    /// What the members of a leaf of the last full step can touch, where leaves are not divided.
-    #[inline(always)]
-    pub(crate) fn region(&self, index: usize) -> KeyBox {
-        KeyBox { min: self.cells.at(index).low(), max: self.reach.at((1 << self.depth) + index) }
-    }
-
     /// Writes the records of the boxes that touch a leaf's cell and are not its members to `visitors`, but for the
     /// first `skip` of them, as many as fit. Returns how many there are in all.
     #[inline(always)]
@@ -74,8 +67,7 @@ impl<'g> Grove<'g> {
         let mut gathered =
             Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, visitors };
         // The cell is half-open: minima at its high side are in the next one.
-        let high = cell.high().map(|key| key.saturating_sub(1));
-        let mut visit = Visit::new(simd, self.planes, self.reach, self.depth, index, cell.low(), high);
+        let mut visit = Visit::new(simd, self.nodes, self.depth, index, cell.inside());
         while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);

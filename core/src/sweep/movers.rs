@@ -85,13 +85,10 @@ impl<I: Index> Near<'_, '_, I> {
         for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
             simd.prefetch(grove.boxes, ahead.at());
         }
-        let mut around = KeyBox::EMPTY;
+        let mut around = KeyBox::NOTHING;
         for mover in movers {
             let bounds = grove.boxes.at(mover.at());
-            for k in 0..3 {
-                around.min[k] = around.min[k].min(bounds.min[k]);
-                around.max[k] = around.max[k].max(bounds.max[k]);
-            }
+            around.include(&bounds);
             self.tested += grove.large.len();
             for large in grove.large {
                 if large.bounds.overlaps(&bounds) {
@@ -101,8 +98,7 @@ impl<I: Index> Near<'_, '_, I> {
         }
         // A large object has no home.
         let leaf = if home == I::LARGE { 0 } else { home.at() >> grove.finer };
-        let mut visit =
-            Visit::new(simd, grove.planes, grove.reach, grove.depth, leaf, around.min, around.max);
+        let mut visit = Visit::new(simd, grove.nodes, grove.depth, leaf, around);
         while let Some(whole) = visit.next(simd) {
             simd.prefetch(grove.frames, whole);
             simd.prefetch_from::<PARTS, _>(grove.bounds, whole << grove.finer);
@@ -127,7 +123,9 @@ impl<I: Index> Near<'_, '_, I> {
                 let record = simd.record(frame, simd.keys(bounds), mover.slot());
                 let mut mask = match parts_of(grove.bounds, grove.finer, whole) {
                     Some(parts) => simd.touching(parts, limit(&record)),
-                    None => u32::from(grove.region(whole).overlaps(bounds)),
+                    None => {
+                        u32::from(simd.overlap(KeyBox::of(grove.nodes, (1 << grove.depth) + whole), bounds))
+                    }
                 };
                 while mask != 0 {
                     let leaf = first + mask.trailing_zeros() as usize;

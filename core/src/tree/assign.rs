@@ -14,7 +14,7 @@ use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::key::{KeyBox, POSITIVE_INFINITY};
+use crate::key::KeyBox;
 use crate::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
@@ -175,7 +175,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     }
 }
 
-/// Writes every object's record by the counts of [`count`], and finds how far the leaves reach.
+/// Writes every object's record by the counts of [`count`], and finds the boxes of the nodes.
 pub(crate) fn fill<I: Index>(
     parts: &mut Parts<'_, I>,
     census: &Census,
@@ -188,7 +188,7 @@ pub(crate) fn fill<I: Index>(
     frame(parts.tree.cells.span(0, leaves), &census.extent, parts.tree.frames, parts.tree.leaves);
     offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
-    reach(parts, depth, executor);
+    enclose(parts, depth, executor);
     parts.state.filled = 1;
 }
 
@@ -315,66 +315,51 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     }
 }
 
-/// How far the members of each node reach: for a leaf, its cell and its front; for an inner node, its children.
-fn reach<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
+/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
+fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
     let leaves = 1usize << depth;
     let (cells, bags, fronts) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.fronts);
-    let (inner, outer) = parts.tree.reach.split_at_mut_checked(leaves).unwrap_or_default();
+    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
     let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
     exec::run(executor, parts.sizes.workers, leaves.div_ceil(LEAVES_PER_BLOCK), &|| {
-        while let Some((block, reaches)) = claims.claim() {
-            for (offset, reach) in reaches.iter_mut().enumerate() {
+        while let Some((block, nodes)) = claims.claim() {
+            for (offset, node) in nodes.iter_mut().enumerate() {
                 let index = block * LEAVES_PER_BLOCK + offset;
                 let leaf = bags.at(index);
-                *reach = [i32::MIN; 3];
+                *node = KeyBox::NOTHING;
                 if leaf.len > 0 {
-                    *reach = own_reach(&cells.at(index));
+                    *node = cells.at(index).inside();
                     for front in fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
-                        extend(reach, &front.bounds.max);
+                        node.include(&front.bounds);
                     }
                 }
             }
         }
     });
     for node in (1..leaves).rev() {
-        let mut sum = [i32::MIN; 3];
+        let mut around = KeyBox::NOTHING;
         for child in [2 * node, 2 * node + 1] {
-            let reach = match child.checked_sub(leaves) {
-                Some(leaf) => outer.at(leaf),
-                None => inner.at(child),
-            };
-            extend(&mut sum, &reach);
+            around.include(match child.checked_sub(leaves) {
+                Some(leaf) => KeyBox::of(outer, leaf),
+                None => KeyBox::of(inner, child),
+            });
         }
-        inner.put(node, sum);
+        inner.put(node, around);
     }
 }
 
-/// How far members reach that stay inside their cell: at the rim to infinity, beyond which keys are not numbers.
-pub(crate) fn own_reach(cell: &Cell) -> [i32; 3] {
-    cell.high().map(|high| high.saturating_sub(1).min(POSITIVE_INFINITY))
-}
-
-/// Raises a reach to a maximum; tells whether that changed it.
-pub(crate) fn extend(reach: &mut [i32; 3], max: &[i32; 3]) -> bool {
-    let mut grown = false;
-    for k in 0..3 {
-        grown |= max[k] > reach[k];
-        reach[k] = reach[k].max(max[k]);
-    }
-    grown
-}
-
-/// Raises the reaches of a node and of those above it to a maximum.
+/// Grows the boxes of a node and of those above it to hold a box.
 #[inline(always)]
-pub(crate) fn raise(reaches: &mut [[i32; 3]], mut node: usize, max: &[i32; 3]) {
+pub(crate) fn enlarge(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
     while node > 0 {
-        let mut reach = reaches.at(node);
-        // Nobody reaches farther than a node above.
-        if !extend(&mut reach, max) {
+        let mut around = nodes.at(node);
+        // So do those above.
+        if around.contains(bounds) {
             break;
         }
-        reaches.put(node, reach);
+        around.include(bounds);
+        nodes.put(node, around);
         node /= 2;
     }
 }

@@ -23,7 +23,7 @@ pub(crate) mod visit;
 
 use crate::access::Access;
 use crate::arch::{EIGHT, MAXIMA, MINIMA, Simd};
-use crate::key::{KeyBox, value};
+use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::layout::FINER;
 use crate::state::State;
 use bytemuck::{Pod, Zeroable};
@@ -138,6 +138,14 @@ impl Cell {
     /// From where on a box is a large object.
     pub(crate) const fn far(&self) -> [i32; 3] {
         self.from.max
+    }
+
+    /// Where members are that touch no other cell: at the rim to infinity, beyond which keys are not numbers.
+    pub(crate) fn inside(&self) -> KeyBox {
+        KeyBox {
+            min: self.low().map(|low| low.max(NEGATIVE_INFINITY)),
+            max: self.high().map(|high| high.saturating_sub(1).min(POSITIVE_INFINITY)),
+        }
     }
 
     /// Whether a minimum corner is at home here.

@@ -1,6 +1,6 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
-use super::assign::raise;
+use super::assign::enlarge;
 use super::lend::lend;
 use super::{Front, home_of};
 use crate::access::{Access, bits};
@@ -78,7 +78,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
     {
         bounds.include(&record);
     }
-    raise(parts.tree.reach, (1usize << parts.state.depth) + whole, &bounds.max);
+    enlarge(parts.tree.nodes, (1usize << parts.state.depth) + whole, &bounds);
     true
 }
 
