@@ -99,8 +99,14 @@ pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
 #[inline(always)]
 fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize {
     let corner = Corner::new(*min);
-    for _ in 0..levels {
-        node = 2 * node + usize::from(corner.reaches(planes.at(node)));
+    let reaches = |node: usize| usize::from(corner.reaches(planes.at(node)));
+    // Two levels at a time: the planes of both children are compared before it is known which one it is.
+    for _ in 0..levels / 2 {
+        let (right, below) = (reaches(node), [reaches(2 * node), reaches(2 * node + 1)]);
+        node = 4 * node + 2 * right + below[right & 1];
+    }
+    if levels & 1 == 1 {
+        node = 2 * node + reaches(node);
     }
     node
 }
@@ -256,7 +262,8 @@ impl<'r> Iterator for Eights<'r> {
     fn next(&mut self) -> Option<Self::Item> {
         let eight = self.rest.next()?;
         let left = self.left;
-        self.left = left.saturating_sub(EIGHT as u32);
+        // Of the last eight nothing is left, and nobody asks.
+        self.left = left.wrapping_sub(EIGHT as u32);
         Some((eight, left))
     }
 }

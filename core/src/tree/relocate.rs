@@ -9,6 +9,9 @@ use crate::id::Index;
 use crate::key::KeyBox;
 use crate::storage::Parts;
 
+/// How many movers ahead leaves are asked for, and twice as many ahead what tells which leaves these are.
+const AHEAD: usize = 6;
+
 /// Lists every moved object in the second of the sorted lists, and brings its record, or its place among the large objects,
 /// to its new box. Returns how many there are; `None` where a leaf and its neighbours or the large-object list are full: all
 /// leaves must be filled anew then, and nothing is lost.
@@ -23,6 +26,7 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
         let count = bits::list(parts.moved, parts.order[1]);
         parts.state.stale_lists = 1;
         for index in 0..count {
+            prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
             if !relocate(simd, parts, slot) {
                 parts.state.filled = 0;
@@ -30,6 +34,21 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
             }
         }
         Some(count)
+    }
+}
+
+/// Asks for what the next movers need, which is anywhere in memory.
+#[inline(always)]
+fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
+    if let Some(slot) = movers.get(2 * AHEAD) {
+        simd.prefetch(parts.boxes.swept(), slot.at());
+        simd.prefetch(parts.home, slot.at());
+        simd.prefetch(parts.place, slot.at());
+    }
+    if let Some(slot) = movers.get(AHEAD) {
+        let home = parts.home.at(slot.at()).at();
+        simd.prefetch(parts.tree.cells, home);
+        simd.prefetch(parts.tree.leaves, home);
     }
 }
 
