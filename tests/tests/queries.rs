@@ -400,6 +400,45 @@ fn batches_are_the_same_under_every_executor() {
     }
 }
 
+/// A leaf that was empty in a full step has no box; who moves into it gives it one, with both its sides.
+#[test]
+fn a_leaf_that_was_empty_is_found_again() {
+    let count = 3000;
+    for setup in Setup::each(&Jobs::USUAL).into_iter().step_by(3) {
+        let config = setup.configure(Config::new(ample(count, 12 * count)).with_events());
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let mut boxes = scenes::uniform(count, 5);
+        let ids = world.insert_many(&boxes);
+        world.step(setup);
+        let inside = |cell: &Aabb, aabb: &Aabb| {
+            (0..3).all(|k| cell.min[k] <= aabb.min[k] && aabb.min[k] < cell.max[k])
+        };
+        let cell = world.world().leaves().next().expect("there is a tree").cell;
+        let (gone, left): (Vec<_>, Vec<_>) =
+            ids.into_iter().partition(|id| inside(&cell, &boxes[id.slot() as usize]));
+        assert!(gone.len() > 8, "the leaf is not empty");
+        world.remove_many(&gone);
+        // All move a little, so that the step is a full one.
+        let moved: Vec<Aabb> = left.iter().map(|id| shifted(&boxes[id.slot() as usize], [1e-3; 3])).collect();
+        world.update_many(&left, &moved);
+        world.step(setup);
+        assert!(world.world().leaves().any(|leaf| leaf.cell == cell && leaf.objects == 0), "it is empty now");
+        let rng = &mut Rng::new(7);
+        for id in left.iter().step_by(left.len() / 4) {
+            let slot = id.slot() as usize;
+            let place = |k: usize| rng.between(cell.min[k].max(0.0), cell.max[k].min(scenes::side(count)));
+            boxes[slot] = shifted(&cube(0.0, 0.0, 0.0), [0, 1, 2].map(place));
+            world.set(*id, boxes[slot]);
+            world.step(setup);
+            ask_region(world.world(), world.model(), &Region::Aabb(boxes[slot]), setup);
+            let far = boxes[slot].min.map(|x| x - 50.0);
+            ask_cast(world.world(), world.model(), &Cast::ray(far, [1.0, 1.0, 1.0], 1e3), setup);
+            ask_nearest(world.world(), world.model(), boxes[slot].min, 3, setup);
+        }
+    }
+}
+
 /// Calm worlds divide their leaves some in each step: answers, pairs and snapshots are right all the way, and back.
 #[test]
 fn leaves_are_divided_step_by_step() {

@@ -209,16 +209,26 @@ fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m2
     }
 }
 
-/// A bit for each of eight records, of which the even ones come in the lower four bits and the odd ones in the upper four.
-#[inline(always)]
-const fn in_order(mask: u32) -> u32 {
-    if mask == 0 {
-        return 0;
+/// Bits for eight records in their order, by bits of which those of the even records come in the lower half.
+const IN_ORDER: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let mut record = 0;
+        while record < EIGHT {
+            let bit = record / 2 + 4 * (record % 2);
+            table[mask] |= ((mask >> bit & 1) << record) as u8;
+            record += 1;
+        }
+        mask += 1;
     }
-    let mut spread = mask & 0xf | (mask & 0xf0) << 4;
-    spread = (spread | spread << 2) & 0x3333;
-    spread = (spread | spread << 1) & 0x5555;
-    (spread | spread >> 7) & 0xff
+    table
+};
+
+/// The bits of eight records in their order.
+#[inline(always)]
+const fn in_order(mask: i32) -> u32 {
+    IN_ORDER[(mask & 0xff) as usize] as u32
 }
 
 impl Fours for Avx2 {
@@ -450,7 +460,7 @@ impl Simd for Avx2 {
             let zero = _mm256_setzero_si256();
             let (first, last) = (_mm256_cmpeq_epi64(first, zero), _mm256_cmpeq_epi64(last, zero));
             let (first, last) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(last));
-            _mm256_movemask_ps(_mm256_shuffle_ps::<0b10_00_10_00>(first, last)) as u32
+            _mm256_movemask_ps(_mm256_shuffle_ps::<0b10_00_10_00>(first, last))
         };
         in_order(mask)
     }
@@ -513,7 +523,7 @@ impl Simd for Avx2 {
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
         let (_, met) = met(self, records, crossing);
         // SAFETY: `self` proves AVX2.
-        in_order(unsafe { _mm256_movemask_ps(met) as u32 })
+        in_order(unsafe { _mm256_movemask_ps(met) })
     }
 
     #[inline(always)]
