@@ -164,8 +164,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let line = Line::new(cast);
         let mut search = Search { world, far: line.distance, line, visit, slots: [0; TOGETHER] };
         // The large ones first: they are often hit, and what is behind them need not be looked at.
-        if !world.is_all_in_leaves() {
-            for slot in world.large_in_tree().chain(world.apart_from_tree()) {
+        if world.has_others() {
+            for slot in world.others() {
                 search.slots[0] = slot as u32;
                 search.look(simd, 1);
             }

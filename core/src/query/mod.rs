@@ -27,9 +27,14 @@ impl<I: Index> World<'_, I> {
         self.parts.state.filled != 0
     }
 
-    /// Whether there is nothing but what stands in the tree's leaves.
-    fn is_all_in_leaves(&self) -> bool {
-        self.has_tree() && self.parts.state.large == 0 && self.parts.state.touched == 0
+    /// Whether there is more than what stands in the tree's leaves. Asked first, as it is less than an iterator over nothing.
+    fn has_others(&self) -> bool {
+        !self.has_tree() || self.parts.state.large != 0 || self.parts.state.touched != 0
+    }
+
+    /// The slots that the tree's leaves do not answer for.
+    fn others(&self) -> impl Iterator<Item = usize> + '_ {
+        self.large_in_tree().chain(self.apart_from_tree())
     }
 
     /// The slots that the tree does not answer for: all, or those that were touched since the last step.

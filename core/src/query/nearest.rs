@@ -90,8 +90,10 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                 best.offer(Hit { id, distance: squared });
             }
         };
-        for slot in world.large_in_tree().chain(world.apart_from_tree()) {
-            offer(&mut best, slot);
+        if world.has_others() {
+            for slot in world.others() {
+                offer(&mut best, slot);
+            }
         }
         let has_tree = world.has_tree();
         let finer = parts.state.finer();

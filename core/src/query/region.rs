@@ -188,9 +188,11 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                 return;
             }
         }
-        for slot in world.large_in_tree().chain(world.apart_from_tree()) {
-            if meet(simd, world, region, &bounds, slot, visit) {
-                return;
+        if world.has_others() {
+            for slot in world.others() {
+                if meet(simd, world, region, &bounds, slot, visit) {
+                    return;
+                }
             }
         }
     }
