@@ -130,6 +130,11 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let finer = parts.state.finer();
     let leaves = parts.state.leaves() as usize;
     let swept = parts.boxes.swept();
+    for node in 1..2 << parts.state.depth {
+        let around = parts.tree.nodes.at(node);
+        // A cast computes with their sides.
+        check(around == KeyBox::NOTHING || around.is_valid(), "the box of a node is none", node)?;
+    }
     let mut members = 0;
     for index in 0..leaves {
         let leaf = parts.tree.leaves.at(index);

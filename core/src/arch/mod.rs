@@ -170,7 +170,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// When a cast comes to each of some records of a leaf, or NaN for those that it cannot touch.
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
 
-    /// Takes the least of some numbers out; where it was, the greatest number stands then. Returns it.
+    /// Takes the least of some numbers out; wherever it was, the greatest number stands then. Returns it.
     #[inline(always)]
     fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
         let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));

@@ -8,6 +8,8 @@
 //!   grown out of balance.
 //! * A node that would not gain from a split has a plane that nobody reaches: its objects all go to the left
 //!   (errata E11 and E14).
+//! * Each node down to the leaves of a full step has a box around its members, which only grows until the next one:
+//!   what looks for objects near a box or along a line walks by these boxes, and planes only tell where an object is at home.
 //!
 //! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`; at depth `d` leaf
 //! `l` is node `2^d + l`.
@@ -103,6 +105,7 @@ fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize 
     // Two levels at a time: the planes of both children are compared before it is known which one it is.
     for _ in 0..levels / 2 {
         let (right, below) = (reaches(node), [reaches(2 * node), reaches(2 * node + 1)]);
+        // Cutting it to one bit spares the check of the range.
         node = 4 * node + 2 * right + below[right & 1];
     }
     if levels & 1 == 1 {
