@@ -140,7 +140,8 @@ impl From<Aabb> for (glam::Vec3, glam::Vec3) {
 pub struct Boxes<'a> {
     bytes: &'a [u8],
     stride: usize,
-    max_at: usize,
+    /// Where a maximum corner ends in an item.
+    end: usize,
     count: usize,
 }
 
@@ -154,7 +155,7 @@ impl<'a> Boxes<'a> {
         Self {
             bytes: bytemuck::cast_slice(boxes),
             stride: size_of::<Aabb>(),
-            max_at: CORNER,
+            end: size_of::<Aabb>(),
             count: boxes.len(),
         }
     }
@@ -163,7 +164,7 @@ impl<'a> Boxes<'a> {
     /// `[min x, y, z, _, max x, y, z, _]`.
     #[must_use]
     pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
-        Self { bytes: bytemuck::cast_slice(boxes), stride: 32, max_at: 16, count: boxes.len() }
+        Self { bytes: bytemuck::cast_slice(boxes), stride: 32, end: 16 + CORNER, count: boxes.len() }
     }
 
     /// Boxes inside larger items: an item starts with its minimum corner, is `stride` bytes long and has its
@@ -171,12 +172,12 @@ impl<'a> Boxes<'a> {
     /// A last item that is cut off after its maximum corner still counts.
     #[must_use]
     pub fn strided(bytes: &'a [u8], stride: usize, max_at: usize) -> Option<Self> {
-        let item = max_at.checked_add(CORNER)?;
-        if max_at < CORNER || item > stride {
+        let end = max_at.checked_add(CORNER)?;
+        if max_at < CORNER || end > stride {
             return None;
         }
-        let count = bytes.len() / stride + usize::from(bytes.len() % stride >= item);
-        Some(Self { bytes, stride, max_at, count })
+        let count = bytes.len() / stride + usize::from(bytes.len() % stride >= end);
+        Some(Self { bytes, stride, end, count })
     }
 
     /// How many boxes there are.
@@ -195,18 +196,31 @@ impl<'a> Boxes<'a> {
     #[must_use]
     #[inline(always)]
     pub fn get(&self, index: usize) -> Option<Aabb> {
-        let [min, max] = self.corners(index)?;
+        let [min, max] = self.corners(self.items_from(index))?;
         Some(Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
     }
 
-    /// The bytes of the corners of the box at `index`.
+    /// The bytes of the items from `index` on.
     #[inline(always)]
-    pub(crate) fn corners(&self, index: usize) -> Option<[&'a [u8; CORNER]; 2]> {
+    pub(crate) fn items_from(&self, index: usize) -> &'a [u8] {
+        // Beyond the last one the product could be too much for a `usize`.
         if index >= self.count {
-            return None;
+            return &[];
         }
-        let item = self.bytes.get(index * self.stride..)?;
-        Some([item.first_chunk()?, item.get(self.max_at..)?.first_chunk()?])
+        self.bytes.get(index * self.stride..).unwrap_or_default()
+    }
+
+    /// Those behind the first of some items.
+    #[inline(always)]
+    pub(crate) fn next(&self, items: &'a [u8]) -> &'a [u8] {
+        items.get(self.stride..).unwrap_or_default()
+    }
+
+    /// The bytes of the corners of the first of some items, if it is not cut off.
+    #[inline(always)]
+    pub(crate) fn corners(&self, items: &'a [u8]) -> Option<[&'a [u8; CORNER]; 2]> {
+        let item = items.get(..self.end)?;
+        Some([item.first_chunk()?, item.last_chunk()?])
     }
 }
 
@@ -271,6 +285,18 @@ mod tests {
             prop_assert_eq!(first.overlaps(&second), overlap(a, b));
             prop_assert_eq!(first.min.map(f64::from), in_f64(a[0], fraction_bits));
             prop_assert_eq!(first.max.map(f64::from), in_f64(a[1], fraction_bits));
+        }
+    }
+
+    #[test]
+    fn items_end_where_one_is_cut_off() {
+        let bytes = [0u8; 3 * 40 + 31];
+        for (max_at, count) in [(12, 4), (19, 4), (20, 3)] {
+            let boxes = Boxes::strided(&bytes, 40, max_at).unwrap();
+            assert_eq!(boxes.len(), count);
+            for index in [0, 1, 2, 3, 4, usize::MAX / 40 + 2, usize::MAX] {
+                assert_eq!(boxes.get(index).is_some(), index < count, "{max_at}, {index}");
+            }
         }
     }
 

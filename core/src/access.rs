@@ -76,7 +76,6 @@ impl<T> Access<T> for [T] {
 /// One bit for each slot, in words of 32.
 pub(crate) mod bits {
     use super::Access;
-    use crate::id::Index;
 
     /// Words for `count` bits.
     pub(crate) const fn words(count: usize) -> usize {
@@ -102,17 +101,6 @@ pub(crate) mod bits {
         words.put(bit / 32, word & !(1 << (bit % 32)));
     }
 
-    /// Words that are passed over at once where no bit is set: few are, where few objects move.
-    const BLOCK: usize = 16;
-
-    /// The words that have set bits, and their numbers.
-    pub(crate) fn marked(words: &[u32]) -> impl Iterator<Item = (usize, u32)> + '_ {
-        let blocks = words.chunks(BLOCK).enumerate().filter(|(_, block)| !is_clear(block));
-        blocks
-            .flat_map(|(index, block)| (index * BLOCK..).zip(block.iter().copied()))
-            .filter(|(_, word)| *word != 0)
-    }
-
     /// The set bits of one word in ascending order.
     pub(crate) fn of_word(word: u32) -> impl Iterator<Item = usize> {
         let mut rest = word;
@@ -125,38 +113,11 @@ pub(crate) mod bits {
 
     /// The set bits in ascending order.
     pub(crate) fn ones(words: &[u32]) -> impl Iterator<Item = usize> + '_ {
-        marked(words).flat_map(|(index, word)| of_word(word).map(move |bit| index * 32 + bit))
-    }
-
-    /// Writes the set bits in ascending order to the front of `list` and returns how many there are.
-    pub(crate) fn list<I: Index>(words: &[u32], list: &mut [I]) -> usize {
-        let mut count = 0;
-        for (index, word) in marked(words) {
-            for bit in of_word(word) {
-                list.put(count, I::from_slot((index * 32 + bit) as u32));
-                count += 1;
-            }
-        }
-        count
-    }
-
-    /// Whether no bit of some words is set.
-    fn is_clear(words: &[u32]) -> bool {
-        words.iter().fold(0, |any, word| any | word) == 0
-    }
-
-    /// Whether one set has a bit that the other does not.
-    pub(crate) fn exceeds(words: &[u32], others: &[u32]) -> bool {
-        let beyond = |(words, others): (&[u32], &[u32])| {
-            words.iter().zip(others).fold(0, |any, (word, other)| any | (word & !other)) != 0
-        };
-        words.chunks(BLOCK).zip(others.chunks(BLOCK)).any(beyond)
+        (0..).zip(words).flat_map(|(index, word)| of_word(*word).map(move |bit| index * 32 + bit))
     }
 
     /// How many bits are set.
-    // A call, since within a step its loop would take registers from the loops around it: 3 % of a step on a Cortex-M4.
-    #[inline(never)]
     pub(crate) fn count(words: &[u32]) -> u32 {
-        marked(words).map(|(_, word)| word.count_ones()).sum()
+        words.iter().map(|word| word.count_ones()).sum()
     }
 }

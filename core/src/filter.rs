@@ -1,6 +1,6 @@
 //! Whom an object meets: asked before a pair is written, so that a pair that nobody wants costs no room.
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index, Pair};
 use crate::storage::FilterParts;
@@ -115,8 +115,8 @@ impl<I: Index> World<'_, I> {
     }
 
     fn ask_again(&mut self, slot: usize) {
-        bits::set(self.parts.filters.changed, slot);
-        bits::set(self.parts.moved, slot);
+        self.parts.filters.changed.set(slot);
+        self.parts.moved.set(slot);
         self.parts.state.touched = 1;
     }
 }

@@ -8,6 +8,7 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::marks::GROUP;
 use crate::objects::{FatBoxes, Motions, Objects};
 use crate::storage::Parts;
 
@@ -35,22 +36,22 @@ pub(crate) fn ingest<I: Index>(
         let slots = (parts.state.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
-        let (moved, changed) = (&mut *parts.moved, &mut *parts.changed);
+        let (moved, changed) = (parts.moved.lend(), parts.changed.lend());
         let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
         let objects = Objects { now, fat, moved, changed, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
-    // Whole words of the bit sets, whole cache lines of the boxes.
-    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);
+    // Whole groups of the marks, whole cache lines of the boxes.
+    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(GROUP).max(SLOTS_PER_BLOCK);
     let margins = &*parts.boxes.margins;
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = slots.div_ceil(len);
     let claims = Claims::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         Chunks::optional(parts.boxes.fat, len),
-        Chunks::new(parts.moved, len / 32),
-        Chunks::optional(parts.changed, len / 32),
+        parts.moved.blocks(len),
+        parts.changed.blocks(len),
         Chunks::new(&mut found, 1),
     ));
     exec::run(executor, parts.sizes.workers, blocks, &|| {
@@ -58,7 +59,7 @@ pub(crate) fn ingest<I: Index>(
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
             let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
-            let objects = Objects { now, fat, moved, changed, mode };
+            let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
         }
@@ -118,24 +119,28 @@ fn take_in<S: Simd>(
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
     let (mut changed, mut held, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
-    for (slot, old) in (first + word * 32..).zip(now) {
+    let mut items = bounds.items_from(first + word * 32);
+    for (at, old) in (word * 32..).zip(now) {
+        let item = items;
+        items = bounds.next(items);
         let skipped = resting & 1 != 0 || old.is_empty();
         (changed, resting) = (changed >> 1, resting >> 1);
         if skipped {
             continue;
         }
-        match bounds.corners(slot).and_then(|[min, max]| simd.encode(min, max)) {
+        match bounds.corners(item).and_then(|[min, max]| simd.encode(min, max)) {
             Some(keys) if simd.same(keys, simd.keys(old)) => {}
             Some(keys) => {
                 let bounds = simd.bounds(keys);
-                let at = slot - first;
-                held |= u32::from(fat.hold(at, old, &bounds)) << (at % 32);
+                if fat.exist() {
+                    held |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
+                }
                 *old = bounds;
                 changed |= 1 << 31;
             }
             None => {
                 if intake.rejected == 0 {
-                    intake.first_rejected = slot as u32;
+                    intake.first_rejected = (first + at) as u32;
                 }
                 intake.rejected += 1;
             }

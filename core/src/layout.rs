@@ -3,11 +3,13 @@
 //! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
+use crate::access::bits;
 use crate::arch::EIGHT;
 use crate::config::Config;
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
+use crate::marks::Marks;
 use crate::state::State;
 use crate::sweep::scratch;
 use crate::sweep::strips::{Member, Planes};
@@ -166,11 +168,11 @@ impl Sizes {
         plan.add::<KeyBox>(self.before);
         plan.add::<Filter>(self.filters);
         plan.add::<u32>(self.classes);
-        plan.add::<u32>(crate::access::bits::words(self.filters));
+        plan.add::<u32>(Marks::len(self.filters));
         plan.add::<u32>(objects);
-        plan.add::<u32>(3 * crate::access::bits::words(objects));
-        plan.add::<u32>(crate::access::bits::words(self.before));
-        plan.add::<u32>(crate::access::bits::words(self.tree));
+        plan.add::<u32>(2 * bits::words(objects) + Marks::len(objects));
+        plan.add::<u32>(Marks::len(self.before));
+        plan.add::<u32>(bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);
         plan.add::<Record>(self.records);

@@ -59,6 +59,7 @@ mod kernels;
 mod key;
 mod layout;
 mod links;
+mod marks;
 mod objects;
 mod paths;
 mod query;

@@ -1,15 +1,16 @@
 //! What happens to one object when it comes, gets another box, or goes (paper, section III.B; errata E1 to E6).
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::config::{Margin, Mode};
 use crate::key::KeyBox;
+use crate::marks::Marks;
 
 /// The arrays of some consecutive slots; positions count from the first of them.
 pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
     pub(crate) fat: FatBoxes<'o>,
-    pub(crate) moved: &'o mut [u32],
-    pub(crate) changed: &'o mut [u32],
+    pub(crate) moved: Marks<'o>,
+    pub(crate) changed: Marks<'o>,
     pub(crate) mode: Mode,
 }
 
@@ -31,16 +32,16 @@ pub(crate) struct Motions {
 }
 
 impl FatBoxes<'_> {
-    /// Follows an object from one box to another one. Returns whether it stays in its fat box, as no object without a
-    /// margin does.
+    /// Whether the world has margins.
     #[inline(always)]
-    pub(crate) fn hold(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        !self.boxes.is_empty() && self.follow(at, old, bounds)
+    pub(crate) fn exist(&self) -> bool {
+        !self.boxes.is_empty()
     }
 
-    /// As [`hold`](Self::hold), of an object with a margin. Not inline: it is as long as the rest of an intake.
+    /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box. Not inline: it is
+    /// as long as the rest of an intake.
     #[inline(never)]
-    fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+    pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let (fat, margin) = (self.boxes.at(at), self.margins.at(at));
         if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
             self.told.crept = true;
@@ -55,18 +56,14 @@ impl FatBoxes<'_> {
 }
 
 impl Objects<'_> {
-    fn has_margins(&self) -> bool {
-        !self.fat.boxes.is_empty()
-    }
-
     /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before.
     pub(crate) fn enter(&mut self, at: usize, bounds: KeyBox) {
         self.now.put(at, bounds);
-        if self.has_margins() {
+        if self.fat.exist() {
             self.fat.boxes.put(at, bounds.grown(self.fat.margins.at(at)));
         }
-        bits::set(self.moved, at);
-        self.note_change(at);
+        self.moved.set(at);
+        self.changed.set(at);
     }
 
     /// A new box.
@@ -74,7 +71,7 @@ impl Objects<'_> {
         let old = self.now.at(at);
         if bounds != old {
             self.now.put(at, bounds);
-            let held = self.fat.hold(at, &old, &bounds);
+            let held = self.fat.exist() && self.fat.follow(at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(held) << (at % 32));
         }
     }
@@ -84,38 +81,27 @@ impl Objects<'_> {
     pub(crate) fn note(&mut self, word: usize, changed: u32, held: u32) {
         let moved = changed & !held;
         let reported = if self.mode == Mode::Exact { changed } else { moved };
-        for (words, bits) in [(&mut *self.moved, moved), (self.changed, reported)] {
-            if let Some(word) = words.get_mut(word) {
-                *word |= bits;
-            }
-        }
+        self.moved.add(word, moved);
+        self.changed.add(word, reported);
     }
 
     /// Anchors the fat box at the current box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox, margin: f32) {
         if self.mode == Mode::Fat {
-            self.note_change(at);
+            self.changed.set(at);
         }
         self.fat.boxes.put(at, bounds.grown(margin));
-        bits::set(self.moved, at);
+        self.moved.set(at);
     }
 
     /// The object goes; `next` is the free slot behind it.
     pub(crate) fn leave(&mut self, at: usize, next: u32) {
-        self.note_change(at);
+        self.changed.set(at);
         self.now.put(at, KeyBox::free(next));
-        if self.has_margins() {
+        if self.fat.exist() {
             self.fat.boxes.put(at, KeyBox::EMPTY);
         }
-        bits::set(self.moved, at);
-    }
-
-    /// Notes, where there are events, that the reported box is another one.
-    #[inline(always)]
-    fn note_change(&mut self, at: usize) {
-        if !self.changed.is_empty() {
-            bits::set(self.changed, at);
-        }
+        self.moved.set(at);
     }
 }
 

@@ -251,7 +251,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
     let [movers, _, homes] = &parts.order;
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
-    let moved = &*parts.moved;
+    let moved = &*parts.moved.words;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
     let gate = Gate::new(&parts.filters, means.rule);
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, gate);

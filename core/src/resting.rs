@@ -85,7 +85,7 @@ pub(crate) fn carry<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
         let pair = pairs.at(index);
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
         pairs.put(kept, pair);
-        kept += usize::from(is_clear_of(moved, &pair));
+        kept += usize::from(is_clear_of(moved.words, &pair));
     }
     kept as u64
 }
@@ -122,15 +122,15 @@ pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
 
 /// Whether other pairs should be set aside than those that are.
 fn is_due<I: Index>(parts: &Parts<'_, I>) -> bool {
-    parts.state.aside == 0 || bits::exceeds(parts.moved, parts.awake)
+    parts.state.aside == 0 || parts.moved.exceeds(parts.awake)
 }
 
 /// Divides the pairs by who is awake: whoever moves now, and whoever has moved lately.
 fn set_aside<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, moved, awake, output, .. } = parts;
-    let most = AWAKE_FOR_EACH_MOVER.saturating_mul(bits::count(moved));
+    let most = AWAKE_FOR_EACH_MOVER.saturating_mul(moved.count());
     let lately = if state.aside > 0 && bits::count(awake) <= most { u32::MAX } else { 0 };
-    for (awake, moved) in awake.iter_mut().zip(&**moved) {
+    for (awake, moved) in awake.iter_mut().zip(&*moved.words) {
         *awake = *awake & lately | moved;
     }
     let pairs = output.pairs.span_mut(0, state.result_pairs as usize);

@@ -14,6 +14,7 @@ use crate::filter::FILTERS;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
+use crate::marks::{GROUP, Marks};
 use crate::paths::Means;
 use crate::resting::is_clear_of;
 use crate::sort::heapsort;
@@ -37,8 +38,8 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complet
         let pairs = pairs.span_mut(0, result);
         persisting = partition(means, pairs, Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
-        let asked = &*parts.filters.changed;
-        let lost = if FILTERS && asked.iter().any(|word| *word != 0) {
+        let asked = &*parts.filters.changed.words;
+        let lost = if FILTERS && !parts.filters.changed.is_clear() {
             let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
@@ -61,20 +62,20 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
     if means.is_small() {
-        return remember_block(boxes, before, parts.changed);
+        return remember_block(boxes, before, parts.changed.lend());
     }
-    let len = before.len().div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(SLOTS_PER_BLOCK);
+    let len = before.len().div_ceil(SLOT_BLOCKS).next_multiple_of(GROUP).max(SLOTS_PER_BLOCK);
     let blocks = before.len().div_ceil(len);
-    let claims = Claims::new((Chunks::new(before, len), Chunks::new(parts.changed, len / 32)));
+    let claims = Claims::new((Chunks::new(before, len), parts.changed.blocks(len)));
     exec::run(means.executor, means.workers, blocks, &|| {
         while let Some((block, (before, changed))) = claims.claim() {
-            remember_block(boxes.span(block * len, before.len()), before, changed);
+            remember_block(boxes.span(block * len, before.len()), before, changed.into());
         }
     });
 }
 
-fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], changed: &mut [u32]) {
-    for (word, bits) in bits::marked(changed) {
+fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], mut changed: Marks<'_>) {
+    changed.for_each_word(|word, bits| {
         let first = word * 32;
         if bits == u32::MAX {
             before.span_mut(first, 32).copy_in(boxes.span(first, 32));
@@ -83,8 +84,8 @@ fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], changed: &mut [u32]) 
                 before.put(first + bit, boxes.at(first + bit));
             }
         }
-    }
-    changed.fill(0);
+    });
+    changed.clear();
 }
 
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the

@@ -1,7 +1,7 @@
 //! Moves the origin of a world, so that its boxes are near it, where `f32` is fine.
 
 use crate::aabb::{Aabb, round_down, round_up};
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::config::Mode;
 use crate::error::Error;
 use crate::id::Index;
@@ -66,12 +66,10 @@ impl<I: Index> World<'_, I> {
                 exact &= fat_exact | !fat_counts;
             }
             rounded += u32::from(!exact);
-            bits::set(parts.moved, slot);
+            parts.moved.set(slot);
             // The boxes of the last complete step are compared with each other alone. They stay as they are, which
             // keeps the events exact where boxes are rounded, and the next complete step replaces all of them.
-            if !parts.changed.is_empty() {
-                bits::set(parts.changed, slot);
-            }
+            parts.changed.set(slot);
         }
         // Planes and records are those of the old origin.
         parts.state.touched = 1;

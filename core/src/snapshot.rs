@@ -130,11 +130,11 @@ macro_rules! walk {
         $each($bytes!($parts.boxes.margins.$span(0, some($parts.boxes.margins.len(), slots))));
         $each($bytes!($parts.filters.of.$span(0, some($parts.filters.of.len(), slots))));
         $each($bytes!($parts.filters.classes.$span(0, $parts.filters.classes.len())));
-        $each($bytes!($parts.filters.changed.$span(0, some($parts.filters.of.len(), words))));
+        $each($bytes!($parts.filters.changed.words.$span(0, some($parts.filters.of.len(), words))));
         $each($bytes!($parts.generations.$span(0, slots)));
-        $each($bytes!($parts.moved.$span(0, words)));
+        $each($bytes!($parts.moved.words.$span(0, words)));
         $each($bytes!($parts.resting.$span(0, words)));
-        $each($bytes!($parts.changed.$span(0, some($parts.changed.len(), words))));
+        $each($bytes!($parts.changed.words.$span(0, some($parts.changed.words.len(), words))));
         $each($bytes!($parts.awake.$span(0, some($parts.awake.len(), words))));
         $each($bytes!($parts.order[0].$span(0, listed)));
         $each($bytes!($parts.order[1].$span(0, listed)));
@@ -155,7 +155,7 @@ macro_rules! walk {
         $each($bytes!($parts.output.previous.$span(0, some($parts.output.previous.len(), previous))));
         // Of the boxes that the last step reported only those that differ from what it would report now.
         for slot in 0..some($parts.boxes.before.len(), slots) {
-            if bits::test($parts.changed, slot) {
+            if bits::test($parts.changed.words, slot) {
                 $each($bytes!($parts.boxes.before.$span(slot, 1)));
             }
         }
@@ -223,7 +223,9 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
     for pairs in [&*parts.output.pairs, &*parts.output.previous] {
         good &= pairs.iter().flatten().all(|slot| slot.at() < slots.max(1));
     }
-    for marks in [&*parts.moved, parts.resting, parts.changed, parts.awake, parts.filters.changed] {
+    for marks in
+        [&*parts.moved.words, parts.changed.words, parts.filters.changed.words, parts.resting, parts.awake]
+    {
         good &= bits::ones(marks).all(|slot| slot < slots);
     }
     good &= parts.output.planes.iter().all(|planes| planes.is_sorted());
@@ -255,6 +257,9 @@ fn slots_in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
 
 /// Works out what the snapshot leaves out.
 fn remake<I: Index>(parts: &mut Parts<'_, I>) {
+    for mut marks in [parts.moved.lend(), parts.changed.lend(), parts.filters.changed.lend()] {
+        marks.regroup();
+    }
     let state = &*parts.state;
     let slots = state.slots as usize;
     if state.stale_lists == 0 {
@@ -263,7 +268,7 @@ fn remake<I: Index>(parts: &mut Parts<'_, I>) {
         }
     }
     for slot in 0..slots.min(parts.boxes.before.len()) {
-        if !bits::test(parts.changed, slot) {
+        if !bits::test(parts.changed.words, slot) {
             let reported = parts.boxes.reported(state.mode()).at(slot);
             parts.boxes.before.put(slot, reported);
         }

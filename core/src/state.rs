@@ -217,7 +217,7 @@ pub(crate) struct State {
     tied: u64,
 }
 
-const MAGIC: u32 = 0x7452_0003;
+const MAGIC: u32 = 0x7452_0004;
 
 // The bits of `State::flags`; a choice takes two.
 const EVENTS: u32 = 1;

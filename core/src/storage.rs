@@ -7,6 +7,7 @@ use crate::filter::Filter;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::layout::{ALIGN, CHUNK, Sizes, layout, section};
+use crate::marks::Marks;
 use crate::objects::{FatBoxes, Motions, Objects};
 use crate::state::State;
 use crate::sweep::scratch;
@@ -23,12 +24,12 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) filters: FilterParts<'m>,
     /// How many objects have held the slot.
     pub(crate) generations: &'m mut [u32],
-    /// One bit a slot: the swept box has changed since the last complete step (the paper's dynamic objects).
-    pub(crate) moved: &'m mut [u32],
+    /// The swept box has changed since the last complete step (the paper's dynamic objects).
+    pub(crate) moved: Marks<'m>,
     /// One bit a slot: the caller has put the object to rest.
     pub(crate) resting: &'m mut [u32],
-    /// With events, one bit a slot: the reported box has changed since the last complete step.
-    pub(crate) changed: &'m mut [u32],
+    /// With events: the reported box has changed since the last complete step.
+    pub(crate) changed: Marks<'m>,
     /// With a tree, one bit a slot: the object's pairs are not set aside. Means nothing where none are.
     pub(crate) awake: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
@@ -60,8 +61,8 @@ pub(crate) struct FilterParts<'m> {
     pub(crate) of: &'m mut [Filter],
     /// One bit for each class that a class meets.
     pub(crate) classes: &'m mut [u32],
-    /// One bit a slot: another answer may be due since the last complete step.
-    pub(crate) changed: &'m mut [u32],
+    /// Another answer may be due since the last complete step.
+    pub(crate) changed: Marks<'m>,
 }
 
 impl BoxParts<'_> {
@@ -140,13 +141,14 @@ impl<'m, I: Index> Parts<'m, I> {
         let filters = FilterParts {
             of: slab.take(sizes.filters)?,
             classes: slab.take(sizes.classes)?,
-            changed: slab.take(bits::words(sizes.filters))?,
+            changed: Marks::carve(slab.take(Marks::len(sizes.filters))?, sizes.filters)?,
         };
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
-        let (moved, rest) = slab.take(3 * words)?.split_at_mut_checked(words)?;
-        let (listed, resting) = rest.split_at_mut_checked(words)?;
-        let changed = slab.take(bits::words(sizes.before))?;
+        let (listed, rest) = slab.take(2 * words + Marks::len(sizes.objects))?.split_at_mut_checked(words)?;
+        let (resting, rest) = rest.split_at_mut_checked(words)?;
+        let moved = Marks::carve(rest, sizes.objects)?;
+        let changed = Marks::carve(slab.take(Marks::len(sizes.before))?, sizes.before)?;
         let awake = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
@@ -212,10 +214,12 @@ impl<'m, I: Index> Parts<'m, I> {
         self.boxes.before.fill(KeyBox::EMPTY);
         self.filters.classes.fill(u32::MAX);
         self.generations.fill(0);
-        for marks in
-            [&mut *self.moved, self.changed, self.filters.changed, self.awake, self.resting, self.listed]
-        {
-            marks.fill(0);
+        for mut marks in [self.moved.lend(), self.changed.lend(), self.filters.changed.lend()] {
+            marks.words.fill(0);
+            marks.regroup();
+        }
+        for bits in [&mut *self.awake, self.resting, self.listed] {
+            bits.fill(0);
         }
         self.home.fill(I::NONE);
         let tree = &mut self.tree;
@@ -259,8 +263,8 @@ impl<'m, I: Index> Parts<'m, I> {
         Objects {
             now: self.boxes.now,
             fat,
-            moved: self.moved,
-            changed: self.changed,
+            moved: self.moved.lend(),
+            changed: self.changed.lend(),
             mode: self.state.mode(),
         }
     }

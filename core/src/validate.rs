@@ -100,7 +100,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let marked: u64 = bits::ones(parts.listed).map(square).sum();
         check(sum == marked, "a list holds a slot twice", listed)?;
     }
-    let swept = parts.state.stats().path == Path::Lists && bits::count(parts.moved) == 0;
+    let swept = parts.state.stats().path == Path::Lists && parts.moved.count() == 0;
     if swept && listed == parts.state.live as usize {
         let axis = parts.state.list_axis as usize;
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
@@ -143,7 +143,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         for at in 0..leaf.len as usize {
             let record = parts.tree.records.at(leaf.start as usize + at);
             let slot = record.slot() as usize;
-            if bits::test(parts.moved, slot) {
+            if bits::test(parts.moved.words, slot) {
                 continue;
             }
             let bounds = swept.at(slot);
@@ -176,7 +176,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for at in 0..parts.state.large as usize {
         let front = parts.tree.fronts.at(parts.state.large_start as usize + at);
         let slot = front.slot as usize;
-        if bits::test(parts.moved, slot) {
+        if bits::test(parts.moved.words, slot) {
             continue;
         }
         check(front.bounds == swept.at(slot), "a large object's box is not its own", slot)?;
@@ -184,7 +184,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(parts.place.at(slot).at() == at, "a large object is not at its place", slot)?;
     }
     let all = members + parts.state.large as usize;
-    let moved = bits::count(parts.moved) > 0;
+    let moved = parts.moved.count() > 0;
     check(moved || all == parts.state.live as usize, "the tree does not hold every object once", all)?;
     cells(parts)
 }
@@ -253,7 +253,7 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for (at, pair) in parts.output.pairs.span(0, state.aside as usize).iter().enumerate() {
         check(is_clear_of(parts.awake, pair), "a pair of an object that is awake is set aside", at)?;
     }
-    if state.complete == 0 || state.crept != 0 || bits::count(parts.moved) > 0 {
+    if state.complete == 0 || state.crept != 0 || parts.moved.count() > 0 {
         return Ok(());
     }
     let overlap = |boxes: &[KeyBox], pair: &[I; 2]| boxes.at(pair[0].at()).overlaps(&boxes.at(pair[1].at()));

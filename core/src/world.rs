@@ -39,7 +39,7 @@ impl<I: Index> World<'_, I> {
         let shared = shared && !means.is_small();
         let means = if shared || means.is_small() { means } else { Means { executor: &alone, ..means } };
         let rejected = Self::take_in(parts, bounds, means);
-        let moved = bits::count(parts.moved);
+        let moved = parts.moved.count();
 
         let route = paths::choose(parts, moved);
         paths::refine_when_calm(parts, route.path, moved, means);
@@ -91,10 +91,10 @@ impl<I: Index> World<'_, I> {
             return Err(Error::PairsFull { needed: pairs });
         }
         results::remember(parts, means);
-        parts.moved.fill(0);
+        parts.moved.clear();
         parts.state.crept = 0;
         parts.state.outran = 0;
-        parts.filters.changed.fill(0);
+        parts.filters.changed.clear();
         parts.state.entered = 0;
         parts.state.touched = 0;
         Ok(())

@@ -41,8 +41,8 @@ impl<I: Index> World<'_, I> {
     fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let (has_tree, touched) = (self.has_tree(), self.parts.state.touched != 0);
         let all = 0..if has_tree { 0 } else { self.parts.state.slots as usize };
-        let moved = if has_tree && touched { &*self.parts.moved } else { &[] };
-        all.chain(bits::ones(moved)).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
+        let moved = (has_tree && touched).then(|| self.parts.moved.slots());
+        all.chain(moved.into_iter().flatten()).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
     }
 
     /// The large objects that the tree answers for.
@@ -62,7 +62,7 @@ impl<I: Index> World<'_, I> {
 /// Whether the tree's record of an object is that of its box.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
-    parts.state.touched == 0 || !bits::test(parts.moved, slot)
+    parts.state.touched == 0 || !bits::test(parts.moved.words, slot)
 }
 
 /// Records that are asked for ahead.
@@ -89,7 +89,7 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
         let bag = parts.tree.leaves.at(leaf);
         let eights = bag.eights(parts.tree.records);
-        let moved = if parts.state.touched != 0 { &*parts.moved } else { &[] };
+        let moved = if parts.state.touched != 0 { &*parts.moved.words } else { &[] };
         Self { simd, moved, eights, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 

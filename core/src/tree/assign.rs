@@ -103,7 +103,7 @@ fn count_at<I: Index>(
         Chunks::new(&mut found, 1),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, slots.div_ceil(len), &|| {
+    exec::run(executor, scratches, slots.div_ceil(len.max(1)), &|| {
         while let Some((block, (homes, tally, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
             let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
@@ -242,7 +242,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
         Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, slots.div_ceil(len), &|| {
+    exec::run(executor, scratches, slots.div_ceil(len.max(1)), &|| {
         while let Some((block, (places, tally))) = claims.claim() {
             let first = block * len;
             let boxes = boxes.span(first, places.len());

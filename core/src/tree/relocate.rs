@@ -3,7 +3,7 @@
 use super::assign::enlarge;
 use super::lend::lend;
 use super::{Front, home_of};
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
 use crate::key::KeyBox;
@@ -23,7 +23,7 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<usize> {
         let parts = self.0;
-        let count = bits::list(parts.moved, parts.order[1]);
+        let count = parts.moved.list(parts.order[1]);
         parts.state.stale_lists = 1;
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
