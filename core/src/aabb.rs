@@ -210,9 +210,9 @@ impl<'a> Boxes<'a> {
         self.bytes.get(index * self.stride..).unwrap_or_default()
     }
 
-    /// Those behind the first of some items.
+    /// Those after the first of some items.
     #[inline(always)]
-    pub(crate) fn next(&self, items: &'a [u8]) -> &'a [u8] {
+    pub(crate) fn items_after(&self, items: &'a [u8]) -> &'a [u8] {
         items.get(self.stride..).unwrap_or_default()
     }
 

@@ -7,8 +7,7 @@ use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
-use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
-use crate::marks::GROUP;
+use crate::layout::{SLOT_BLOCKS, block_len};
 use crate::objects::{FatBoxes, Motions, Objects};
 use crate::storage::Parts;
 
@@ -42,11 +41,9 @@ pub(crate) fn ingest<I: Index>(
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
-    // Whole groups of the marks, whole cache lines of the boxes.
-    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(GROUP).max(SLOTS_PER_BLOCK);
+    let len = block_len(slots);
     let margins = &*parts.boxes.margins;
     let mut found = [Intake::default(); SLOT_BLOCKS];
-    let blocks = slots.div_ceil(len);
     let claims = Claims::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         Chunks::optional(parts.boxes.fat, len),
@@ -54,7 +51,7 @@ pub(crate) fn ingest<I: Index>(
         parts.changed.blocks(len),
         Chunks::new(&mut found, 1),
     ));
-    exec::run(executor, parts.sizes.workers, blocks, &|| {
+    exec::run(executor, parts.sizes.workers, claims.count(), &|| {
         while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
@@ -122,7 +119,7 @@ fn take_in<S: Simd>(
     let mut items = bounds.items_from(first + word * 32);
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
-        items = bounds.next(items);
+        items = bounds.items_after(items);
         let skipped = resting & 1 != 0 || old.is_empty();
         (changed, resting) = (changed >> 1, resting >> 1);
         if skipped {

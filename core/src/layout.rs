@@ -9,7 +9,7 @@ use crate::config::Config;
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
-use crate::marks::Marks;
+use crate::marks::{GROUP, Marks};
 use crate::state::State;
 use crate::sweep::scratch;
 use crate::sweep::strips::{Member, Planes};
@@ -43,12 +43,17 @@ pub(crate) const FINER: u32 = 3;
 pub(crate) const ROOM: u32 = 4 << FINER;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
-/// The fewest slots in a block.
-pub(crate) const SLOTS_PER_BLOCK: usize = 1024;
+/// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.
+const SLOTS_PER_BLOCK: usize = GROUP;
 /// Leaves in a block of the passes over all leaves, in a full step.
 pub(crate) const LEAVES_PER_BLOCK: usize = 2;
 /// Pairs that parallel workers write at a time.
 pub(crate) const CHUNK: usize = 512;
+
+/// Slots in a block of the passes over so many.
+pub(crate) fn block_len(slots: usize) -> usize {
+    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
+}
 
 /// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
 /// space or the number of workers (1 to 32) does not allow it.
@@ -224,5 +229,18 @@ pub(crate) const fn section<T>(count: usize) -> Option<usize> {
     match count.checked_mul(size_of::<T>()) {
         Some(bytes) => bytes.checked_next_multiple_of(ALIGN),
         None => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_few_and_whole() {
+        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
+            let len = block_len(slots);
+            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(GROUP), "{slots}: {len}");
+        }
     }
 }

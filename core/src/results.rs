@@ -13,8 +13,8 @@ use crate::exec;
 use crate::filter::FILTERS;
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
-use crate::layout::{SLOT_BLOCKS, SLOTS_PER_BLOCK};
-use crate::marks::{GROUP, Marks};
+use crate::layout::block_len;
+use crate::marks::Marks;
 use crate::paths::Means;
 use crate::resting::is_clear_of;
 use crate::sort::heapsort;
@@ -39,7 +39,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complet
         persisting = partition(means, pairs, Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
         let asked = &*parts.filters.changed.words;
-        let lost = if FILTERS && !parts.filters.changed.is_clear() {
+        let lost = if FILTERS && parts.filters.changed.count() > 0 {
             let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
@@ -64,10 +64,9 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     if means.is_small() {
         return remember_block(boxes, before, parts.changed.lend());
     }
-    let len = before.len().div_ceil(SLOT_BLOCKS).next_multiple_of(GROUP).max(SLOTS_PER_BLOCK);
-    let blocks = before.len().div_ceil(len);
+    let len = block_len(before.len());
     let claims = Claims::new((Chunks::new(before, len), parts.changed.blocks(len)));
-    exec::run(means.executor, means.workers, blocks, &|| {
+    exec::run(means.executor, means.workers, claims.count(), &|| {
         while let Some((block, (before, changed))) = claims.claim() {
             remember_block(boxes.span(block * len, before.len()), before, changed.into());
         }

@@ -114,6 +114,11 @@ impl<P: Parted> Claims<P> {
         Self { parts, count, next: AtomicU32::new(0) }
     }
 
+    /// How many parts there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count as usize
+    }
+
     /// How many parts have been claimed. Final only after the last job has ended.
     pub(crate) fn claimed(&self) -> usize {
         self.next.load(Relaxed).min(self.count) as usize

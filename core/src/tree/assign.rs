@@ -15,7 +15,7 @@ use crate::exec::{self, Executor};
 use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
-use crate::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, SLOTS_PER_BLOCK, tally_row};
+use crate::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
 use crate::storage::Parts;
 use crate::tree::{Frame, Record};
 
@@ -47,12 +47,6 @@ impl Census {
         let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
         self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
     }
-}
-
-/// Slots in a block.
-fn block_len(slots: usize) -> usize {
-    // Whole cache lines of homes and places.
-    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(64).max(SLOTS_PER_BLOCK)
 }
 
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which fronts and large
@@ -103,7 +97,7 @@ fn count_at<I: Index>(
         Chunks::new(&mut found, 1),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, slots.div_ceil(len.max(1)), &|| {
+    exec::run(executor, scratches, claims.count(), &|| {
         while let Some((block, (homes, tally, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
             let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
@@ -242,7 +236,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
         Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, slots.div_ceil(len.max(1)), &|| {
+    exec::run(executor, scratches, claims.count(), &|| {
         while let Some((block, (places, tally))) = claims.claim() {
             let first = block * len;
             let boxes = boxes.span(first, places.len());
@@ -322,7 +316,7 @@ fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Execut
     let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
     let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
-    exec::run(executor, parts.sizes.workers, leaves.div_ceil(LEAVES_PER_BLOCK), &|| {
+    exec::run(executor, parts.sizes.workers, claims.count(), &|| {
         while let Some((block, nodes)) = claims.claim() {
             for (offset, node) in nodes.iter_mut().enumerate() {
                 let index = block * LEAVES_PER_BLOCK + offset;
@@ -376,17 +370,4 @@ pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
     }
     census.extent.make_finite();
     census
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_are_few_and_whole() {
-        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
-            let len = block_len(slots);
-            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(64), "{slots}: {len}");
-        }
-    }
 }
