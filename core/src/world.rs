@@ -179,10 +179,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::StaleId`] or [`Error::BadBox`]; the object keeps its box.
     pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
-        let slot = self.slot_of(id)?;
-        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
-        self.accept(slot, bounds);
-        Ok(())
+        self.update_many(&[id], Boxes::new(&[aabb]))
     }
 
     /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
@@ -246,11 +243,19 @@ impl<I: Index> World<'_, I> {
             self.slot_of(*id)?;
         }
         check_all(&boxes)?;
+        let parts = &mut self.parts;
+        for id in ids {
+            parts.state.touched = 1;
+            bits::clear(parts.resting, id.slot() as usize);
+        }
+        let mut objects = parts.objects();
         for (index, id) in ids.iter().enumerate() {
             if let Some(bounds) = boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
-                self.accept(id.slot() as usize, bounds);
+                objects.accept(id.slot() as usize, bounds);
             }
         }
+        let told = objects.fat.told;
+        parts.state.note(told);
         Ok(())
     }
 
@@ -312,15 +317,6 @@ impl<I: Index> World<'_, I> {
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
-    }
-
-    fn accept(&mut self, slot: usize, bounds: KeyBox) {
-        self.parts.state.touched = 1;
-        bits::clear(self.parts.resting, slot);
-        let mut objects = self.parts.objects();
-        objects.accept(slot, bounds);
-        let told = objects.fat.told;
-        self.parts.state.note(told);
     }
 
     fn leave(&mut self, slot: usize) {

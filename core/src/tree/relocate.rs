@@ -2,7 +2,7 @@
 
 use super::assign::enlarge;
 use super::lend::lend;
-use super::{Front, home_of};
+use super::{Cell, Front, home_of};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::id::Index;
@@ -67,9 +67,14 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         return true;
     }
     let keys = simd.keys(&bounds);
-    let stays = home != I::NONE && parts.tree.cells.at(home.at()).standing(simd, keys).is_home();
-    let leaf = if stays { home.at() } else { home_of(parts.tree.planes, parts.state, &bounds.min) };
-    if parts.tree.cells.at(leaf).standing(simd, keys).is_large() {
+    let mut leaf = home.at();
+    let mut cell = if home == I::NONE { Cell::NOWHERE } else { parts.tree.cells.at(leaf) };
+    let stays = cell.standing(simd, keys).is_home();
+    if !stays {
+        leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
+        cell = parts.tree.cells.at(leaf);
+    }
+    if cell.standing(simd, keys).is_large() {
         withdraw(parts, slot);
         return admit_large(parts, slot, &bounds);
     }
@@ -135,17 +140,21 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
     true
 }
 
-/// Orders the list of movers by their leaves, the large ones last, and drops those that are no more: their slots are in the
-/// first of the sorted lists then, their leaves in the last. Returns how many there are. O(movers + leaves).
+/// Orders the list of movers by their leaves, or if they are few by the leaves of the last full step, the large ones last, and
+/// drops those that are no more: their slots are in the first of the sorted lists then, their leaves in the last. Returns how
+/// many there are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
+    // A count for each leaf takes longer than movers that find the leaves around them one by one.
+    let coarser = if count < leaves / 4 { parts.state.finer() } else { 0 };
+    let leaves = leaves >> coarser;
     let starts = parts.tree.tally.span_mut(0, leaves + 2);
     starts.fill(0);
     let [list, movers, homes] = &mut parts.order;
     let movers = movers.span(0, count);
     let all = &*parts.home;
     // Those that are no more come behind the others.
-    let place_of = |home: I| if home == I::NONE { leaves + 1 } else { home.at().min(leaves) };
+    let place_of = |home: I| if home == I::NONE { leaves + 1 } else { (home.at() >> coarser).min(leaves) };
     for slot in movers {
         let place = place_of(all.at(slot.at()));
         starts.put(place, starts.at(place) + 1);

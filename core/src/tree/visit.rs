@@ -14,6 +14,9 @@ pub(crate) struct Visit<'v> {
     nodes: &'v [KeyBox],
     first: u32,
     region: KeyBox,
+    /// Where it started, and on which levels above what stands beside the way is to be visited: a bit each.
+    leaf: u32,
+    beside: u32,
     stack: [u32; STACK],
     waiting: usize,
 }
@@ -31,27 +34,34 @@ impl<'v> Visit<'v> {
     ) -> Self {
         let first = 1 << depth;
         let leaf = first | leaf as u32;
-        let mut stack = [0; STACK];
-        let mut waiting = 0;
-        // All that stands beside the way, the deepest last.
-        for level in (0..depth).rev() {
-            let beside = leaf >> level ^ 1;
-            // Written always, and kept or not, so that nothing depends on a guess of the branch predictor.
-            stack.put(waiting, beside);
-            waiting += usize::from(simd.overlap(KeyBox::of(nodes, beside as usize), &region));
+        let mut beside = 0;
+        for level in 0..depth {
+            let node = KeyBox::of(nodes, (leaf >> level ^ 1) as usize);
+            beside |= u32::from(simd.overlap(node, &region)) << level;
         }
-        stack.put(waiting, leaf);
-        Self { nodes, first, region, stack, waiting: waiting + 1 }
+        let mut stack = [0; STACK];
+        stack[0] = leaf;
+        Self { nodes, first, region, leaf, beside, stack, waiting: 1 }
     }
 
     #[inline(always)]
     pub(crate) fn next<S: Simd>(&mut self, simd: S) -> Option<usize> {
         // In variables, so that they stay in registers.
-        let Self { nodes, first, region, stack, waiting } = self;
+        let Self { nodes, first, region, leaf, beside, stack, waiting } = self;
         let mut count = *waiting;
-        while count > 0 {
-            count -= 1;
-            let node = stack.at(count);
+        loop {
+            let node = if count > 0 {
+                count -= 1;
+                stack.at(count)
+            } else if *beside != 0 {
+                // The deepest first.
+                let level = beside.trailing_zeros();
+                *beside &= *beside - 1;
+                *leaf >> level ^ 1
+            } else {
+                *waiting = 0;
+                return None;
+            };
             if node >= *first {
                 *waiting = count;
                 return Some((node - *first) as usize);
@@ -61,7 +71,5 @@ impl<'v> Visit<'v> {
                 count += usize::from(simd.overlap(KeyBox::of(nodes, child as usize), region));
             }
         }
-        *waiting = 0;
-        None
     }
 }
