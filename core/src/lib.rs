@@ -31,7 +31,7 @@
 //! |---|---|
 //! | pre-sorted, shared linked lists | `links` |
 //! | construction of the KD-tree | `tree::build`, `tree::cells` |
-//! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::balance` |
+//! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::tighten`, `tree::balance` |
 //! | temporal inference: dynamic and static objects | `objects`, `ingest`, `paths`, `resting`, `results` |
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |

@@ -25,6 +25,7 @@ use crate::tree::assign::Census;
 use crate::tree::cells::longest_axis;
 use crate::tree::refine::{Refine, coarsen};
 use crate::tree::relocate::{Relocate, order_movers};
+use crate::tree::tighten::Tighten;
 use crate::tree::{Frame, assign, balance};
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
@@ -244,6 +245,7 @@ fn list_of<'o, I: Index>(order: &'o mut [&mut [I]; 3], axis: usize, state: &Stat
 fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progress> {
     means.executor.enter(Stage::Fill);
     let moved = means.kernels.run(Relocate(parts))?;
+    means.kernels.run(Tighten { parts, movers: moved });
     let count = order_movers(parts, moved);
     let kept = resting::carry(parts);
     means.executor.enter(Stage::Sweep);

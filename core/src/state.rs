@@ -165,8 +165,8 @@ pub(crate) struct State {
     /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
     /// first.
     pub(crate) refined: u32,
-    /// Fills the gap before a number of eight bytes.
-    unused: u32,
+    /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
+    pub(crate) tightened: u32,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u32,
     /// First large object among the fronts, and how many there are.

@@ -1,6 +1,6 @@
 //! The tree to look at, and what becomes of it when many objects come or go at once.
 
-use trisap_core::{Aabb, Config, Index, Margin, Path, PlaneView, World};
+use trisap_core::{Aabb, Choice, Config, Index, Kernels, Margin, Path, PlaneView, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Brownian, Rng, shifted};
@@ -163,6 +163,47 @@ fn bulk_changes_spoil_nothing() {
                 world.insert_many(&new);
                 go_on(&mut world, "after the insertion");
             }
+        }
+    }
+}
+
+/// Movers that are larger than all else go everywhere: afterwards small ones are tested as seldom as before.
+#[test]
+fn boxes_around_members_become_tight_again() {
+    let count = 3000;
+    let side = scenes::side(count);
+    for kernels in Kernels::all() {
+        for fine in [Choice::Always, Choice::Never] {
+            let setup = Setup { kernels, jobs: Jobs::Serial };
+            let config = Config::new(ample(count, 40 * count)).with_fine_leaves(fine);
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = Checked::<u32>::new(slab.world(&config));
+            let scene = scenes::uniform(count, 6);
+            let ids = world.insert_many(&scene);
+            world.step(setup);
+            let movers = &ids[..count / 10];
+            // To somewhere near, and back.
+            let near: Vec<Aabb> =
+                scene.iter().take(movers.len()).map(|aabb| shifted(aabb, [0.1; 3])).collect();
+            let tests = |world: &mut Checked<'_, u32>| {
+                for boxes in [&near[..], &scene[..movers.len()]] {
+                    world.update_many(movers, boxes);
+                    assert_eq!(world.step(setup).stats.path, Path::Movers);
+                }
+                world.world().stats().candidates
+            };
+            let before = (0..5).map(|_| tests(&mut world)).last().expect("a count");
+            let rng = &mut Rng::new(7);
+            for _ in 0..10 {
+                let anywhere: Vec<Aabb> =
+                    movers.iter().map(|_| scenes::at(rng.point(0.0, side), [5.0; 3])).collect();
+                world.update_many(movers, &anywhere);
+                assert_eq!(world.step(setup).stats.path, Path::Movers);
+            }
+            let grown = tests(&mut world);
+            let after = (0..30).map(|_| tests(&mut world)).last().expect("a count");
+            assert!(grown * 4 > before * 5, "{grown} tests, {before} before, {fine:?}");
+            assert!(after * 20 < before * 21, "{after} tests, {before} before, {fine:?}");
         }
     }
 }

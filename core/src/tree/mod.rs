@@ -8,8 +8,8 @@
 //!   grown out of balance.
 //! * A node that would not gain from a split has a plane that nobody reaches: its objects all go to the left
 //!   (errata E11 and E14).
-//! * Each node down to the leaves of a full step has a box around its members, which only grows until the next one:
-//!   what looks for objects near a box or along a line walks by these boxes, and planes only tell where an object is at home.
+//! * Each node down to the leaves of a full step has a box around its members, which movers make larger, and which is made
+//!   tight again after a while ([`tighten`]): what looks for objects near a box or along a line walks by these boxes, and planes only tell where an object is at home.
 //!
 //! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`; at depth `d` leaf
 //! `l` is node `2^d + l`.
@@ -21,6 +21,7 @@ pub(crate) mod cells;
 pub(crate) mod lend;
 pub(crate) mod refine;
 pub(crate) mod relocate;
+pub(crate) mod tighten;
 pub(crate) mod visit;
 
 use crate::access::Access;
