@@ -9,7 +9,8 @@
 //! * A node that would not gain from a split has a plane that nobody reaches: its objects all go to the left
 //!   (errata E11 and E14).
 //! * Each node down to the leaves of a full step has a box around its members, which movers make larger, and which is made
-//!   tight again after a while ([`tighten`]): what looks for objects near a box or along a line walks by these boxes, and planes only tell where an object is at home.
+//!   tight again after a while ([`tighten`]): what looks for objects near a box or along a line walks by these boxes, and
+//!   planes only tell where an object is at home.
 //!
 //! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`; at depth `d` leaf
 //! `l` is node `2^d + l`.

@@ -27,12 +27,14 @@ impl<I: Index> Phase for Tighten<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { parts, movers } = self;
         let leaves = 1usize << parts.state.depth;
-        let start = parts.state.tightened as usize;
+        // There may have been more leaves, and counts of powers of two are cut to such a count by a mask.
+        let all = leaves * MOVERS_PER_LEAF;
+        let start = parts.state.tightened as usize & (all - 1);
         let end = start + movers;
         for turn in start / MOVERS_PER_LEAF..end / MOVERS_PER_LEAF {
             tighten(simd, parts, turn & (leaves - 1));
         }
-        parts.state.tightened = (end & (leaves * MOVERS_PER_LEAF - 1)) as u32;
+        parts.state.tightened = (end & (all - 1)) as u32;
     }
 }
 
