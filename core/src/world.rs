@@ -179,7 +179,10 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::StaleId`] or [`Error::BadBox`]; the object keeps its box.
     pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
-        self.update_many(&[id], Boxes::new(&[aabb]))
+        self.slot_of(id)?;
+        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+        self.accept(&[id], [bounds].into_iter());
+        Ok(())
     }
 
     /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
@@ -243,19 +246,8 @@ impl<I: Index> World<'_, I> {
             self.slot_of(*id)?;
         }
         check_all(&boxes)?;
-        let parts = &mut self.parts;
-        for id in ids {
-            parts.state.touched = 1;
-            bits::clear(parts.resting, id.slot() as usize);
-        }
-        let mut objects = parts.objects();
-        for (index, id) in ids.iter().enumerate() {
-            if let Some(bounds) = boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
-                objects.accept(id.slot() as usize, bounds);
-            }
-        }
-        let told = objects.fat.told;
-        parts.state.note(told);
+        let bounds = |index| boxes.get(index).as_ref().and_then(KeyBox::from_aabb);
+        self.accept(ids, (0..boxes.len()).filter_map(bounds));
         Ok(())
     }
 
@@ -317,6 +309,21 @@ impl<I: Index> World<'_, I> {
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
+    }
+
+    /// Gives living objects other boxes.
+    fn accept(&mut self, ids: &[Id], boxes: impl Iterator<Item = KeyBox>) {
+        let parts = &mut self.parts;
+        for id in ids {
+            parts.state.touched = 1;
+            bits::clear(parts.resting, id.slot() as usize);
+        }
+        let mut objects = parts.objects();
+        for (id, bounds) in ids.iter().zip(boxes) {
+            objects.accept(id.slot() as usize, bounds);
+        }
+        let told = objects.fat.told;
+        parts.state.note(told);
     }
 
     fn leave(&mut self, slot: usize) {

@@ -9,7 +9,7 @@ use crate::key::KeyBox;
 use crate::layout::LEAF_TARGET;
 use crate::storage::Parts;
 
-/// Movers for each leaf of a full step that gets new boxes: a look at one member for four movers, 1 % of what they cost.
+/// Movers for each leaf of a full step that gets new boxes: a look at about one member for four movers.
 const MOVERS_PER_LEAF: usize = 4 * LEAF_TARGET;
 /// How many members ahead boxes are asked for: they are anywhere in memory.
 const AHEAD: usize = 16;
@@ -27,7 +27,8 @@ impl<I: Index> Phase for Tighten<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { parts, movers } = self;
         let leaves = 1usize << parts.state.depth;
-        // There may have been more leaves, and counts of powers of two are cut to such a count by a mask.
+        // A power of two, so that a mask keeps counts below it. Before, there may have been more leaves; and a snapshot can say
+        // anything.
         let all = leaves * MOVERS_PER_LEAF;
         let start = parts.state.tightened as usize & (all - 1);
         let end = start + movers;
