@@ -1,6 +1,6 @@
 //! Times of whole steps: `cargo bench -p trisap-core`, or a part of it as in `cargo bench -p trisap-core -- degenerate`.
 //!
-//! Every benchmark hands over all boxes of the next frame; frames run forwards and backwards in turn. The pairs of a
+//! Every benchmark but `crowd` hands over all boxes of the next frame; frames run forwards and backwards in turn. The pairs of a
 //! degenerate world are printed beside its time as throughput, since most of its cost is writing them.
 
 // The macro of criterion makes a public function.
@@ -9,7 +9,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, Serial, World, layout};
 
 /// What a slab is made of: its alignment is that of a world.
 #[repr(C, align(64))]
@@ -157,6 +157,64 @@ fn movers(criterion: &mut Criterion) {
     });
 }
 
+/// Objects of a crowd of which nearly all rest, and how many do not.
+const CROWD: usize = 1_000_000;
+const RESTLESS: usize = 1000;
+
+/// Where a cube goes in the next frame, from a random number, where it is, and a pace of its own.
+type Motion = fn(&mut Random, [f32; 3], [f32; 3]) -> [f32; 3];
+
+/// By up to a tenth of its size on each axis, another way in each frame or straight on; or anywhere.
+const MOTIONS: [(&str, Motion); 3] = [
+    ("to and fro", |random, from, _| onwards(from, random.corner(0.2))),
+    ("straight on", |_, from, pace| onwards(from, pace)),
+    ("anywhere", |random, _, _| random.corner(side(CROWD))),
+];
+
+fn onwards(from: [f32; 3], pace: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|k| from[k] + pace[k] - 0.1)
+}
+
+/// Only those who move are handed over; with found and lost pairs. Those who move have a margin, or nobody has.
+fn crowd(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("crowd");
+    let (boxes, kernels) = (cubes(CROWD), Kernels::detect());
+    let movers: Frame = boxes.iter().copied().step_by(CROWD / RESTLESS).collect();
+    let plain = config(CROWD, 4 * CROWD).with_events();
+    for (margin, config) in [("no margin", plain), ("margin 0.3", plain.with_margin(Margin::length(0.0)))] {
+        let mut fixture = Fixture::new(config);
+        let mut world = fixture.world(&boxes, kernels);
+        let slots = (0..CROWD as u32).step_by(CROWD / RESTLESS);
+        let ids: Vec<Id> = slots.filter_map(|slot| world.id_at(slot)).collect();
+        for id in &ids {
+            world.set_margin(*id, 0.3).expect("a living object");
+        }
+        for (name, motion) in MOTIONS {
+            let mut random = Random(13);
+            let paces: Vec<[f32; 3]> = movers.iter().map(|_| random.corner(0.2)).collect();
+            let mut frames = vec![movers.clone()];
+            while frames.len() < 64 {
+                let last = frames[frames.len() - 1].iter().zip(&paces);
+                let next = last.map(|(aabb, pace)| cube(motion(&mut random, aabb.min, *pace), 1.0)).collect();
+                frames.push(next);
+            }
+            let order: Vec<usize> = (1..frames.len()).chain((0..frames.len() - 1).rev()).collect();
+            let mut next = order.iter().cycle();
+            let mut step = || {
+                let frame = &frames[*next.next().unwrap_or(&0)];
+                world.update_many(&ids, Boxes::new(frame)).expect("living objects");
+                let step = world.step(kernels, &Serial).expect("room for the pairs");
+                black_box(step.found().len() + step.lost().len())
+            };
+            // Until all leaves are divided.
+            for _ in 0..200 {
+                step();
+            }
+            group.bench_function(BenchmarkId::new(name, margin), |bencher| bencher.iter(&mut step));
+        }
+    }
+}
+
 fn churn(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("churn");
     for count in [8000, 32_000] {
@@ -240,6 +298,6 @@ criterion_group! {
         .sample_size(30)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = build, full, movers, churn, small, degenerate
+    targets = build, full, movers, crowd, churn, small, degenerate
 }
 criterion_main!(benches);

@@ -117,6 +117,7 @@ impl<I: Index> World<'_, I> {
     fn ask_again(&mut self, slot: usize) {
         self.parts.filters.changed.set(slot);
         self.parts.moved.set(slot);
+        self.parts.changed.set(slot);
         self.parts.state.touched = 1;
     }
 }

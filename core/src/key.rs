@@ -37,7 +37,11 @@ const SHORTEST: f32 = f32::from_bits(27 << 23);
 /// The length from one key to a higher one.
 #[inline]
 pub(crate) fn length(low: i32, high: i32) -> f32 {
-    let length = value(high) - value(low);
+    flushed(value(high) - value(low))
+}
+
+#[inline(always)]
+fn flushed(length: f32) -> f32 {
     if length < SHORTEST { 0.0 } else { length }
 }
 
@@ -155,12 +159,15 @@ impl KeyBox {
     /// farther away than four margins and half of the box. It is never farther than two margins from a box of the size
     /// that it was anchored at, and rounding at most doubles a margin.
     pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
-        !on_all_axes(|k| {
-            let near = 4.0 * margin + 0.5 * length(inner.min[k], inner.max[k]);
+        let (low, high) = (self.min.map(value), self.max.map(value));
+        let (min, max) = (inner.min.map(value), inner.max.map(value));
+        let mut dwarfs = false;
+        for k in 0..3 {
+            let near = 4.0 * margin + 0.5 * flushed(max[k] - min[k]);
             // Not so of NaN, which is between infinities.
-            let far = |low, high| length(low, high) > near;
-            !(far(self.min[k], inner.min[k]) | far(inner.max[k], self.max[k]))
-        })
+            dwarfs |= (flushed(min[k] - low[k]) > near) | (flushed(high[k] - max[k]) > near);
+        }
+        dwarfs
     }
 
     /// The largest extent as a length, infinite where the box is unbounded.

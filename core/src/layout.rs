@@ -5,7 +5,7 @@
 
 use crate::access::bits;
 use crate::arch::EIGHT;
-use crate::config::Config;
+use crate::config::{Config, Mode};
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
@@ -78,6 +78,9 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
+    /// Objects of which is known whether the reported box has changed: for the events, and for the pairs that are set aside
+    /// though boxes change inside their fat boxes.
+    pub(crate) changed: usize,
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,
     pub(crate) classes: usize,
@@ -125,10 +128,12 @@ impl Sizes {
             depth += FINER;
         }
         let leaves = if tree > 0 { 1 << depth } else { 0 };
+        let creeping = config.margin.is_some() && matches!(config.mode, Mode::Exact);
         Some(Self {
             objects,
             fat: if config.margin.is_some() { objects } else { 0 },
             before: if config.events { objects } else { 0 },
+            changed: if config.events || creeping && tree > 0 { objects } else { 0 },
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
             tree,
@@ -176,7 +181,7 @@ impl Sizes {
         plan.add::<u32>(Marks::len(self.filters));
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * bits::words(objects) + Marks::len(objects));
-        plan.add::<u32>(Marks::len(self.before));
+        plan.add::<u32>(Marks::len(self.changed));
         plan.add::<u32>(bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);

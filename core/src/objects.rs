@@ -87,11 +87,9 @@ impl Objects<'_> {
 
     /// Anchors the fat box at the current box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox, margin: f32) {
-        if self.mode == Mode::Fat {
-            self.changed.set(at);
-        }
         self.fat.boxes.put(at, bounds.grown(margin));
         self.moved.set(at);
+        self.changed.set(at);
     }
 
     /// The object goes; `next` is the free slot behind it.

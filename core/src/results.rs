@@ -52,7 +52,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complet
         parts.state.lost = lost as u64;
     }
     parts.state.swept_pairs = swept as u64;
-    parts.state.result_pairs = (aside + result) as u64;
+    parts.state.result_pairs = (aside + result) as u64 - u64::from(parts.state.surplus_aside);
     parts.state.found = (result - persisting) as u64;
 }
 
@@ -63,6 +63,9 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
     if means.is_small() {
         return remember_block(boxes, before, parts.changed.lend());
+    }
+    if before.is_empty() {
+        return parts.changed.clear();
     }
     let len = block_len(before.len());
     let claims = Claims::new((Chunks::new(before, len), parts.changed.blocks(len)));

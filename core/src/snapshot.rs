@@ -27,7 +27,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0004;
+const MAGIC: u64 = 0x7472_6973_6170_0005;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -201,11 +201,14 @@ fn in_range<I: Index>(parts: &Parts<'_, I>) -> bool {
         && (state.filled == 0 || state.planted > 0)
         && state.settled <= u64::from(state.planted).pow(2)
         && state.large_start as u64 + u64::from(state.large) <= sizes.fronts as u64;
+    let aside = u64::from(state.aside);
+    let result_end = u64::from(state.surplus_aside).saturating_add(state.result_pairs);
     let pairs = state.swept_pairs <= sizes.pairs as u64
-        && state.result_pairs <= state.swept_pairs
-        && state.aside <= state.result_pairs
+        && result_end <= state.swept_pairs
+        && state.surplus_aside <= state.aside
+        && aside <= result_end
         && (state.aside == 0 || sizes.tree > 0)
-        && state.found <= state.result_pairs - state.aside
+        && state.found <= result_end - aside
         && state.previous_result <= sizes.previous as u64
         && state.lost <= state.previous_result;
     objects && tree && pairs

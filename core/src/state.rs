@@ -180,16 +180,20 @@ pub(crate) struct State {
     /// Whether the caller has ever put an object to rest.
     pub(crate) resting: u32,
     /// Whether an object has come since the last complete step.
-    pub(crate) entered: u32,
+    pub(crate) entered: u16,
+    /// Whether a tight box has changed inside its fat box since the last complete step.
+    pub(crate) crept: u16,
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
     pub(crate) settled: u64,
 
     /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
     /// mode with a margin, the surplus.
     pub(crate) swept_pairs: u64,
-    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `resting`.
-    pub(crate) aside: u64,
-    /// The persisting and the found ones: the result.
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `resting`. The
+    /// surplus among them comes first.
+    pub(crate) aside: u32,
+    pub(crate) surplus_aside: u32,
+    /// All but the surplus: see [`result`](Self::result).
     pub(crate) result_pairs: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
@@ -199,8 +203,8 @@ pub(crate) struct State {
     pub(crate) complete: u32,
     /// Steps in a row in which few objects have moved.
     pub(crate) calm: u32,
-    /// Whether a tight box has changed inside its fat box since the last complete step.
-    pub(crate) crept: u32,
+    /// How many objects are awake, or more.
+    pub(crate) awake: u32,
     /// Boxes since the last complete step that outran their object's margin.
     pub(crate) outran: u32,
 
@@ -217,7 +221,7 @@ pub(crate) struct State {
     tied: u64,
 }
 
-const MAGIC: u32 = 0x7452_0004;
+const MAGIC: u32 = 0x7452_0005;
 
 // The bits of `State::flags`; a choice takes two.
 const EVENTS: u32 = 1;
@@ -365,8 +369,14 @@ impl State {
 
     /// Notes what boxes that came have meant to their objects.
     pub(crate) fn note(&mut self, told: Motions) {
-        self.crept |= u32::from(told.crept);
+        self.crept |= u16::from(told.crept);
         self.outran = self.outran.saturating_add(told.outran);
+    }
+
+    /// Where the result stands in the pair buffer.
+    pub(crate) fn result(&self) -> core::ops::Range<usize> {
+        let start = self.surplus_aside as usize;
+        start..start + self.result_pairs as usize
     }
 
     pub(crate) fn extent(&self) -> Extent {

@@ -28,9 +28,10 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) moved: Marks<'m>,
     /// One bit a slot: the caller has put the object to rest.
     pub(crate) resting: &'m mut [u32],
-    /// With events: the reported box has changed since the last complete step.
+    /// With events, and in an exact world with margins and a tree: the swept or the reported box has changed since the last
+    /// complete step, or a filter has.
     pub(crate) changed: Marks<'m>,
-    /// With a tree, one bit a slot: the object's pairs are not set aside. Means nothing where none are.
+    /// With a tree, one bit a slot: the object's pairs are not set aside.
     pub(crate) awake: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
     pub(crate) listed: &'m mut [u32],
@@ -148,7 +149,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let (listed, rest) = slab.take(2 * words + Marks::len(sizes.objects))?.split_at_mut_checked(words)?;
         let (resting, rest) = rest.split_at_mut_checked(words)?;
         let moved = Marks::carve(rest, sizes.objects)?;
-        let changed = Marks::carve(slab.take(Marks::len(sizes.before))?, sizes.before)?;
+        let changed = Marks::carve(slab.take(Marks::len(sizes.changed))?, sizes.changed)?;
         let awake = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;

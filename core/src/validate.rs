@@ -246,8 +246,8 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         state.swept_pairs as usize,
     )?;
     check(
-        state.aside <= state.result_pairs,
-        "more pairs are set aside than there are",
+        (state.surplus_aside as usize..=state.result().end).contains(&(state.aside as usize)),
+        "more pairs are set aside than there are, or fewer than their surplus",
         state.aside as usize,
     )?;
     for (at, pair) in parts.output.pairs.span(0, state.aside as usize).iter().enumerate() {
@@ -260,10 +260,9 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for (at, pair) in parts.output.pairs.span(0, state.swept_pairs as usize).iter().enumerate() {
         check(pair[0] < pair[1], "a pair is not in order", at)?;
         check(overlap(parts.boxes.swept(), pair), "a pair does not overlap", at)?;
-        let exact = (at as u64) < state.result_pairs;
         check(
-            !exact || overlap(parts.boxes.reported(state.mode()), pair),
-            "a reported pair does not overlap",
+            overlap(parts.boxes.reported(state.mode()), pair) == state.result().contains(&at),
+            "a pair overlaps and is surplus, or does not and is reported",
             at,
         )?;
     }

@@ -403,15 +403,16 @@ impl<I: Index> World<'_, I> {
     /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
-        self.parts.output.pairs.span(0, self.parts.state.result_pairs as usize)
+        let result = self.parts.state.result();
+        self.parts.output.pairs.span(result.start, result.len())
     }
 
     /// With events: the pairs that the last step has and the complete step before it had not. A pair of other objects in
     /// the same slots counts as another pair.
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
-        let state = &self.parts.state;
-        self.parts.output.pairs.span((state.result_pairs - state.found) as usize, state.found as usize)
+        let found = self.parts.state.found as usize;
+        self.parts.output.pairs.span(self.parts.state.result().end - found, found)
     }
 
     /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's

@@ -6,10 +6,11 @@ use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Rng, cube, on_x, shifted};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
-fn configs() -> [Config; 4] {
+fn configs() -> [Config; 5] {
     let plain = Config::new(ample(0, 0));
-    let margin = plain.with_margin(Margin::length(0.2)).with_events();
-    [plain, plain.with_events(), margin, margin.with_mode(Mode::Fat)]
+    let margin = plain.with_margin(Margin::length(0.2));
+    let events = margin.with_events();
+    [plain, plain.with_events(), margin, events, events.with_mode(Mode::Fat)]
 }
 
 /// Denser than a uniform scene, so that most objects have pairs.
@@ -111,7 +112,7 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
                 boxes[slot] = shifted(&boxes[slot], rng.point(-length, length));
             }
         }
-        match rng.below(9) {
+        match rng.below(10) {
             0 => {
                 let some: Vec<_> = ids.iter().copied().filter(|_| rng.once_in(2)).collect();
                 world.set_resting(&some);
@@ -122,6 +123,8 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
                 world.insert(boxes[ids[any(rng)].slot() as usize]);
             }
             3 => world.set_resting(&ids[..1]),
+            // Does nothing without margins.
+            4 => world.set_margin(ids[any(rng)], [0.0, 0.1, 0.5][rng.below(3)]),
             _ => {}
         }
         let handed_over = rng.once_in(3);
@@ -154,7 +157,7 @@ fn calm_and_busy_steps_in_all_orders() {
             mixture::<u16>(config, 1500, 60, setup);
         }
         mixture::<u32>(configs()[1], 5000, 48, setup);
-        mixture::<u16>(configs()[2], 5000, 36, setup);
+        mixture::<u16>(configs()[3], 5000, 36, setup);
     }
 }
 
