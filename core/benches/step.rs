@@ -181,15 +181,18 @@ fn crowd(criterion: &mut Criterion) {
     let (boxes, kernels) = (cubes(CROWD), Kernels::detect());
     let movers: Frame = boxes.iter().copied().step_by(CROWD / RESTLESS).collect();
     let plain = config(CROWD, 4 * CROWD).with_events();
-    for (margin, config) in [("no margin", plain), ("margin 0.3", plain.with_margin(Margin::length(0.0)))] {
+    let margins = plain.with_margin(Margin::length(0.0));
+    for (name, margin, config) in
+        [("no margin", 0.0, plain), ("margin 0.3", 0.3, margins), ("margin 0.5", 0.5, margins)]
+    {
         let mut fixture = Fixture::new(config);
         let mut world = fixture.world(&boxes, kernels);
         let slots = (0..CROWD as u32).step_by(CROWD / RESTLESS);
         let ids: Vec<Id> = slots.filter_map(|slot| world.id_at(slot)).collect();
         for id in &ids {
-            world.set_margin(*id, 0.3).expect("a living object");
+            world.set_margin(*id, margin).expect("a living object");
         }
-        for (name, motion) in MOTIONS {
+        for (motion_name, motion) in MOTIONS {
             let mut random = Random(13);
             let paces: Vec<[f32; 3]> = movers.iter().map(|_| random.corner(0.2)).collect();
             let mut frames = vec![movers.clone()];
@@ -210,7 +213,7 @@ fn crowd(criterion: &mut Criterion) {
             for _ in 0..200 {
                 step();
             }
-            group.bench_function(BenchmarkId::new(name, margin), |bencher| bencher.iter(&mut step));
+            group.bench_function(BenchmarkId::new(motion_name, name), |bencher| bencher.iter(&mut step));
         }
     }
 }
