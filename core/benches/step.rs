@@ -181,7 +181,7 @@ fn crowd(criterion: &mut Criterion) {
     let (boxes, kernels) = (cubes(CROWD), Kernels::detect());
     let movers: Frame = boxes.iter().copied().step_by(CROWD / RESTLESS).collect();
     let plain = config(CROWD, 4 * CROWD).with_events();
-    let margins = plain.with_margin(Margin::length(0.0));
+    let margins = plain.with_margin(Margin::length(0.0)).with_fixed_margins();
     for (name, margin, config) in
         [("no margin", 0.0, plain), ("margin 0.3", 0.3, margins), ("margin 0.5", 0.5, margins)]
     {

@@ -42,11 +42,12 @@ impl FatBoxes<'_> {
     /// as long as the rest of an intake.
     #[inline(never)]
     pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let (fat, margin) = (self.boxes.at(at), self.margins.at(at));
-        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
+        let fat = KeyBox::of(self.boxes, at);
+        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, self.margins.at(at))) {
             self.told.crept = true;
             return true;
         }
+        let margin = self.margins.at(at);
         // The last box says how fast the object is: a margin around it would not have held this one either.
         let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
         self.told.outran += u32::from(outran);
