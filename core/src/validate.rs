@@ -236,8 +236,8 @@ fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &parts.state;
     check(state.found <= state.result_pairs, "more pairs are found than there are", state.found as usize)?;
     check(
-        state.result_pairs <= state.swept_pairs,
-        "more pairs are exact than swept",
+        state.result().end as u64 <= state.swept_pairs,
+        "more pairs are exact, or surplus and set aside, than swept",
         state.swept_pairs as usize,
     )?;
     check(
