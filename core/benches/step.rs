@@ -7,14 +7,10 @@
 #![allow(missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use memmap2::MmapMut;
 use std::hint::black_box;
 use std::time::Duration;
 use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, Serial, World, layout};
-
-/// What a slab is made of: its alignment is that of a world.
-#[repr(C, align(64))]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Line([u8; 64]);
 
 /// Numbers from 0 to 1, the same in every run.
 struct Random(u64);
@@ -65,9 +61,9 @@ fn moving(first: Frame, share: f32, length: f32) -> Vec<Frame> {
     frames
 }
 
-/// A world in memory of its own.
+/// A world in memory of its own, on Linux in huge pages, as `OwnedWorld` of the crate `trisap` takes it.
 struct Fixture {
-    slab: Vec<Line>,
+    slab: MmapMut,
     config: Config,
     ids: Vec<Option<Id>>,
 }
@@ -75,14 +71,16 @@ struct Fixture {
 impl Fixture {
     fn new(config: Config) -> Self {
         let bytes = layout::<u32>(&config).expect("a layout").bytes;
-        let slab = vec![Line([0; 64]); bytes / 64];
+        let mut slab = MmapMut::map_anon(bytes.next_multiple_of(2 << 20)).expect("memory");
+        #[cfg(target_os = "linux")]
+        slab.advise(memmap2::Advice::HugePage).ok();
+        slab.fill(0);
         Self { slab, config, ids: vec![None; config.capacity.objects as usize] }
     }
 
     /// A world that has made one step over the boxes.
     fn world(&mut self, boxes: &[Aabb], kernels: Kernels) -> World<'_> {
-        let mut world =
-            World::new_in(bytemuck::cast_slice_mut(&mut self.slab), &self.config).expect("a world");
+        let mut world = World::new_in(&mut self.slab, &self.config).expect("a world");
         world.insert_many(Boxes::new(boxes), &mut self.ids).expect("room");
         world.step(kernels, &Serial).expect("room for the pairs");
         world
@@ -224,8 +222,7 @@ fn churn(criterion: &mut Criterion) {
         let boxes = cubes(count);
         let tenth = count / 10;
         let mut fixture = Fixture::new(config(count, 20 * count));
-        let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut fixture.slab), &fixture.config)
-            .expect("a world");
+        let mut world = World::<u32>::new_in(&mut fixture.slab, &fixture.config).expect("a world");
         world.insert_many(Boxes::new(&boxes), &mut fixture.ids).expect("room");
         let mut ids: Vec<Id> = fixture.ids.iter().flatten().copied().collect();
         let mut first = 0;

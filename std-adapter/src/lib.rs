@@ -24,6 +24,7 @@
 //! # Ok::<(), trisap::Error>(())
 //! ```
 
+mod memory;
 mod owned;
 #[cfg(feature = "rayon")]
 mod pool;

@@ -1,21 +1,17 @@
 //! A world that brings its own memory.
 
-use bytemuck::{Pod, Zeroable};
+use crate::memory::Memory;
 use core::fmt;
 use core::marker::PhantomData;
 use trisap_core::{Config, Error, Index, World, layout};
 
-/// As much memory as the strictest item of a world wants aligned.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C, align(64))]
-struct Block([u8; 64]);
-
-/// A world in heap memory of its own, allocated once.
+/// A world in memory of its own, allocated once: on Linux in huge pages if it has two MiB or more, else on the heap.
 ///
 /// It owns the slab and nothing else: [`OwnedWorld::world`] opens the [`World`] in it, as often as wanted. All
 /// state is in the slab, so that a world opened again goes on where the last one stopped.
 pub struct OwnedWorld<I: Index = u32> {
-    slab: Box<[Block]>,
+    slab: Memory,
+    bytes: usize,
     index: PhantomData<I>,
 }
 
@@ -23,24 +19,22 @@ impl<I: Index> OwnedWorld<I> {
     /// An empty world for `config`. Memory that cannot be had is [`Error::CapacityTooLarge`].
     pub fn new(config: &Config) -> Result<Self, Error> {
         let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
-        let blocks = bytes.div_ceil(size_of::<Block>());
-        let mut slab = bytemuck::allocation::try_zeroed_slice_box::<Block>(blocks)
-            .map_err(|()| Error::CapacityTooLarge)?;
-        World::<I>::new_in(bytemuck::cast_slice_mut(&mut slab), config)?;
-        Ok(Self { slab, index: PhantomData })
+        let mut slab = Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?;
+        World::<I>::new_in(&mut slab, config)?;
+        Ok(Self { slab, bytes, index: PhantomData })
     }
 
     /// The world in the slab.
     #[must_use]
     pub fn world(&mut self) -> World<'_, I> {
-        World::open(bytemuck::cast_slice_mut(&mut self.slab))
+        World::open(&mut self.slab)
             .expect("`new` made a world of this width, and nobody else can write to the slab")
     }
 
     /// The bytes of the slab.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val::<[Block]>(&self.slab)
+        self.bytes
     }
 }
 

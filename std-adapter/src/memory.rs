@@ -1,0 +1,67 @@
+//! The memory of an owned world: zeroed, aligned, and all of it backed from the start, so that no step waits for pages.
+
+use bytemuck::{Pod, Zeroable};
+use core::ops::{Deref, DerefMut};
+
+/// As much memory as the strictest item of a world wants aligned.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Block([u8; 64]);
+
+pub(crate) enum Memory {
+    Heap(Box<[Block]>),
+    #[cfg(target_os = "linux")]
+    Pages(memmap2::MmapMut),
+}
+
+impl Memory {
+    /// Zeroed memory of so many bytes or a few more; `None` if it cannot be had.
+    pub(crate) fn zeroed(bytes: usize) -> Option<Self> {
+        #[cfg(target_os = "linux")]
+        if bytes >= huge::PAGE {
+            return huge::zeroed(bytes).map(Self::Pages);
+        }
+        bytemuck::allocation::try_zeroed_slice_box(bytes.div_ceil(size_of::<Block>())).ok().map(Self::Heap)
+    }
+}
+
+impl Deref for Memory {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Heap(blocks) => bytemuck::cast_slice(blocks),
+            #[cfg(target_os = "linux")]
+            Self::Pages(pages) => pages,
+        }
+    }
+}
+
+impl DerefMut for Memory {
+    fn deref_mut(&mut self) -> &mut [u8] {
+        match self {
+            Self::Heap(blocks) => bytemuck::cast_slice_mut(blocks),
+            #[cfg(target_os = "linux")]
+            Self::Pages(pages) => pages,
+        }
+    }
+}
+
+/// Memory in huge pages. A step with few movers goes to a few dozen places in a large world for each of them, and where
+/// pages are small most of its time goes into the translation of their addresses.
+#[cfg(target_os = "linux")]
+mod huge {
+    use memmap2::{Advice, MmapMut};
+
+    /// The size of a huge page on most targets. Where it is another one, or where the system has none, pages are small.
+    pub(super) const PAGE: usize = 2 << 20;
+
+    pub(super) fn zeroed(bytes: usize) -> Option<MmapMut> {
+        // Whole huge pages: Linux aligns no others.
+        let mut memory = MmapMut::map_anon(bytes.checked_next_multiple_of(PAGE)?).ok()?;
+        // Refused where the system has no huge pages; then small ones do.
+        let _ = memory.advise(Advice::HugePage);
+        memory.fill(0);
+        Some(memory)
+    }
+}
