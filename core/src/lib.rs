@@ -32,7 +32,7 @@
 //! | pre-sorted, shared linked lists | `links` |
 //! | construction of the KD-tree | `tree::build`, `tree::cells` |
 //! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::tighten`, `tree::balance` |
-//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `paths`, `resting`, `results` |
+//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `resting`, `paths`, `carry`, `results` |
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |
 //!
@@ -49,6 +49,7 @@ mod aabb;
 mod access;
 #[allow(unsafe_code)]
 mod arch;
+mod carry;
 mod config;
 mod error;
 mod exec;

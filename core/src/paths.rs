@@ -3,6 +3,7 @@
 //! All give the same set. Which one is cheapest follows from counts alone, so equal calls choose equally.
 
 use crate::access::Access;
+use crate::carry;
 use crate::config::Choice;
 use crate::exec::{Executor, Stage};
 use crate::filter::{Gate, Rule};
@@ -11,7 +12,6 @@ use crate::kernels::Kernels;
 use crate::key::{KeyBox, length};
 use crate::layout::{LEAVES_PER_BLOCK, ONE_LEAF};
 use crate::links;
-use crate::resting;
 use crate::state::{Path, Progress, Reason, Route, State};
 use crate::storage::Parts;
 use crate::sweep::Collector;
@@ -127,12 +127,12 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Mean
 /// Nothing has moved: all pairs stay.
 fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
     let leaves = parts.state.leaves();
-    Progress { pairs: resting::carry(parts), leaves, ..Progress::default() }
+    Progress { pairs: carry::carry(parts), leaves, ..Progress::default() }
 }
 
 /// A world for few objects: keep the list of one axis in order and sweep its boxes.
 fn small<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
-    resting::start_over(parts);
+    carry::start_over(parts);
     means.executor.enter(Stage::Build);
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
@@ -176,7 +176,7 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.
 fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
-    resting::start_over(parts);
+    carry::start_over(parts);
     means.executor.enter(Stage::Build);
     // Records of a tree that the world may have had are not kept up to date.
     parts.state.filled = 0;
@@ -247,7 +247,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
     let moved = means.kernels.run(Relocate(parts))?;
     means.kernels.run(Tighten { parts, movers: moved });
     let count = order_movers(parts, moved);
-    let kept = resting::carry(parts);
+    let kept = carry::carry(parts);
     means.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
     let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
@@ -271,7 +271,7 @@ fn movers<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Option<Progre
 fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) -> (Route, Progress) {
     let Means { kernels, executor, .. } = means;
     let mut replant = route.path == Path::Rebuilt;
-    resting::start_over(parts);
+    carry::start_over(parts);
     executor.enter(Stage::Build);
     let was_refined = coarsen(parts);
     let rebalanced = if replant {

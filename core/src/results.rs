@@ -8,6 +8,7 @@
 use crate::access::{Access, bits};
 use crate::arch::claim::{Chunks, Claims};
 use crate::arch::{Phase, Simd};
+use crate::carry::is_clear_of;
 use crate::config::Mode;
 use crate::exec;
 use crate::filter::FILTERS;
@@ -16,7 +17,6 @@ use crate::key::KeyBox;
 use crate::layout::block_len;
 use crate::marks::Marks;
 use crate::paths::Means;
-use crate::resting::is_clear_of;
 use crate::sort::heapsort;
 use crate::storage::{BoxParts, Parts};
 

@@ -189,7 +189,7 @@ pub(crate) struct State {
     /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
     /// mode with a margin, the surplus.
     pub(crate) swept_pairs: u64,
-    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `resting`. The
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `carry`. The
     /// surplus among them comes first.
     pub(crate) aside: u32,
     pub(crate) surplus_aside: u32,

@@ -2,10 +2,10 @@
 
 use crate::access::{Access, bits};
 use crate::arch::{Simd as _, scalar::Scalar};
+use crate::carry::is_clear_of;
 use crate::id::Index;
 use crate::key::KeyBox;
 use crate::links;
-use crate::resting::is_clear_of;
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::sweep::strips;
