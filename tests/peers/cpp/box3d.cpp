@@ -19,12 +19,13 @@ namespace
 class Box3d
 {
 public:
-	Box3d(const PaddedBox* boxes, uint32_t count, uint32_t)
-		: m_tree(b3DynamicTree_Create(int(count))), m_set(b3CreateSet(int(4 * count))), m_moved(count)
+	explicit Box3d(const Setting& setting)
+		: m_tree(b3DynamicTree_Create(int(setting.count))), m_set(b3CreateSet(int(4 * setting.count))),
+		  m_movers(setting.movers, setting.movers + setting.mover_count), m_moved(setting.count)
 	{
-		for (uint32_t id = 0; id < count; id++)
+		for (uint32_t id = 0; id < setting.count; id++)
 		{
-			const b3AABB box = tight(boxes[id]);
+			const b3AABB box = tight(setting.boxes[id]);
 			// As Box3D computes it for a shape: a share of the radius, up to five centimetres.
 			const float x = box.upperBound.x - box.lowerBound.x, y = box.upperBound.y - box.lowerBound.y,
 						z = box.upperBound.z - box.lowerBound.z;
@@ -44,9 +45,27 @@ public:
 		b3DynamicTree_Destroy(&m_tree);
 	}
 
+	// Box3D looks at the contacts of bodies that are awake alone: the pairs of all others are taken out.
+	void prepare(const PaddedBox*)
+	{
+		if (m_pairs.empty() || m_movers.size() == m_fat.size() || !m_resting.empty())
+		{
+			return;
+		}
+		std::vector<char> awake(m_fat.size());
+		for (const uint32_t id : m_movers)
+		{
+			awake[id] = true;
+		}
+		const auto rest = std::partition(m_pairs.begin(), m_pairs.end(),
+			[&](const Pair& pair) { return awake[pair.a] || awake[pair.b]; });
+		m_resting.assign(rest, m_pairs.end());
+		m_pairs.erase(rest, m_pairs.end());
+	}
+
 	void frame(const PaddedBox* boxes)
 	{
-		for (uint32_t id = 0; id < m_fat.size(); id++)
+		for (const uint32_t id : m_movers)
 		{
 			const b3AABB box = tight(boxes[id]);
 			if (!b3AABB_Contains(m_fat[id], box))
@@ -85,9 +104,11 @@ public:
 		}
 	}
 
-	const std::vector<Pair>& pairs() const
+	const std::vector<Pair>& pairs()
 	{
-		return m_pairs;
+		m_all = m_resting;
+		m_all.insert(m_all.end(), m_pairs.begin(), m_pairs.end());
+		return m_all;
 	}
 
 private:
@@ -120,6 +141,7 @@ private:
 
 	b3DynamicTree m_tree;
 	b3HashSet m_set;
+	std::vector<uint32_t> m_movers;
 	std::vector<char> m_moved;
 	std::vector<float> m_margins;
 	std::vector<b3AABB> m_fat;
@@ -127,6 +149,8 @@ private:
 	std::vector<uint32_t> m_queue;
 	uint32_t m_query = 0;
 	std::vector<Pair> m_pairs;
+	std::vector<Pair> m_resting;
+	std::vector<Pair> m_all;
 };
 
 } // namespace

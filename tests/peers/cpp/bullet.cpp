@@ -11,15 +11,15 @@ namespace
 class Bullet
 {
 public:
-	Bullet(const PaddedBox* boxes, uint32_t count, uint32_t)
+	explicit Bullet(const Setting& setting) : m_movers(setting.movers, setting.movers + setting.mover_count)
 	{
 		m_broadphase.m_deferedcollide = true;
 		m_broadphase.setVelocityPrediction(0);
 		// Optimises one in a hundred leaves a frame; more costs more than it gains.
 		m_broadphase.m_dupdates = 1;
-		for (uint32_t id = 0; id < count; id++)
+		for (uint32_t id = 0; id < setting.count; id++)
 		{
-			const PaddedBox& b = boxes[id];
+			const PaddedBox& b = setting.boxes[id];
 			m_proxies.push_back(m_broadphase.createProxy(low(b), high(b), 0, nullptr, 1, 1, nullptr));
 			m_proxies[id]->m_clientObject = reinterpret_cast<void*>(uintptr_t(id));
 		}
@@ -36,7 +36,7 @@ public:
 
 	void frame(const PaddedBox* boxes)
 	{
-		for (size_t id = 0; id < m_proxies.size(); id++)
+		for (const uint32_t id : m_movers)
 		{
 			m_broadphase.setAabb(m_proxies[id], low(boxes[id]), high(boxes[id]), nullptr);
 		}
@@ -71,6 +71,7 @@ private:
 
 	btDbvtBroadphase m_broadphase;
 	std::vector<btBroadphaseProxy*> m_proxies;
+	std::vector<uint32_t> m_movers;
 	std::vector<Pair> m_pairs;
 };
 

@@ -46,8 +46,8 @@ struct Traits
 class Cgal
 {
 public:
-	Cgal(const PaddedBox* boxes, uint32_t count, uint32_t threads)
-		: m_limit(tbb::global_control::max_allowed_parallelism, threads), m_threads(threads), m_boxes(count)
+	explicit Cgal(const Setting& setting)
+		: m_limit(tbb::global_control::max_allowed_parallelism, setting.threads), m_threads(setting.threads), m_boxes(setting.count)
 	{
 		double best = 1e300;
 		for (const std::ptrdiff_t cutoff : {10, 25, 50, 100, 200, 400, 800, 1600})
@@ -55,7 +55,7 @@ public:
 			for (int round = 0; round < 3; round++)
 			{
 				const auto start = std::chrono::steady_clock::now();
-				run(boxes, cutoff);
+				run(setting.boxes, cutoff);
 				const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
 				if (time.count() < best)
 				{

@@ -12,17 +12,16 @@ namespace
 class Embree
 {
 public:
-	Embree(const PaddedBox* boxes, uint32_t count, uint32_t threads)
-		: m_threads(threads), m_boxes(boxes)
+	explicit Embree(const Setting& setting) : m_threads(setting.threads), m_boxes(setting.boxes)
 	{
-		m_device = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+		m_device = rtcNewDevice(("threads=" + std::to_string(m_threads)).c_str());
 		m_scene = rtcNewScene(m_device);
 		rtcSetSceneFlags(m_scene, RTC_SCENE_FLAG_DYNAMIC);
 		rtcSetSceneBuildQuality(m_scene, RTC_BUILD_QUALITY_LOW);
 		m_geometry = rtcNewGeometry(m_device, RTC_GEOMETRY_TYPE_USER);
 		// With both at low quality Embree builds along a Morton curve, which is by far its fastest here.
 		rtcSetGeometryBuildQuality(m_geometry, RTC_BUILD_QUALITY_LOW);
-		rtcSetGeometryUserPrimitiveCount(m_geometry, count);
+		rtcSetGeometryUserPrimitiveCount(m_geometry, setting.count);
 		rtcSetGeometryUserData(m_geometry, this);
 		rtcSetGeometryBoundsFunction(m_geometry, bounds, nullptr);
 		rtcCommitGeometry(m_geometry);

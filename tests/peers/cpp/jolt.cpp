@@ -132,8 +132,9 @@ void startJolt()
 class Jolt
 {
 public:
-	Jolt(const PaddedBox* boxes, uint32_t count, uint32_t)
+	explicit Jolt(const Setting& setting) : m_movers(setting.movers, setting.movers + setting.mover_count)
 	{
+		const uint32_t count = setting.count;
 		startJolt();
 		m_bodies = new BodyManager();
 		m_bodies->Init(count, 0, m_layers);
@@ -142,17 +143,21 @@ public:
 		for (uint32_t id = 0; id < count; id++)
 		{
 			m_shapes.push_back(new Told());
-			tell(id, boxes[id]);
+			tell(id, setting.boxes[id]);
 			Body* body = m_bodies->AllocateBody(
 				BodyCreationSettings(m_shapes[id], RVec3::sZero(), Quat::sIdentity(), EMotionType::Dynamic, 0));
 			m_bodies->AddBody(body);
 			m_ids.push_back(body->GetID());
 		}
-		m_active = m_ids;
+		for (const uint32_t id : m_movers)
+		{
+			m_active.push_back(m_ids[id]);
+		}
 		std::vector<BodyID> added = m_ids;
 		m_broadphase->AddBodiesFinalize(added.data(), int(count), m_broadphase->AddBodiesPrepare(added.data(), int(count)));
 		m_broadphase->Optimize();
-		m_bodies->ActivateBodies(m_ids.data(), int(count));
+		std::vector<BodyID> active = m_active;
+		m_bodies->ActivateBodies(active.data(), int(active.size()));
 	}
 
 	~Jolt()
@@ -166,7 +171,7 @@ public:
 	// In an engine the integration of the bodies does this.
 	void prepare(const PaddedBox* boxes)
 	{
-		for (uint32_t id = 0; id < m_ids.size(); id++)
+		for (const uint32_t id : m_movers)
 		{
 			tell(id, boxes[id]);
 			m_bodies->GetBody(m_ids[id]).CalculateWorldSpaceBoundsInternal();
@@ -175,7 +180,7 @@ public:
 
 	void frame(const PaddedBox*)
 	{
-		const int count = int(m_ids.size());
+		const int count = int(m_active.size());
 		m_collector.m_pairs.clear();
 		m_broadphase->NotifyBodiesAABBChanged(m_active.data(), count, true);
 		m_broadphase->FrameSync();
@@ -202,7 +207,8 @@ private:
 	BroadPhaseQuadTree* m_broadphase;
 	std::vector<Ref<Told>> m_shapes;
 	std::vector<BodyID> m_ids;
-	// The same, in an order that Jolt may change.
+	std::vector<uint32_t> m_movers;
+	// Those of the movers, in an order that Jolt may change.
 	std::vector<BodyID> m_active;
 	Collector m_collector;
 };

@@ -15,10 +15,21 @@ struct Pair
 	uint32_t a, b;
 };
 
+// What a peer is started with. The same as `CSetting` in src/peers/shim.rs.
+struct Setting
+{
+	// Those of the first frame.
+	const PaddedBox* boxes;
+	uint32_t count;
+	// Who may have another box in later frames.
+	const uint32_t* movers;
+	uint32_t mover_count;
+	uint32_t threads;
+};
+
 struct Peer
 {
-	// Takes the boxes of the first frame and the number of threads.
-	void* (*start)(const PaddedBox* boxes, uint32_t count, uint32_t threads);
+	void* (*start)(const Setting* setting);
 	// What an engine does before its broad phase, not timed; may be null.
 	void (*prepare)(void* state, const PaddedBox* boxes);
 	// One frame: the part that is timed.
@@ -52,7 +63,7 @@ template <class T>
 constexpr Peer table()
 {
 	return {
-		[](const PaddedBox* boxes, uint32_t count, uint32_t threads) -> void* { return new T(boxes, count, threads); },
+		[](const Setting* setting) -> void* { return new T(*setting); },
 		prepares<T>(0),
 		[](void* state, const PaddedBox* boxes) { static_cast<T*>(state)->frame(boxes); },
 		[](void* state, const Pair** pairs) {

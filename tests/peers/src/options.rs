@@ -9,6 +9,7 @@ a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as
 (kinds: brownian, freefall, gravity; objects: cubes, assorted)
   --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
+  --movers N            only N objects move, and only their boxes are handed over, to peers that can be told of few
   --threads 1|2         threads for trisap and for the peers; peers without threads are left out at 2
   --peers A,B           only peers whose names contain one of these
   --queries             box queries and rays on the first frame instead of the race (trisap, parry3d, Embree)
@@ -30,6 +31,8 @@ pub(crate) struct Options {
     /// `None`: the best of this CPU.
     pub(crate) kernels: Option<String>,
     pub(crate) events: Events,
+    /// How many objects move; `None`: all.
+    pub(crate) movers: Option<usize>,
     pub(crate) threads: u32,
     /// Queries instead of frames.
     pub(crate) queries: bool,
@@ -44,6 +47,7 @@ impl Options {
             scenes: Vec::new(),
             kernels: None,
             events: Events::Auto,
+            movers: None,
             threads: 1,
             queries: false,
             peers: Vec::new(),
@@ -72,10 +76,8 @@ impl Options {
                 }
                 "--queries" => options.queries = true,
                 "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
-                "--frames" => {
-                    let count = value()?.parse().ok().filter(|&count| count > 0);
-                    options.frames = Some(count.ok_or("--frames: a number above zero")?);
-                }
+                "--frames" => options.frames = Some(above_zero("--frames", &value()?)?),
+                "--movers" => options.movers = Some(above_zero("--movers", &value()?)?),
                 "--json" => options.json = Some(value()?.into()),
                 flag if flag.starts_with('-') => return Err(format!("unknown option {flag}")),
                 _ => options.scenes.push(argument),
@@ -92,4 +94,8 @@ impl Options {
         let asked = |name: &str| self.peers.iter().any(|part| name.to_lowercase().contains(part));
         peers::all().into_iter().filter(|entry| self.peers.is_empty() || asked(entry.name)).collect()
     }
+}
+
+fn above_zero(option: &str, value: &str) -> Result<usize, String> {
+    value.parse().ok().filter(|&count| count > 0).ok_or_else(|| format!("{option}: a number above zero"))
 }

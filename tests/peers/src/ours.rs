@@ -2,11 +2,11 @@
 
 use crate::{
     options::Options,
-    peers::{Output, Peer},
+    peers::{Output, Peer, Setting},
     recording::Padded,
 };
 use rayon::ThreadPoolBuilder;
-use trisap::{Aabb, Boxes, Capacity, Config, Executor, Index, Kernels, OwnedWorld, Rayon, Serial};
+use trisap::{Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, OwnedWorld, Rayon, Serial};
 
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
 pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
@@ -22,15 +22,15 @@ pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
 /// A world with the boxes of the first frame, which has not stepped yet, in the narrowest indices that fit; `pairs`: the
 /// most there will be.
 pub(crate) fn ours(
-    boxes: &[Padded],
+    setting: &Setting,
     pairs: u64,
     options: &Options,
     events: bool,
 ) -> Result<Box<dyn Peer>, String> {
-    if boxes.len() <= u16::MAX_OBJECTS as usize {
-        Ok(Box::new(Ours::<u16>::new(boxes, pairs, options, events)?))
+    if setting.boxes.len() <= u16::MAX_OBJECTS as usize {
+        Ok(Box::new(Ours::<u16>::new(setting, pairs, options, events)?))
     } else {
-        Ok(Box::new(Ours::<u32>::new(boxes, pairs, options, events)?))
+        Ok(Box::new(Ours::<u32>::new(setting, pairs, options, events)?))
     }
 }
 
@@ -39,7 +39,10 @@ struct Ours<I: Index> {
     kernels: Kernels,
     executor: Box<dyn Executor>,
     events: bool,
+    /// Of all, or of the movers.
     boxes: Vec<Aabb>,
+    /// Those who may have another box, unless that is all.
+    movers: Vec<Id>,
     /// Of the last frame: all pairs, or with events the found and the lost ones.
     told: [Vec<[u32; 2]>; 2],
 }
@@ -49,7 +52,8 @@ fn aabb(b: &Padded) -> Aabb {
 }
 
 impl<I: Index> Ours<I> {
-    fn new(boxes: &[Padded], pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
+    fn new(setting: &Setting, pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
+        let boxes = setting.boxes;
         let capacity = Capacity::for_objects(boxes.len() as u32);
         let capacity = Capacity { pairs: capacity.pairs.max(pairs as u32), ..capacity };
         let mut config = Config::new(capacity).with_workers(options.threads);
@@ -59,10 +63,12 @@ impl<I: Index> Ours<I> {
         let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
         let build = || {
             let mut world = OwnedWorld::new(&config)?;
-            world.world().insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
-            Ok::<_, trisap::Error>(world)
+            let mut ids = vec![None; boxes.len()];
+            world.world().insert_many(Boxes::new(&boxes), &mut ids)?;
+            let movers = if setting.is_crowd() { setting.movers } else { &[] };
+            Ok::<_, trisap::Error>((world, movers.iter().filter_map(|&slot| ids[slot as usize]).collect()))
         };
-        let world = build().map_err(|error| format!("trisap: {error}"))?;
+        let (world, movers) = build().map_err(|error| format!("trisap: {error}"))?;
         let executor: Box<dyn Executor> = match options.threads {
             0 | 1 => Box::new(Serial),
             threads => {
@@ -71,19 +77,31 @@ impl<I: Index> Ours<I> {
                 Box::new(Rayon::in_pool(Box::leak(Box::new(pool.expect("threads can be had")))))
             }
         };
-        Ok(Self { world, kernels: kernels(options)?, executor, events, boxes, told: Default::default() })
+        let kernels = kernels(options)?;
+        Ok(Self { world, kernels, executor, events, boxes, movers, told: Default::default() })
     }
 }
 
 impl<I: Index> Peer for Ours<I> {
     fn prepare(&mut self, boxes: &[Padded]) {
-        self.boxes.iter_mut().zip(boxes).for_each(|(to, from)| *to = aabb(from));
+        self.boxes.clear();
+        if self.movers.is_empty() {
+            self.boxes.extend(boxes.iter().map(aabb));
+        } else {
+            self.boxes.extend(self.movers.iter().map(|id| aabb(&boxes[id.slot() as usize])));
+        }
     }
 
     fn frame(&mut self) {
         let mut world = self.world.world();
+        let boxes = Boxes::new(&self.boxes);
+        let step = if self.movers.is_empty() {
+            world.step_over(boxes, self.kernels, &*self.executor)
+        } else {
+            world.update_many(&self.movers, boxes).and_then(|()| world.step(self.kernels, &*self.executor))
+        };
         // A step that fails leaves too few pairs, which the check tells.
-        _ = std::hint::black_box(world.step_over(Boxes::new(&self.boxes), self.kernels, &*self.executor)).is_ok();
+        _ = std::hint::black_box(step).is_ok();
     }
 
     fn output(&mut self) -> Output<'_> {

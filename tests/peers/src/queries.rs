@@ -219,7 +219,7 @@ impl Side for Parry {
 
     fn rays(&mut self, rays: &[Line]) -> (u64, f64) {
         rays.iter().fold((0, 0.0), |(hits, sum), line| {
-            let ray = Ray::new(vector(line.origin).into(), vector(line.direction));
+            let ray = Ray::new(vector(line.origin), vector(line.direction));
             let leaf = |leaf: u32, best: f32| self.boxes[leaf as usize].cast_local_ray(&ray, best, true);
             match self.bvh.cast_ray(&ray, f32::MAX, leaf) {
                 Some((_, distance)) => (hits + 1, sum + f64::from(distance)),

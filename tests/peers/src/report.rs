@@ -9,6 +9,7 @@ use std::{
 pub(crate) struct Scene {
     pub(crate) name: String,
     pub(crate) objects: usize,
+    pub(crate) movers: usize,
     pub(crate) frames: usize,
     /// Mean over the frames.
     pub(crate) pairs: u64,
@@ -101,7 +102,11 @@ impl Report {
             self.kernels, self.threads
         );
         for scene in &self.scenes {
-            _ = write!(text, " {} {}, {} pairs |", scene.name, scene.objects, scene.pairs);
+            _ = write!(text, " {} {}", scene.name, scene.objects);
+            if scene.movers < scene.objects {
+                _ = write!(text, ", {} move", scene.movers);
+            }
+            _ = write!(text, ", {} pairs |", scene.pairs);
         }
         text += "\n|---|";
         text += &"---|".repeat(self.scenes.len());
@@ -133,8 +138,8 @@ impl Report {
             for (scene, outcome) in self.scenes.iter().zip(&row.outcomes) {
                 _ = write!(
                     text,
-                    "{separator}\n{{\"peer\":{:?},\"scene\":{:?},\"objects\":{},\"frames\":{},\"pairs\":{},",
-                    row.name, scene.name, scene.objects, scene.frames, scene.pairs
+                    "{separator}\n{{\"peer\":{:?},\"scene\":{:?},\"objects\":{},\"movers\":{},\"frames\":{},\"pairs\":{},",
+                    row.name, scene.name, scene.objects, scene.movers, scene.frames, scene.pairs
                 );
                 separator = ",";
                 _ = match outcome {

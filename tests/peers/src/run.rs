@@ -4,44 +4,73 @@ use crate::{
     options::{Events, Options},
     oracle::{self, Digest},
     ours::ours,
-    peers::{Entry, Output, Peer, Start},
+    peers::{Crowd, Entry, Output, Peer, Setting, Start},
     recording::{Padded, Recording},
     report::{Outcome, Race, Report, Scene},
 };
 use std::{
     collections::HashSet,
+    ops::Range,
     time::{Duration, Instant},
 };
 
-/// Frames before the timed ones: caches, allocations and adaptive parts settle.
+/// Frames before the timed ones: caches, allocations and adaptive parts settle. In a crowd at rest trisap divides its leaves a
+/// few in each step.
 const WARM_UP: usize = 8;
+const CROWD_WARM_UP: usize = 100;
 
 /// Races trisap against every peer on one recording.
 pub(crate) fn scene(recording: &Recording, options: &Options, report: &mut Report) {
     let objects = recording.objects;
-    let frames = options.frames.unwrap_or((2_000_000 / objects).clamp(15, 300));
-    let used = (0..WARM_UP + frames).map(|step| recording.index(step)).max().unwrap_or(0);
-    eprintln!("{} {objects}: {frames} frames", recording.name);
-    let expected: Vec<Digest> =
-        (0..recording.len().min(used + 1)).map(|i| oracle::pairs(recording.frame(i))).collect();
-    let pairs = expected.iter().map(|digest| digest.count).sum::<u64>() / expected.len() as u64;
-    report.scenes.push(Scene { name: recording.name.clone(), objects, frames, pairs });
+    let count = options.movers.unwrap_or(objects).min(objects);
+    let movers: Vec<u32> = (0..count).map(|index| (index * objects / count) as u32).collect();
+    let mut moving = vec![false; objects];
+    movers.iter().for_each(|&mover| moving[mover as usize] = true);
+    let (warm_up, usual) =
+        if count < objects { (CROWD_WARM_UP, 50) } else { (WARM_UP, (2_000_000 / objects).clamp(15, 300)) };
+    let timed = options.frames.unwrap_or(usual);
+    eprintln!("{} {objects}, of which {count} move: {timed} frames", recording.name);
+    let frames = warm_up..warm_up + timed;
+    let used = (0..frames.end).map(|step| recording.index(step)).max().unwrap_or(0);
+    let mut boxes = recording.frame(0).to_vec();
+    let mut expected = [Vec::new(), Vec::new()];
+    for step in 0..recording.len().min(used + 1) {
+        advance(&mut boxes, &movers, recording.frame(step));
+        expected[0].push(oracle::pairs(&boxes, |_, _| true));
+        if count < objects {
+            expected[1].push(oracle::pairs(&boxes, |a, b| moving[a as usize] || moving[b as usize]));
+        }
+    }
+    let pairs = expected[0].iter().map(|digest| digest.count).sum::<u64>() / expected[0].len() as u64;
+    report.scenes.push(Scene { name: recording.name.clone(), objects, movers: count, frames: timed, pairs });
 
     for entry in options.entries() {
         let outcome = match entry.start {
             Err(reason) => Outcome::LeftOut(reason.into()),
             Ok(_) if options.threads > 1 && !entry.parallel => Outcome::LeftOut("one thread only".into()),
-            Ok(start) => race(recording, &expected, frames, options, &entry, start),
+            Ok(_) if count < objects && entry.crowd == Crowd::Unsuited => {
+                Outcome::LeftOut("goes over all boxes".into())
+            }
+            Ok(start) => race(recording, &movers, &expected, &frames, options, &entry, start),
         };
         eprintln!("  {}: {outcome}", entry.name);
         report.add(&entry, outcome);
     }
 }
 
+/// Gives the movers their boxes of a frame.
+fn advance(boxes: &mut [Padded], movers: &[u32], frame: &[Padded]) {
+    for &mover in movers {
+        boxes[mover as usize] = frame[mover as usize];
+    }
+}
+
+/// `expected`: all pairs of each frame, and those of movers. `frames`: those that are timed.
 fn race(
     recording: &Recording,
-    expected: &[Digest],
-    frames: usize,
+    movers: &[u32],
+    expected: &[Vec<Digest>; 2],
+    frames: &Range<usize>,
     options: &Options,
     entry: &Entry,
     start: Start,
@@ -51,17 +80,21 @@ fn race(
         Events::On => true,
         Events::Off => false,
     };
-    let most = expected.iter().map(|digest| digest.count).max().unwrap_or(0);
-    let mut ours = match ours(recording.frame(0), most, options, events) {
+    let [all, of_movers] = expected;
+    let most = all.iter().map(|digest| digest.count).max().unwrap_or(0);
+    let mut boxes = recording.frame(0).to_vec();
+    let setting = Setting { boxes: &boxes, movers, threads: options.threads };
+    let of_peer = if setting.is_crowd() && entry.crowd == Crowd::OfMovers { of_movers } else { all };
+    let mut ours = match ours(&setting, most, options, events) {
         Ok(ours) => Runner::new(ours, false),
         Err(reason) => return Outcome::Wrong(reason),
     };
-    let mut peer = Runner::new(start(recording.frame(0), options.threads), entry.fat);
-    for step in 0..WARM_UP + frames {
-        let boxes = recording.frame(step);
-        let want = expected[recording.index(step)];
-        for (name, runner) in [("trisap", &mut ours), (entry.name, &mut peer)] {
-            let have = runner.run(boxes);
+    let mut peer = Runner::new(start(&setting), entry.fat);
+    for step in 0..frames.end {
+        advance(&mut boxes, movers, recording.frame(step));
+        for (name, runner, expected) in [("trisap", &mut ours, all), (entry.name, &mut peer, of_peer)] {
+            let want = expected[recording.index(step)];
+            let have = runner.run(&boxes);
             if have != want {
                 return Outcome::Wrong(format!(
                     "{name}, frame {step}: {} pairs where {} overlap{}",
@@ -73,7 +106,7 @@ fn race(
         }
     }
     let surplus = peer.surplus as f64 / peer.kept.max(1) as f64;
-    Outcome::Raced(Race { ours: ours.times(), peer: peer.times(), events, surplus })
+    Outcome::Raced(Race { ours: ours.times(frames.start), peer: peer.times(frames.start), events, surplus })
 }
 
 /// One side of a race: times the frames and keeps its pair set.
@@ -144,8 +177,8 @@ impl Runner {
         exact
     }
 
-    /// The times of the timed frames.
-    fn times(&self) -> Vec<Duration> {
-        self.times[WARM_UP..].to_vec()
+    /// The times of the frames after the first so many.
+    fn times(&self, warm_up: usize) -> Vec<Duration> {
+        self.times[warm_up..].to_vec()
     }
 }

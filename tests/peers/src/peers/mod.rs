@@ -26,8 +26,35 @@ pub(crate) enum Output<'a> {
     Events { found: &'a [[u32; 2]], lost: &'a [[u32; 2]] },
 }
 
-/// Starts a peer for the boxes of the first frame (which it has not seen yet) on so many threads.
-pub(crate) type Start = fn(&[Padded], u32) -> Box<dyn Peer>;
+/// What a peer is started with.
+pub(crate) struct Setting<'a> {
+    /// The boxes of the first frame, which it has not seen yet.
+    pub(crate) boxes: &'a [Padded],
+    /// Who may have another box in later frames: all, or some in ascending order.
+    pub(crate) movers: &'a [u32],
+    pub(crate) threads: u32,
+}
+
+impl Setting<'_> {
+    /// Whether only some may have another box.
+    pub(crate) fn is_crowd(&self) -> bool {
+        self.movers.len() < self.boxes.len()
+    }
+}
+
+/// Starts a peer.
+pub(crate) type Start = fn(&Setting) -> Box<dyn Peer>;
+
+/// What a peer tells that is handed the boxes of few alone.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Crowd {
+    /// It cannot be: it goes over all boxes in every frame.
+    Unsuited,
+    /// All pairs, or what changed.
+    All,
+    /// The pairs of those whose boxes came.
+    OfMovers,
+}
 
 /// A peer by name, and how to start it or why it cannot be started.
 pub(crate) struct Entry {
@@ -40,6 +67,7 @@ pub(crate) struct Entry {
     pub(crate) fat: bool,
     /// Whether it can use a second thread.
     pub(crate) parallel: bool,
+    pub(crate) crowd: Crowd,
     pub(crate) start: Result<Start, &'static str>,
 }
 

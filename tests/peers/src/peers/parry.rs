@@ -1,7 +1,7 @@
 //! parry3d's BVH over the tight boxes, traversed against itself: refitted and optimised a little, which suits slow
 //! motion, or built anew, which suits fast motion.
 
-use super::{Entry, Output, Peer, Pool};
+use super::{Crowd, Entry, Output, Peer, Pool};
 use crate::recording::Padded;
 use parry3d::{
     bounding_volume::Aabb,
@@ -16,7 +16,8 @@ pub(crate) fn refit() -> Entry {
         events: false,
         fat: false,
         parallel: Pool::PARALLEL,
-        start: Ok(|boxes, threads| Box::new(Parry::new(boxes, threads, Policy::Refit))),
+        crowd: Crowd::Unsuited,
+        start: Ok(|setting| Box::new(Parry::new(setting.boxes, setting.threads, Policy::Refit))),
     }
 }
 
@@ -27,7 +28,8 @@ pub(crate) fn rebuild() -> Entry {
         events: false,
         fat: false,
         parallel: Pool::PARALLEL,
-        start: Ok(|boxes, threads| Box::new(Parry::new(boxes, threads, Policy::Rebuild))),
+        crowd: Crowd::Unsuited,
+        start: Ok(|setting| Box::new(Parry::new(setting.boxes, setting.threads, Policy::Rebuild))),
     }
 }
 

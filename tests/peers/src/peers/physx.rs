@@ -1,7 +1,7 @@
 //! PhysX 5: automatic box pruning (eABP; with more threads its parallel sibling, ePABP) through PhysX's own
 //! stand-alone broad phase. It tells found and lost pairs.
 
-use super::{Entry, Output, Peer};
+use super::{Crowd, Entry, Output, Peer, Setting};
 use crate::recording::Padded;
 use physx_sys::*;
 use std::{ffi::c_void, ptr, sync::OnceLock};
@@ -13,7 +13,8 @@ pub(crate) fn entry() -> Entry {
         events: true,
         fat: false,
         parallel: true,
-        start: Ok(|boxes, threads| Box::new(Physx::new(boxes, threads))),
+        crowd: Crowd::All,
+        start: Ok(|setting| Box::new(Physx::new(setting))),
     }
 }
 
@@ -47,6 +48,8 @@ struct Physx {
     groups: Vec<u32>,
     distances: Vec<f32>,
     handles: Vec<u32>,
+    /// Those of who may have another box.
+    movers: Vec<u32>,
     started: bool,
     results: PxBroadPhaseResults,
     /// Saves PhysX its temporary allocations; it has to outlive the broad phase.
@@ -54,7 +57,8 @@ struct Physx {
 }
 
 impl Physx {
-    fn new(boxes: &[Padded], threads: u32) -> Self {
+    fn new(setting: &Setting) -> Self {
+        let &Setting { boxes, movers, threads } = setting;
         foundation();
         let count = boxes.len() as u32;
         let mut scratch = vec![Block([0; 16]); 16 * boxes.len() + 4096];
@@ -81,6 +85,7 @@ impl Physx {
             groups: (0..=count).map(|id| unsafe { phys_PxGetBroadPhaseDynamicFilterGroup(id) }).collect(),
             distances: vec![0.0; boxes.len() + 1],
             handles: (0..count).collect(),
+            movers: movers.to_vec(),
             started: false,
             // SAFETY: a plain constructor.
             results: unsafe { PxBroadPhaseResults_new() },
@@ -99,7 +104,7 @@ impl Peer for Physx {
 
     fn frame(&mut self) {
         let count = self.handles.len() as u32;
-        let (created, updated) = if self.started { (0, count) } else { (count, 0) };
+        let (created, updated) = if self.started { (0, self.movers.len() as u32) } else { (count, 0) };
         self.started = true;
         // SAFETY: all arrays have `capacity` entries (the bounds one more, as PhysX asks), live and stay unchanged
         // until the results are fetched, and every handle is created once and then updated.
@@ -107,7 +112,7 @@ impl Peer for Physx {
             let data = PxBroadPhaseUpdateData_new(
                 self.handles.as_ptr(),
                 created,
-                self.handles.as_ptr(),
+                self.movers.as_ptr(),
                 updated,
                 ptr::null(),
                 0,

@@ -1,6 +1,6 @@
 //! rapier3d's broad phase as its pipeline drives it: fat leaves, change detection, found and lost pairs.
 
-use super::{Entry, Output, Peer, Pool};
+use super::{Crowd, Entry, Output, Peer, Pool, Setting};
 use crate::recording::Padded;
 use rapier3d::prelude::*;
 
@@ -11,7 +11,8 @@ pub(crate) fn entry() -> Entry {
         events: true,
         fat: true,
         parallel: Pool::PARALLEL,
-        start: Ok(|boxes, threads| Box::new(Rapier::new(boxes, threads))),
+        crowd: Crowd::All,
+        start: Ok(|setting| Box::new(Rapier::new(setting))),
     }
 }
 
@@ -21,6 +22,9 @@ struct Rapier {
     colliders: ColliderSet,
     bodies: RigidBodySet,
     handles: Vec<ColliderHandle>,
+    /// Those of who may have another box.
+    movers: Vec<ColliderHandle>,
+    started: bool,
     pool: Pool,
     events: Vec<BroadPhasePairEvent>,
     found: Vec<[u32; 2]>,
@@ -28,10 +32,10 @@ struct Rapier {
 }
 
 impl Rapier {
-    fn new(boxes: &[Padded], threads: u32) -> Self {
+    fn new(setting: &Setting) -> Self {
         let mut colliders = ColliderSet::new();
         let mut bodies = RigidBodySet::new();
-        let handles = (0..boxes.len())
+        let handles: Vec<_> = (0..setting.boxes.len())
             .map(|id| {
                 let apart = Vector::new(10.0 * id as f32, 0.0, 0.0);
                 // Colliders without a body count as fixed, and pairs of fixed ones are filtered unless asked for.
@@ -58,8 +62,10 @@ impl Rapier {
             parameters: IntegrationParameters { normalized_prediction_distance: 0.0, ..Default::default() },
             colliders,
             bodies,
+            movers: setting.movers.iter().map(|&id| handles[id as usize]).collect(),
             handles,
-            pool: Pool::new(threads),
+            started: false,
+            pool: Pool::new(setting.threads),
             events: Vec::new(),
             found: Vec::new(),
             lost: Vec::new(),
@@ -69,7 +75,9 @@ impl Rapier {
 
 impl Peer for Rapier {
     fn prepare(&mut self, boxes: &[Padded]) {
-        for (&handle, b) in self.handles.iter().zip(boxes) {
+        let movers = if self.started { &self.movers } else { &self.handles };
+        for &handle in movers {
+            let b = boxes[handle.into_raw_parts().0 as usize];
             let half = Vector::new(b[4] - b[0], b[5] - b[1], b[6] - b[2]) * 0.5;
             let collider = self.colliders.get_mut(handle).expect("the collider lives");
             collider.set_translation(Vector::new(b[0], b[1], b[2]) + half);
@@ -78,8 +86,12 @@ impl Peer for Rapier {
     }
 
     fn frame(&mut self) {
-        let Self { broad_phase, parameters, colliders, bodies, handles, pool, events, .. } = self;
+        let Self {
+            broad_phase, parameters, colliders, bodies, handles, movers, started, pool, events, ..
+        } = self;
         events.clear();
+        let handles = if *started { movers } else { handles };
+        *started = true;
         pool.run(|| broad_phase.update(parameters, colliders, bodies, handles, &[], events));
     }
 

@@ -1,13 +1,23 @@
 //! The C++ peers. Each is a file in `cpp/` that exports one table of functions (see `cpp/peer.h`).
 
-use super::{Entry, Output, Peer, Start};
+use super::{Crowd, Entry, Output, Peer, Setting, Start};
 use crate::recording::Padded;
 use std::ffi::c_void;
+
+/// The same as `struct Setting` in `cpp/peer.h`.
+#[repr(C)]
+struct CSetting {
+    boxes: *const Padded,
+    count: u32,
+    movers: *const u32,
+    mover_count: u32,
+    threads: u32,
+}
 
 /// The same as `struct Peer` in `cpp/peer.h`.
 #[repr(C)]
 struct Table {
-    start: unsafe extern "C" fn(boxes: *const Padded, count: u32, threads: u32) -> *mut c_void,
+    start: unsafe extern "C" fn(setting: *const CSetting) -> *mut c_void,
     prepare: Option<unsafe extern "C" fn(state: *mut c_void, boxes: *const Padded)>,
     frame: unsafe extern "C" fn(state: *mut c_void, boxes: *const Padded),
     pairs: unsafe extern "C" fn(state: *mut c_void, pairs: *mut *const [u32; 2]) -> usize,
@@ -21,9 +31,17 @@ struct Shim {
 }
 
 impl Shim {
-    fn start(table: &'static Table, boxes: &[Padded], threads: u32) -> Box<dyn Peer> {
-        // SAFETY: `count` boxes are there for the call.
-        let state = unsafe { (table.start)(boxes.as_ptr(), boxes.len() as u32, threads) };
+    fn start(table: &'static Table, setting: &Setting) -> Box<dyn Peer> {
+        let &Setting { boxes, movers, threads } = setting;
+        let setting = CSetting {
+            boxes: boxes.as_ptr(),
+            count: boxes.len() as u32,
+            movers: movers.as_ptr(),
+            mover_count: movers.len() as u32,
+            threads,
+        };
+        // SAFETY: as many boxes and movers are there for the call.
+        let state = unsafe { (table.start)(&setting) };
         assert!(!state.is_null(), "the peer did not start");
         Box::new(Self { table, state, boxes: boxes.to_vec() })
     }
@@ -72,7 +90,7 @@ macro_rules! start {
                 static $table: Table;
             }
             // SAFETY: a constant of the C++ file.
-            Ok(|boxes, threads| Shim::start(unsafe { &$table }, boxes, threads))
+            Ok(|setting| Shim::start(unsafe { &$table }, setting))
         };
         #[cfg(not(feature = $feature))]
         let start: Result<Start, &'static str> = Err($without);
@@ -87,6 +105,7 @@ pub(crate) fn embree() -> Entry {
         events: false,
         fat: false,
         parallel: true,
+        crowd: Crowd::Unsuited,
         start: start!("embree", embree_peer, "needs libembree-dev and --features embree"),
     }
 }
@@ -98,6 +117,7 @@ pub(crate) fn cgal() -> Entry {
         events: false,
         fat: false,
         parallel: true,
+        crowd: Crowd::Unsuited,
         start: start!("cgal", cgal_peer, "needs libcgal-dev and --features cgal"),
     }
 }
@@ -109,6 +129,7 @@ pub(crate) fn bullet() -> Entry {
         events: false,
         fat: true,
         parallel: false,
+        crowd: Crowd::All,
         start: start!("bullet", bullet_peer, "needs libbullet-dev and --features bullet"),
     }
 }
@@ -120,6 +141,7 @@ pub(crate) fn jolt() -> Entry {
         events: false,
         fat: false,
         parallel: false,
+        crowd: Crowd::OfMovers,
         start: start!("jolt", jolt_peer, "needs --features jolt"),
     }
 }
@@ -131,6 +153,7 @@ pub(crate) fn box3d() -> Entry {
         events: false,
         fat: true,
         parallel: false,
+        crowd: Crowd::All,
         start: start!("box3d", box3d_peer, "needs --features box3d"),
     }
 }

@@ -1,7 +1,7 @@
 //! The honest baseline: a radix sort on the widest axis and an AVX2 sweep, one thread, no tree, no memory of
 //! the last frame. What a careful programmer writes in an afternoon.
 
-use super::{Entry, Output, Peer};
+use super::{Crowd, Entry, Output, Peer};
 use crate::recording::Padded;
 use std::arch::x86_64::*;
 
@@ -12,8 +12,9 @@ pub(crate) fn entry() -> Entry {
         events: false,
         fat: false,
         parallel: false,
+        crowd: Crowd::Unsuited,
         start: if is_x86_feature_detected!("avx2") {
-            Ok(|boxes, _| Box::new(Sweep::new(boxes)))
+            Ok(|setting| Box::new(Sweep::new(setting.boxes)))
         } else {
             Err("this CPU has no AVX2")
         },
