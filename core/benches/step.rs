@@ -1,7 +1,7 @@
 //! Times of whole steps: `cargo bench -p trisap-core`, or a part of it as in `cargo bench -p trisap-core -- degenerate`.
 //!
-//! Every benchmark but `crowd` hands over all boxes of the next frame; frames run forwards and backwards in turn. The pairs of a
-//! degenerate world are printed beside its time as throughput, since most of its cost is writing them.
+//! Every benchmark of steps but `crowd` hands over all boxes of the next frame; frames run forwards and backwards in turn. The
+//! pairs of a degenerate world are printed beside its time as throughput, since most of its cost is writing them.
 
 // The macro of criterion makes a public function.
 #![allow(missing_docs)]
@@ -241,6 +241,28 @@ fn churn(criterion: &mut Criterion) {
     }
 }
 
+/// Snapshots of a world with found and lost pairs, all of whose objects move. Throughput is the bytes of a snapshot; how many
+/// that are an object is in the name.
+fn snapshot(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("snapshot");
+    let count = 8000;
+    let (frames, kernels) = (moving(cubes(count), 1.0, 0.2), Kernels::detect());
+    let mut fixture = Fixture::new(config(count, 20 * count).with_events());
+    let mut world = fixture.world(&frames[0], kernels);
+    for frame in &frames {
+        world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+    }
+    let mut bytes = vec![0; world.snapshot_size()];
+    let name = format!("{count}, {:.1} bytes an object", bytes.len() as f64 / count as f64);
+    group.throughput(Throughput::Bytes(bytes.len() as u64));
+    group.bench_function(BenchmarkId::new("save", &name), |bencher| {
+        bencher.iter(|| world.save(&mut bytes).expect("room"));
+    });
+    group.bench_function(BenchmarkId::new("load", &name), |bencher| {
+        bencher.iter(|| world.load(&bytes).expect("a snapshot of this world"));
+    });
+}
+
 fn small(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("small");
     for count in [32, 64, 128, 256, 1000] {
@@ -298,6 +320,6 @@ criterion_group! {
         .sample_size(30)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = build, full, movers, crowd, churn, small, degenerate
+    targets = build, full, movers, crowd, churn, snapshot, small, degenerate
 }
 criterion_main!(benches);
