@@ -31,7 +31,7 @@ impl<I: Index> OwnedWorld<I> {
             .expect("`new` made a world of this width, and nobody else can write to the slab")
     }
 
-    /// The bytes of the slab.
+    /// The bytes of the slab. Huge pages take up to two MiB more.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.bytes
