@@ -180,7 +180,7 @@ fn crowd(criterion: &mut Criterion) {
     let movers: Frame = boxes.iter().copied().step_by(CROWD / RESTLESS).collect();
     let plain = config(CROWD, 4 * CROWD).with_events();
     let margins = plain.with_margin(Margin::length(0.0)).with_fixed_margins();
-    for (name, margin, config) in
+    for (margin_name, margin, config) in
         [("no margin", 0.0, plain), ("margin 0.3", 0.3, margins), ("margin 0.5", 0.5, margins)]
     {
         let mut fixture = Fixture::new(config);
@@ -190,7 +190,7 @@ fn crowd(criterion: &mut Criterion) {
         for id in &ids {
             world.set_margin(*id, margin).expect("a living object");
         }
-        for (motion_name, motion) in MOTIONS {
+        for (name, motion) in MOTIONS {
             let mut random = Random(13);
             let paces: Vec<[f32; 3]> = movers.iter().map(|_| random.corner(0.2)).collect();
             let mut frames = vec![movers.clone()];
@@ -211,7 +211,7 @@ fn crowd(criterion: &mut Criterion) {
             for _ in 0..200 {
                 step();
             }
-            group.bench_function(BenchmarkId::new(motion_name, name), |bencher| bencher.iter(&mut step));
+            group.bench_function(BenchmarkId::new(name, margin_name), |bencher| bencher.iter(&mut step));
         }
     }
 }

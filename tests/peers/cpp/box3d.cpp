@@ -106,6 +106,10 @@ public:
 
 	const std::vector<Pair>& pairs()
 	{
+		if (m_resting.empty())
+		{
+			return m_pairs;
+		}
 		m_all = m_resting;
 		m_all.insert(m_all.end(), m_pairs.begin(), m_pairs.end());
 		return m_all;

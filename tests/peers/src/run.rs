@@ -14,9 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Frames before the timed ones: caches, allocations and adaptive parts settle. In a crowd at rest trisap divides its leaves a
-/// few in each step.
+/// Frames before the timed ones: caches, allocations and adaptive parts settle.
 const WARM_UP: usize = 8;
+/// The same in a crowd at rest, where trisap divides its leaves, some in each step.
 const CROWD_WARM_UP: usize = 100;
 
 /// Races trisap against every peer on one recording.

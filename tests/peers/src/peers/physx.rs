@@ -9,7 +9,7 @@ use std::{ffi::c_void, ptr, sync::OnceLock};
 pub(crate) fn entry() -> Entry {
     Entry {
         name: "PhysX ABP",
-        setup: "PxCreateBroadPhase(eABP), all boxes dynamic and updated, scratch block; ePABP on 2 threads",
+        setup: "PxCreateBroadPhase(eABP), all boxes dynamic, those handed over updated, scratch block; ePABP on 2 threads",
         events: true,
         fat: false,
         parallel: true,

@@ -7,7 +7,7 @@ use rapier3d::prelude::*;
 pub(crate) fn entry() -> Entry {
     Entry {
         name: "rapier3d BroadPhaseBvh",
-        setup: "cuboid colliders, all changed, prediction distance 0, its own margin of 0.04",
+        setup: "cuboid colliders, those handed over changed, prediction distance 0, its own margin of 0.04",
         events: true,
         fat: true,
         parallel: Pool::PARALLEL,
