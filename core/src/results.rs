@@ -19,6 +19,7 @@ use crate::marks::Marks;
 use crate::paths::Means;
 use crate::sort::heapsort;
 use crate::storage::{BoxParts, Parts};
+use core::cell::Cell;
 
 /// Orders the first `swept` pairs of the buffer, but for those set aside: persisting, found, surplus; and finds the lost
 /// ones. Events only where the pairs are complete: of a part nobody can tell what is lost.
@@ -158,23 +159,41 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, test } = self;
-        let mut front = 0;
+        // So that those further on can be read while others change.
+        let pairs = Cell::from_mut(pairs).as_slice_of_cells();
         let boxes = test.boxes();
         let ahead = if boxes.len() > NEAR { AHEAD } else { pairs.len() };
-        for index in 0..pairs.len() {
-            if let Some(pair) = pairs.get(index + ahead) {
-                simd.prefetch(boxes, pair[0].at());
-                simd.prefetch(boxes, pair[1].at());
-            }
-            let pair = pairs.at(index);
-            // Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are
-            // those that the test does not hold of, in any order.
-            pairs.put(index, pairs.at(front));
-            pairs.put(front, pair);
-            front += usize::from(test.holds(simd, &pair));
+        let mut front = 0;
+        let later = pairs.get(ahead..).unwrap_or_default();
+        for (pair, later) in pairs.iter().zip(later) {
+            let later = later.get();
+            simd.prefetch(boxes, later[0].at());
+            simd.prefetch(boxes, later[1].at());
+            front += exchange(simd, pairs, front, pair, &test);
+        }
+        for pair in pairs.get(later.len()..).unwrap_or_default() {
+            front += exchange(simd, pairs, front, pair, &test);
         }
         front
     }
+}
+
+/// Exchanges a pair with the one at `front` and returns how far the front moves up: one where the test holds of the pair.
+/// Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are those that the
+/// test does not hold of, in any order.
+#[inline(always)]
+fn exchange<S: Simd, I: Index>(
+    simd: S,
+    pairs: &[Cell<Pair<I>>],
+    front: usize,
+    pair: &Cell<Pair<I>>,
+    test: &impl Test<I>,
+) -> usize {
+    let Some(first) = pairs.get(front) else { return 0 };
+    let next = pair.get();
+    pair.set(first.get());
+    first.set(next);
+    usize::from(test.holds(simd, &next))
 }
 
 /// Something that is true or false of a pair.

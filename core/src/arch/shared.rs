@@ -30,6 +30,14 @@ pub(crate) struct Shared<'a, T> {
     item: PhantomData<T>,
 }
 
+impl<T> Clone for Shared<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Shared<'_, T> {}
+
 impl<'a, T: Pod> Shared<'a, T> {
     const WORDS: usize = {
         assert!(size_of::<T>().is_multiple_of(size_of::<Plain>()));

@@ -124,14 +124,17 @@ fn sort<S: Simd, I>(
     }
     // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
     let count = start + bags[0].len() + bags[1].len();
-    let (sorted, rows) = (bench.sorted.span_mut(0, count), bench.rows.span_mut(0, count));
     let lanes = simd.axis(axis);
-    for bag in bags {
-        for record in bag {
-            let next = &mut ends[high(record.lanes[axis]) as usize];
-            sorted.put(*next as usize, *record);
-            rows.put(*next as usize, simd.row(lanes, record));
-            *next += 1;
+    // Of one length, so that one check of an index serves both.
+    if let (Some(sorted), Some(rows)) = (bench.sorted.get_mut(..count), bench.rows.get_mut(..count)) {
+        for bag in bags {
+            for record in bag {
+                let next = &mut ends[high(record.lanes[axis]) as usize];
+                let at = *next as usize;
+                *next += 1;
+                sorted.put(at, *record);
+                rows.put(at, simd.row(lanes, record));
+            }
         }
     }
     ends
@@ -178,28 +181,25 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
 
     /// Collects the candidates among the rows from `first` to `end` for the record at `at`.
     #[inline(always)]
-    fn rows(&mut self, at: usize, record: &Record, first: usize, end: usize) {
-        if first >= end {
-            return;
-        }
-        let query = self.simd.query(self.lanes, record);
-        let (mut base, mut left) = (((at << 16) | first) as u32, end - first);
-        let mut rest = self.rows.get(first..).unwrap_or_default();
-        while let Some((rows, behind)) = rest.split_first_chunk::<WINDOW>() {
-            let mask = self.simd.window(rows, left, query);
-            let room = self.collected as usize..self.collected as usize + WINDOW;
-            if let Some(room) = self.candidates.get_mut(room).and_then(|room| room.first_chunk_mut()) {
-                self.collected += unpack(mask, base, room);
+    fn rows(&mut self, at: usize, record: &Record, mut first: usize, end: usize) {
+        while first < end {
+            // Made anew after a test, since registers do not outlast that call.
+            let query = self.simd.query(self.lanes, record);
+            while first < end && self.collected <= self.most {
+                let collected = self.collected as usize;
+                let rows = self.rows.get(first..first + WINDOW);
+                let room = self.candidates.get_mut(collected..collected + WINDOW);
+                if let (Some(Ok(rows)), Some(Ok(room))) =
+                    (rows.map(TryFrom::try_from), room.map(TryFrom::try_from))
+                {
+                    let mask = self.simd.window(rows, end - first, query);
+                    self.collected += unpack(mask, ((at << 16) | first) as u32, room);
+                }
+                first += WINDOW;
             }
             if self.collected > self.most {
                 self.test();
             }
-            if left <= WINDOW {
-                break;
-            }
-            base += WINDOW as u32;
-            left -= WINDOW;
-            rest = behind;
         }
     }
 

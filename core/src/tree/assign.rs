@@ -128,8 +128,12 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Census {
         let Self { boxes, homes, planes, cells, depth, tally } = self;
-        let cells = cells.span(0, 1 << depth);
         let (counts, large) = tally.as_chunks_mut::<2>();
+        // Of one length, so that one check of an index serves both.
+        let leaves = 1 << depth;
+        let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
+            return Census::NONE;
+        };
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
@@ -146,20 +150,23 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             if simd.narrow(keys) {
                 census.examine(bounds);
             }
-            let mut leaf = home.at();
-            // A home that is no leaf of this tree has a cell that holds nothing.
-            let mut standing = cells.get(leaf).unwrap_or(&Cell::NOWHERE).standing(simd, keys);
-            if !standing.is_home() {
-                leaf = leaf_of(planes, depth, &bounds.min);
-                standing = cells.at(leaf).standing(simd, keys);
+            let leaf = home.at();
+            if let (Some(cell), Some([members, fronts])) = (cells.get(leaf), counts.get_mut(leaf)) {
+                let standing = cell.standing(simd, keys);
+                if standing.is_home() && !standing.is_large() {
+                    *members += 1;
+                    *fronts += u32::from(standing.leaves());
+                    continue;
+                }
             }
+            // It is new, large, or has left its leaf.
+            let leaf = leaf_of(planes, depth, &bounds.min);
+            let standing = cells.at(leaf).standing(simd, keys);
             if standing.is_large() {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
-                continue;
-            }
-            *home = I::from_slot(leaf as u32);
-            if let Some([members, fronts]) = counts.get_mut(leaf) {
+            } else if let Some([members, fronts]) = counts.get_mut(leaf) {
+                *home = I::from_slot(leaf as u32);
                 *members += 1;
                 *fronts += u32::from(standing.leaves());
             }
@@ -249,8 +256,8 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
                 cells: cells.span(0, leaves),
                 frames: frames.span(0, leaves),
                 leaves: bags.span(0, leaves),
-                records: &records,
-                fronts: &fronts,
+                records,
+                fronts,
                 large_start,
                 tally,
             });
@@ -266,8 +273,8 @@ struct ScatterBlock<'b, 's, I> {
     cells: &'b [Cell],
     frames: &'b [Frame],
     leaves: &'b [Leaf],
-    records: &'b Shared<'s, Record>,
-    fronts: &'b Shared<'s, Front>,
+    records: Shared<'s, Record>,
+    fronts: Shared<'s, Front>,
     large_start: u32,
     tally: &'b mut [u32],
 }
@@ -280,21 +287,24 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, .. } = self;
         let Self { large_start, tally, .. } = self;
         let (next, large) = tally.as_chunks_mut::<2>();
+        // As above.
+        let (Some(next), Some(cells), Some(frames)) =
+            (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
+        else {
+            return;
+        };
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
-            if *home < I::LARGE {
-                let leaf = home.at();
-                let Some([member, front]) = next.get_mut(leaf) else { continue };
-                let (Some(cell), Some(frame), Some(leaf)) =
-                    (cells.get(leaf), frames.get(leaf), leaves.get(leaf))
-                else {
-                    continue;
-                };
-                *place = I::from_slot(*member);
+            let leaf = home.at();
+            if let (Some([member, front]), Some(cell), Some(frame), Some(leaf)) =
+                (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
+            {
+                let at = *member;
+                *member = at + 1;
+                *place = I::from_slot(at);
                 let keys = simd.keys(bounds);
                 let record = simd.record(frame, keys, slot);
-                records.store((leaf.start + *member) as usize, &record);
-                *member += 1;
+                records.store((leaf.start + at) as usize, &record);
                 if cell.standing(simd, keys).leaves() {
                     fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
                     *front += 1;
