@@ -95,18 +95,25 @@ impl<S: Simd> Gathered<'_, S> {
     #[inline(always)]
     fn enter(&mut self, fronts: &[Front]) {
         let simd = self.simd;
-        for front in fronts {
-            let keys = simd.keys(&front.bounds);
-            // Minima below the high sides, maxima not below the low sides.
-            if simd.above(self.entrance, keys) != MINIMA {
-                continue;
+        for fronts in fronts.chunks(64) {
+            // Noted for all of them first: which ones touch the cell is hard to predict.
+            let mut touching = 0u64;
+            for (bit, front) in fronts.iter().enumerate() {
+                // Minima below the high sides, maxima not below the low sides.
+                let touches = simd.above(self.entrance, simd.keys(&front.bounds)) == MINIMA;
+                touching |= u64::from(touches) << bit;
             }
-            let place = self.count.checked_sub(self.skip).and_then(|at| self.visitors.get_mut(at));
-            if let Some(place) = place {
-                let marks = Record::BELOW * (simd.above(self.low, keys) & MINIMA);
-                *place = simd.record(&self.frame, keys, front.slot | marks);
+            while touching != 0 {
+                let front = fronts.at(touching.trailing_zeros() as usize);
+                touching &= touching - 1;
+                let place = self.count.checked_sub(self.skip).and_then(|at| self.visitors.get_mut(at));
+                if let Some(place) = place {
+                    let keys = simd.keys(&front.bounds);
+                    let marks = Record::BELOW * (simd.above(self.low, keys) & MINIMA);
+                    *place = simd.record(&self.frame, keys, front.slot | marks);
+                }
+                self.count += 1;
             }
-            self.count += 1;
         }
     }
 }
