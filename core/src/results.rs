@@ -162,7 +162,7 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
         // So that those further on can be read while others change.
         let pairs = Cell::from_mut(pairs).as_slice_of_cells();
         let boxes = test.boxes();
-        let ahead = if boxes.len() > NEAR { AHEAD } else { pairs.len() };
+        let ahead = if cfg!(feature = "large") && boxes.len() > NEAR { AHEAD } else { pairs.len() };
         let mut front = 0;
         let later = pairs.get(ahead..).unwrap_or_default();
         for (pair, later) in pairs.iter().zip(later) {
