@@ -240,8 +240,8 @@ impl Fours for Avx2 {
         pairs: &mut [Pair<I>; 4],
     ) -> Option<usize> {
         let end = sorted.len().min(usize::from(u16::MAX)) as i16;
-        // SAFETY: `self` proves AVX2; all halves of the candidates are compared with the length before they are taken for
-        // positions. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
+        // SAFETY: `self` proves AVX2; the four candidates are 16 bytes, and all their halves are compared with the length before
+        // they are taken for positions. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
         unsafe {
             let positions = _mm_loadu_si128(candidates.as_ptr().cast());
             let beyond = _mm_cmpeq_epi16(_mm_max_epu16(positions, _mm_set1_epi16(end)), positions);
