@@ -287,7 +287,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, .. } = self;
         let Self { large_start, tally, .. } = self;
         let (next, large) = tally.as_chunks_mut::<2>();
-        // As above.
+        // Of one length, for the same reason as the counts.
         let (Some(next), Some(cells), Some(frames)) =
             (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
         else {
