@@ -89,13 +89,72 @@ pub(crate) fn round_up(x: f64, origin: f64) -> f32 {
 
 /// The greatest `f32` that is not above `x - origin`, or NaN.
 pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
+    let (x, origin) = (without_denormals(x), -without_denormals(-origin));
     let difference = x - origin;
     // What the subtraction has rounded away, exactly; nothing where a number is infinite.
     let back = difference - x;
     let error = (x - (difference - back)) - (origin + back);
-    let difference = if error < 0.0 { difference.next_down() } else { difference };
-    let nearest = difference as f32;
-    if f64::from(nearest) > difference { nearest.next_down() } else { nearest }
+    // A host that flushes denormals to zero may have flushed the difference itself.
+    let is_above = error < 0.0 || difference == 0.0 && x < origin;
+    narrowed(if is_above { difference.next_down() } else { difference })
+}
+
+/// The number itself, or the next lower one that is no denormal: a host may take a denormal for zero.
+fn without_denormals(x: f64) -> f64 {
+    match x.classify() {
+        core::num::FpCategory::Subnormal if x.is_sign_negative() => -f64::MIN_POSITIVE,
+        core::num::FpCategory::Subnormal => 0.0,
+        _ => x,
+    }
+}
+
+/// The greatest `f32` that is not above `x`, or NaN. By its bits, so that a host that flushes denormals gets the same.
+pub(crate) const fn narrowed(x: f64) -> f32 {
+    const MANTISSA: u32 = 52;
+    /// Bits of an `f64` below the last one of an `f32`.
+    const LOST: u32 = MANTISSA - 23;
+    /// The exponents, as they are stored, of the least normal `f32`, of the first number beyond the greatest, and of infinity.
+    const LEAST: u64 = 1023 - 126;
+    const BEYOND: u64 = 1023 + 128;
+    const INFINITY: u64 = 2047;
+    let bits = x.to_bits();
+    let sign = (bits >> 63) as u32;
+    let magnitude = bits & (u64::MAX >> 1);
+    let (exponent, fraction) = (magnitude >> MANTISSA, magnitude & (u64::MAX >> (64 - MANTISSA)));
+    // Towards zero at first, and whether anything was lost by that.
+    let (toward_zero, is_less) = if exponent == INFINITY {
+        if fraction != 0 {
+            return f32::NAN;
+        }
+        (f32::INFINITY.to_bits(), false)
+    } else if exponent >= BEYOND {
+        (f32::MAX.to_bits(), true)
+    } else if exponent >= LEAST {
+        let narrow = (magnitude - ((LEAST - 1) << MANTISSA)) >> LOST;
+        (narrow as u32, magnitude << (64 - LOST) != 0)
+    } else {
+        // A denormal `f32`, or less than the least.
+        let down = LOST as u64 + LEAST - exponent;
+        let mantissa = fraction | 1 << MANTISSA;
+        match down {
+            0..64 if exponent > 0 => ((mantissa >> down) as u32, mantissa << (64 - down) != 0),
+            _ => (0, magnitude != 0),
+        }
+    };
+    // The next number away from zero has the next bits, and infinity is next to the greatest.
+    f32::from_bits(sign << 31 | (toward_zero + (is_less && sign != 0) as u32))
+}
+
+/// A number as `f64`, by its bits where it is denormal, for the same reason.
+#[inline(always)]
+pub(crate) const fn widened(x: f32) -> f64 {
+    const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
+    let magnitude = x.to_bits() & (u32::MAX >> 1);
+    if magnitude >= f32::MIN_POSITIVE.to_bits() {
+        return x as f64;
+    }
+    let value = magnitude as f64 * DENORMAL;
+    if x.is_sign_negative() { -value } else { value }
 }
 
 /// The `f32` next to `x / 2^fraction_bits` from above or from below, or NaN where that may be denormal.

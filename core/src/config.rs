@@ -101,10 +101,18 @@ impl Margin {
         Self { per_extent, min: 0.0, max: f32::MAX }
     }
 
+    /// Whether all parts are finite, none is negative, and the bounds are in order.
+    pub(crate) const fn is_valid(&self) -> bool {
+        // NaN is not at least zero.
+        self.per_extent >= 0.0
+            && self.per_extent <= f32::MAX
+            && self.min >= 0.0
+            && self.min <= self.max
+            && self.max <= f32::MAX
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let finite = |x: f32| (0.0..=f32::MAX).contains(&x);
-        let good = finite(self.per_extent) && finite(self.min) && finite(self.max) && self.min <= self.max;
-        if good { Ok(()) } else { Err(Error::BadMargin) }
+        if self.is_valid() { Ok(()) } else { Err(Error::BadMargin) }
     }
 }
 

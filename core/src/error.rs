@@ -20,7 +20,8 @@ pub enum Error {
     },
     /// The slab does not hold a world of this index width and version.
     NotAWorld,
-    /// The capacity is beyond what the index width or the address space allows.
+    /// The capacity is beyond what the index width or the address space allows, a lean world is for more than 256 objects, or
+    /// the number of workers is not from 1 to 32.
     CapacityTooLarge,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin,
@@ -60,7 +61,7 @@ pub enum Error {
     },
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     BadSnapshot,
-    /// The output slice of a batch is shorter than its input.
+    /// The slices of a batch do not fit together: there are not as many boxes as ids, or the output is too short.
     LengthMismatch {
         /// Items that are needed.
         needed: usize,
@@ -79,7 +80,7 @@ impl fmt::Display for Error {
             Self::SlabTooSmall { needed } => write!(f, "the slab is too small: {needed} bytes are needed"),
             Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
             Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
-            Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width allows"),
+            Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width, a lean world (256 objects) or the workers (32) allow"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
             Self::BadShift => f.write_str("a shift of the origin must be finite"),
             Self::ObjectsFull { needed } => write!(f, "no free slot: {needed} objects would have to fit"),
@@ -92,7 +93,7 @@ impl fmt::Display for Error {
                 write!(f, "the output slice is full: {needed} items would have to fit")
             }
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
-            Self::LengthMismatch { needed } => write!(f, "the output slice needs {needed} items"),
+            Self::LengthMismatch { needed } => write!(f, "the slices of the batch differ in length: {needed} items are needed"),
             Self::PairsFull { needed } => {
                 write!(f, "the pair buffer is full: {needed} pairs would have to fit")
             }

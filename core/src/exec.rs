@@ -1,5 +1,7 @@
 //! The job hook: how a step asks the caller for threads.
 
+use core::cell::Cell;
+
 /// A job system, as far as a step needs one.
 ///
 /// A step has a few stages, one after another, that can be shared. For each it makes a *job* on its own stack and
@@ -69,7 +71,8 @@ pub trait Executor {
     fn enter(&self, _stage: Stage) {}
 }
 
-/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path).
+/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path); each is entered once at most,
+/// and the last one always, also where the step ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
     /// Takes in the bounds array.
@@ -103,16 +106,32 @@ impl Executor for Serial {
     fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
 }
 
-/// An executor that is told of stages but gets no work.
-pub(crate) struct Alone<'e>(pub(crate) &'e dyn Executor);
+/// The executor of one step: it is told of each stage once, in order, and gets work only where the step is shared.
+pub(crate) struct OneStep<'e> {
+    executor: &'e dyn Executor,
+    shares: bool,
+    entered: Cell<Option<Stage>>,
+}
 
-impl Executor for Alone<'_> {
-    fn workers(&self) -> u32 {
-        1
+impl<'e> OneStep<'e> {
+    pub(crate) const fn new(executor: &'e dyn Executor, shares: bool) -> Self {
+        Self { executor, shares, entered: Cell::new(None) }
     }
-    fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
+}
+
+impl Executor for OneStep<'_> {
+    fn workers(&self) -> u32 {
+        if self.shares { self.executor.workers() } else { 1 }
+    }
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        self.executor.fork_join(width, job);
+    }
+    /// A step that finds that it must do more than it began with goes back: that is part of the stage that it had come to.
     fn enter(&self, stage: Stage) {
-        self.0.enter(stage);
+        if self.entered.get() < Some(stage) {
+            self.entered.set(Some(stage));
+            self.executor.enter(stage);
+        }
     }
 }
 

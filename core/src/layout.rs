@@ -56,7 +56,7 @@ pub(crate) fn block_len(slots: usize) -> usize {
 }
 
 /// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
-/// space or the number of workers (1 to 32) does not allow it.
+/// space or the number of workers (1 to 32) does not allow it, or where the margin is not valid.
 ///
 /// Constant, so that a static can be sized by it. The size grows linearly with objects, leaf references and pairs.
 #[must_use]
@@ -109,6 +109,11 @@ impl Sizes {
     pub(crate) const fn of<I: Index>(config: &Config) -> Option<Self> {
         let capacity = &config.capacity;
         if capacity.objects > I::MAX_OBJECTS || config.workers == 0 || config.workers > 32 {
+            return None;
+        }
+        if let Some(margin) = &config.margin
+            && !margin.is_valid()
+        {
             return None;
         }
         // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
@@ -196,7 +201,10 @@ impl Sizes {
         plan.add::<u32>(self.tally());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);
-        plan.add::<Pair<I>>(self.staged * CHUNK);
+        match self.staged.checked_mul(CHUNK) {
+            Some(pairs) => plan.add::<Pair<I>>(pairs),
+            None => return None,
+        }
         plan.add::<[u32; 3]>(self.staged);
         plan.add::<Member>(self.members);
         plan.add::<Planes>(self.striped());

@@ -47,7 +47,7 @@ extern crate std;
 
 mod aabb;
 mod access;
-#[allow(unsafe_code)]
+#[allow(unsafe_code, reason = "vectors and what workers share; each use says why it is sound")]
 mod arch;
 mod carry;
 mod config;

@@ -61,7 +61,7 @@ impl Means<'_> {
 /// The path for a number of objects that have moved, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
-    let known = state.complete != 0;
+    let known = state.complete != 0 && state.without_surplus == 0;
     let fixed = state.movers_only().fixed();
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
@@ -112,6 +112,7 @@ pub(crate) fn refine_when_calm<I: Index>(parts: &mut Parts<'_, I>, path: Path, m
 
 /// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
 pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Means<'_>) -> (Route, Progress) {
+    parts.state.without_surplus = 0;
     match route.path {
         Path::Unchanged => (route, unchanged(parts)),
         _ if parts.sizes.is_small() => (route, small(parts, means)),
@@ -122,6 +123,23 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Mean
         },
         Path::Full | Path::Rebuilt => full(parts, route, means),
     }
+}
+
+/// Finds the overlaps of the boxes as given, after a step of an exact world found more overlaps of fat boxes than fit: its pairs
+/// may fit without the surplus. Nothing of that can be carried over, so the next step finds all pairs anew.
+pub(crate) fn find_without_surplus<I: Index>(
+    parts: &mut Parts<'_, I>,
+    means: Means<'_>,
+) -> (Route, Progress) {
+    // What the result before has to tell is kept already.
+    parts.state.complete = 0;
+    parts.boxes.tight = true;
+    let route = choose(parts, parts.state.live);
+    let found = find(parts, route, means);
+    parts.boxes.tight = false;
+    parts.state.filled = 0;
+    parts.state.without_surplus = 1;
+    found
 }
 
 /// Nothing has moved: all pairs stay.

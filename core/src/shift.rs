@@ -1,11 +1,10 @@
 //! Moves the origin of a world, so that its boxes are near it, where `f32` is fine.
 
-use crate::aabb::{Aabb, round_down, round_up};
+use crate::aabb::{Aabb, round_down, round_up, widened};
 use crate::access::Access;
-use crate::config::Mode;
 use crate::error::Error;
 use crate::id::Index;
-use crate::key::KeyBox;
+use crate::key::{KeyBox, key};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -17,8 +16,8 @@ impl<I: Index> World<'_, I> {
     /// multiples of the finest step of all coordinates, return zero, and pairs and events are as if nothing had
     /// happened. Infinite bounds stay infinite, and bounds that leave the range of `f32` become so outwards.
     ///
-    /// Fat boxes are shifted as they are, not anchored anew, so that in [`Mode::Fat`] a shift alone does not change
-    /// the pairs either. An object counts as rounded there if either of its boxes is.
+    /// Fat boxes are shifted as they are, not anchored anew, so that in [`Mode::Fat`](crate::Mode::Fat) a shift alone does not
+    /// change the pairs either, but for fat boxes that are rounded; these are not counted.
     ///
     /// To win back precision that boxes have lost far from the origin, give them again from `f64` after the shift:
     ///
@@ -50,20 +49,17 @@ impl<I: Index> World<'_, I> {
             return Err(Error::BadShift);
         }
         let parts = &mut self.parts;
-        let fat_counts = parts.mode() == Mode::Fat;
         let mut rounded = 0;
         for slot in 0..parts.state.slots as usize {
             let now = parts.boxes.now.at(slot);
             if now.is_empty() {
                 continue;
             }
-            let (now, mut exact) = shifted(now, by);
+            let (now, exact) = shifted(now, by);
             parts.boxes.now.put(slot, now);
             // Rounding keeps the order of numbers, so that the fat box still holds the box.
             if let Some(fat) = parts.boxes.fat.get_mut(slot) {
-                let (bounds, fat_exact) = shifted(*fat, by);
-                *fat = bounds;
-                exact &= fat_exact | !fat_counts;
+                (*fat, _) = shifted(*fat, by);
             }
             rounded += u32::from(!exact);
             parts.moved.set(slot);
@@ -74,6 +70,7 @@ impl<I: Index> World<'_, I> {
         // Planes and records are those of the old origin.
         parts.state.touched = 1;
         parts.state.planted = 0;
+        parts.state.settled = 0;
         parts.state.filled = 0;
         Ok(rounded)
     }
@@ -85,10 +82,11 @@ fn shifted(bounds: KeyBox, by: [f64; 3]) -> (KeyBox, bool) {
     let (mut low, mut high) = (min, max);
     let mut exact = true;
     for k in 0..3 {
-        let (min, max) = (f64::from(min[k]), f64::from(max[k]));
+        let (min, max) = (widened(min[k]), widened(max[k]));
         low[k] = round_down(min, by[k]);
         high[k] = round_up(max, by[k]);
-        exact &= low[k] == round_up(min, by[k]) && high[k] == round_down(max, by[k]);
+        // Keys, since a host may take two denormals for equal.
+        exact &= key(low[k]) == key(round_up(min, by[k])) && key(high[k]) == key(round_down(max, by[k]));
     }
     // Never NaN, and never out of order, as nothing is infinite in `by`.
     (KeyBox::from_aabb(&Aabb::new(low, high)).unwrap_or(bounds), exact)

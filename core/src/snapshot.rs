@@ -27,7 +27,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0005;
+const MAGIC: u64 = 0x7472_6973_6170_0006;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -76,7 +76,7 @@ impl<I: Index> World<'_, I> {
         if !state.is_like(self.parts.state) {
             return Err(Error::BadSnapshot);
         }
-        state.adopt_workers(self.parts.state);
+        state.adopt(self.parts.state);
         let config = self.config();
         if self.replace(state, body).is_none() {
             // It was whole when it was made, so it can be made again.
@@ -175,7 +175,7 @@ macro_rules! bytes_mut {
 }
 
 fn saved<I: Index>(parts: &Parts<'_, I>, each: &mut dyn FnMut(&[u8])) {
-    each(bytemuck::bytes_of(&parts.state.without_workers()));
+    each(bytemuck::bytes_of(&parts.state.portable()));
     walk!(parts, each, span, bytes);
 }
 

@@ -207,6 +207,9 @@ pub(crate) struct State {
     pub(crate) awake: u32,
     /// Boxes since the last complete step that outran their object's margin.
     pub(crate) outran: u32,
+    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
+    pub(crate) without_surplus: u32,
+    pub(crate) unused: u32,
 
     // Statistics of the last step that are nowhere else.
     moved: u32,
@@ -221,7 +224,8 @@ pub(crate) struct State {
     tied: u64,
 }
 
-const MAGIC: u32 = 0x7452_0005;
+/// The version; and a bit of the feature that decides how the slab is laid out.
+const MAGIC: u32 = 0x7452_0006 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
 // The bits of `State::flags`; a choice takes two.
 const EVENTS: u32 = 1;
@@ -338,23 +342,24 @@ impl State {
         self.flags & FIXED_MARGINS != 0
     }
 
-    /// Whether this is the state of a world of the same configuration, but for the workers.
+    /// Whether this is the state of a world of the same configuration, but for the workers. Snapshots have a version of their own.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let key = |state: &Self| {
-            let Self { magic, index_bytes, objects, leaf_refs, pairs_capacity, flags, .. } = *state;
-            ([magic, index_bytes, objects, leaf_refs, pairs_capacity, flags], state.margin.map(f32::to_bits))
+            let Self { index_bytes, objects, leaf_refs, pairs_capacity, flags, .. } = *state;
+            ([index_bytes, objects, leaf_refs, pairs_capacity, flags], state.margin.map(f32::to_bits))
         };
         key(self) == key(other)
     }
 
-    /// The state as a snapshot has it: the number of workers decides about scratch memory alone.
-    pub(crate) fn without_workers(&self) -> Self {
-        Self { workers: 1, ..*self }
+    /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
+    /// was built for about the slab alone.
+    pub(crate) fn portable(&self) -> Self {
+        Self { workers: 1, magic: 0, ..*self }
     }
 
-    /// Takes over the number of workers.
-    pub(crate) fn adopt_workers(&mut self, other: &Self) {
-        self.workers = other.workers;
+    /// Takes over what a snapshot does not have.
+    pub(crate) fn adopt(&mut self, other: &Self) {
+        (self.workers, self.magic) = (other.workers, other.magic);
     }
 
     pub(crate) fn mode(&self) -> Mode {

@@ -55,6 +55,8 @@ pub(crate) struct BoxParts<'m> {
     pub(crate) margins: &'m mut [f32],
     /// With events: the boxes that the last complete step reported; empty for objects that are new since.
     pub(crate) before: &'m mut [KeyBox],
+    /// Whether a step sweeps the boxes as given though there are fat ones.
+    pub(crate) tight: bool,
 }
 
 /// With filters: whom the objects meet.
@@ -69,7 +71,7 @@ pub(crate) struct FilterParts<'m> {
 impl BoxParts<'_> {
     /// The boxes that are listed, split and swept.
     pub(crate) fn swept(&self) -> &[KeyBox] {
-        if self.fat.is_empty() { self.now } else { self.fat }
+        if self.fat.is_empty() || self.tight { self.now } else { self.fat }
     }
 
     /// The boxes that a result speaks of.
@@ -157,7 +159,7 @@ impl<'m, I: Index> Parts<'m, I> {
         // A struct's fields are evaluated in the order in which they are written here.
         Some(Self {
             state,
-            boxes: BoxParts { now, fat, margins, before },
+            boxes: BoxParts { now, fat, margins, before, tight: false },
             filters,
             generations,
             moved,
@@ -251,6 +253,11 @@ impl<'m, I: Index> Parts<'m, I> {
     /// Which pairs the world returns.
     pub(crate) fn mode(&self) -> Mode {
         self.state.mode()
+    }
+
+    /// Whether steps find overlaps of fat boxes that are no pairs.
+    pub(crate) fn has_surplus(&self) -> bool {
+        self.mode() == Mode::Exact && !self.boxes.fat.is_empty()
     }
 
     /// What all slots' arrays say about one object.

@@ -100,7 +100,9 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let marked: u64 = bits::ones(parts.listed).map(square).sum();
         check(sum == marked, "a list holds a slot twice", listed)?;
     }
-    let swept = parts.state.stats().path == Path::Lists && parts.moved.count() == 0;
+    let swept = parts.state.stats().path == Path::Lists
+        && parts.state.without_surplus == 0
+        && parts.moved.count() == 0;
     if swept && listed == parts.state.live as usize {
         let axis = parts.state.list_axis as usize;
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));

@@ -4,7 +4,7 @@ use crate::aabb::{Aabb, Boxes};
 use crate::access::{Access, bits};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::exec::{Alone, Executor, Stage};
+use crate::exec::{Executor, OneStep, Stage};
 use crate::filter::{Filter, Rule};
 use crate::id::{Id, Index, Pair};
 use crate::ingest::ingest;
@@ -33,26 +33,35 @@ const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, means: Means<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
-        let alone = Alone(means.executor);
         let shared = parts.state.sharing().fixed().unwrap_or(parts.state.live >= SHARED_FROM);
-        // A small world shares nothing anyway.
+        // A small world shares nothing.
         let shared = shared && !means.is_small();
-        let means = if shared || means.is_small() { means } else { Means { executor: &alone, ..means } };
+        let executor = OneStep::new(means.executor, shared);
+        let means = Means { executor: &executor, ..means };
         let rejected = Self::take_in(parts, bounds, means);
+        let result = Self::find(parts, shared, means);
+        means.executor.enter(Stage::Done);
+        result?;
+        Ok(Step { rejected, world: self })
+    }
+
+    /// All pairs of the boxes as they are now, and which of them are new or gone.
+    fn find(parts: &mut Parts<'_, I>, shared: bool, means: Means<'_>) -> Result<(), Error> {
         let moved = parts.moved.count();
 
         let route = paths::choose(parts, moved);
         paths::refine_when_calm(parts, route.path, moved, means);
         if route.path == Path::Unchanged && parts.state.crept == 0 {
             Self::keep(parts, shared);
-        } else {
-            let (route, progress) = paths::find(parts, route, means);
-            parts.state.record(moved, route, shared, &progress);
-            means.executor.enter(Stage::Results);
-            Self::conclude(parts, progress.pairs, means)?;
+            return Ok(());
         }
-        means.executor.enter(Stage::Done);
-        Ok(Step { rejected, world: self })
+        let (mut route, mut progress) = paths::find(parts, route, means);
+        if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
+            (route, progress) = paths::find_without_surplus(parts, means);
+        }
+        parts.state.record(moved, route, shared, &progress);
+        means.executor.enter(Stage::Results);
+        Self::conclude(parts, progress.pairs, means)
     }
 
     /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
@@ -256,7 +265,10 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::StaleId`], also where an id comes twice.
     pub fn remove_many(&mut self, ids: &[Id]) -> Result<(), Error> {
-        // An id that comes twice is found by the mark of the first time.
+        for id in ids {
+            self.slot_of(*id)?;
+        }
+        // All of them name living objects, so that only an id that comes twice meets the mark of its first time.
         const MARK: u32 = 1 << 31;
         let toggle = |world: &mut Self, id: &Id| {
             let generation = world.parts.generations.at(id.slot() as usize);

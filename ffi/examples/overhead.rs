@@ -6,6 +6,8 @@
 //! cargo run --release -p trisap-ffi --example overhead
 //! ```
 
+#![allow(unsafe_code, reason = "calls the C ABI")]
+
 use std::hint::black_box;
 use std::path::Path;
 use std::process::ExitCode;

@@ -21,6 +21,7 @@
 //! here.
 
 #![no_std]
+#![allow(unsafe_code, reason = "this crate is the border to C")]
 #![allow(non_camel_case_types, reason = "the types are named as in the header")]
 #![allow(clippy::missing_safety_doc, reason = "one contract for all functions, above")]
 

@@ -1,5 +1,7 @@
 //! The C functions as C calls them, for Miri: pointers that C keeps stay good, and nothing is touched that is not lent.
 
+#![allow(unsafe_code, reason = "calls the C ABI")]
+
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
 use trisap_ffi::batch::*;

@@ -1,6 +1,8 @@
 //! A world inside an engine's own job system: threads that live as long as the engine, one queue of tasks for all that it
 //! does, and nobody who sleeps while there is a task. `cargo run --release -p trisap --example job_system`
 
+#![allow(unsafe_code, reason = "hands a job to threads that outlive it")]
+
 use std::collections::VecDeque;
 use std::mem::transmute;
 use std::panic::{AssertUnwindSafe, catch_unwind};

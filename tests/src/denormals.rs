@@ -1,6 +1,8 @@
 //! Threads as audio and game hosts set them: denormal results are flushed to zero and denormal inputs count as
 //! zero.
 
+#![allow(unsafe_code, reason = "sets the mode of the processor")]
+
 /// Runs `work` on this thread with denormals flushed.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 pub fn flushed<T>(work: impl FnOnce() -> T) -> T {

@@ -146,13 +146,22 @@ fn compare(_: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
     }
 }
 
+/// The least denormal `f32`.
+const LEAST_DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
+
 /// The floats of four keys. A plain function for the same reason.
 #[inline(always)]
 fn values(_: Avx2, keys: __m128i) -> __m256d {
     // SAFETY: the token proves AVX2.
     unsafe {
         let sign = _mm_and_si128(keys, _mm_set1_epi32(i32::MIN));
-        _mm256_cvtps_pd(_mm_castsi128_ps(_mm_or_si128(_mm_abs_epi32(keys), sign)))
+        let magnitude = _mm_abs_epi32(keys);
+        let normal = _mm256_cvtps_pd(_mm_castsi128_ps(_mm_or_si128(magnitude, sign)));
+        // The keys of denormals are multiples of the least one: a conversion of floats might flush them to zero.
+        let denormal = _mm256_mul_pd(_mm256_cvtepi32_pd(keys), _mm256_set1_pd(LEAST_DENORMAL));
+        let is_denormal = _mm_cmpgt_epi32(_mm_set1_epi32(f32::MIN_POSITIVE.to_bits() as i32), magnitude);
+        let is_denormal = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(is_denormal));
+        _mm256_blendv_pd(normal, denormal, is_denormal)
     }
 }
 

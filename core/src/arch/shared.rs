@@ -7,9 +7,10 @@ use bytemuck::Pod;
 use core::marker::PhantomData;
 use core::sync::atomic::Ordering::Relaxed;
 
-#[cfg(target_has_atomic = "64")]
+// Elsewhere such an atomic may ask for a wider boundary than the integer.
+#[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
 type Word = (u64, core::sync::atomic::AtomicU64);
-#[cfg(not(target_has_atomic = "64"))]
+#[cfg(not(all(target_has_atomic = "64", target_pointer_width = "64")))]
 type Word = (u32, core::sync::atomic::AtomicU32);
 /// The widest integer that the target stores in one piece.
 type Plain = <Word as Pieces>::Plain;

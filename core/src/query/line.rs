@@ -1,6 +1,7 @@
 //! The line that a cast moves along, and where it meets a box.
 
 use super::Cast;
+use crate::aabb::widened;
 use crate::access::Access;
 use crate::arch::Simd;
 use crate::key::{KeyBox, value};
@@ -203,7 +204,7 @@ impl Slabs {
     pub(crate) fn span(&self, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
         let (mut from, mut to) = (0.0, far);
         for k in 0..3 {
-            let (low, high) = (f64::from(value(min[k])), f64::from(value(max[k])));
+            let (low, high) = (widened(value(min[k])), widened(value(max[k])));
             let (low, high) = if self.back[k] != 0 { (high, low) } else { (low, high) };
             let (first, last) =
                 ((low - self.first[k]) * self.inverse[k], (high - self.last[k]) * self.inverse[k]);
@@ -218,7 +219,7 @@ impl Slabs {
 impl Line {
     #[inline(always)]
     pub(crate) fn new(cast: &Cast) -> Self {
-        let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(f64::from);
+        let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(widened);
         let (low, high, direction) = (four(cast.start.min), four(cast.start.max), four(cast.direction));
         let inverse = direction.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d });
         let (mut first, mut last) = (high, low);
@@ -230,7 +231,7 @@ impl Line {
         let back = direction.map(|d| -i32::from(d < 0.0));
         let slabs = Slabs { back, first, last, inverse };
         // Finite: beyond it is where a line along which nothing moves would meet the boxes beside it.
-        let distance = f64::from(cast.distance).min(f64::MAX);
+        let distance = widened(cast.distance).min(f64::MAX);
         Self { direction, distance, slabs }
     }
 

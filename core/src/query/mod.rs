@@ -13,6 +13,7 @@ mod region;
 pub use cast::{Cast, Hit};
 pub use region::Region;
 
+use crate::aabb::narrowed;
 use crate::access::{Access, bits};
 use crate::arch::{EIGHT, Simd, limit};
 use crate::id::{Id, Index};
@@ -149,13 +150,11 @@ fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usiz
 /// The key of the greatest `f32` that is not above a number.
 #[inline(always)]
 fn key_below(x: f64) -> i32 {
-    let nearest = x as f32;
-    key(nearest) - i32::from(f64::from(nearest) > x)
+    key(narrowed(x))
 }
 
 /// The key of the least `f32` that is not below a number.
 #[inline(always)]
 fn key_above(x: f64) -> i32 {
-    let nearest = x as f32;
-    key(nearest) + i32::from(f64::from(nearest) < x)
+    key(-narrowed(-x))
 }

@@ -3,6 +3,7 @@
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
 use super::{MembersNear, key_above, key_below, parts_near};
+use crate::aabb::widened;
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
@@ -156,7 +157,7 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
 fn around(point: &[f32; 3], squared: f64) -> KeyBox {
     let radius = libm::sqrt(squared) * (1.0 + 4.0 * f64::EPSILON);
     KeyBox {
-        min: point.map(|x| key_below((f64::from(x) - radius).next_down())),
-        max: point.map(|x| key_above((f64::from(x) + radius).next_up())),
+        min: point.map(|x| key_below((widened(x) - radius).next_down())),
+        max: point.map(|x| key_above((widened(x) + radius).next_up())),
     }
 }

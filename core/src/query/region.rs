@@ -1,7 +1,7 @@
 //! What overlaps a box, a ball or a point.
 
 use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
-use crate::aabb::Aabb;
+use crate::aabb::{Aabb, widened};
 use crate::access::Access;
 use crate::arch::{Phase, Simd};
 use crate::error::Error;
@@ -38,8 +38,8 @@ impl Region {
             Self::Point(point) => KeyBox::from_aabb(&Aabb::new(point, point)),
             Self::Sphere { center, radius } => {
                 let valid = radius >= 0.0 && center.iter().all(|x| x.is_finite());
-                let low = center.map(|x| key_below(f64::from(x) - f64::from(radius)));
-                let high = center.map(|x| key_above(f64::from(x) + f64::from(radius)));
+                let low = center.map(|x| key_below(widened(x) - widened(radius)));
+                let high = center.map(|x| key_above(widened(x) + widened(radius)));
                 valid.then_some(KeyBox { min: low, max: high })
             }
         }
@@ -55,7 +55,7 @@ impl Region {
         match *self {
             Self::Aabb(_) | Self::Point(_) => true,
             Self::Sphere { center, radius } => {
-                squared_distance(&center, bounds) <= f64::from(radius) * f64::from(radius)
+                squared_distance(&center, bounds) <= widened(radius) * widened(radius)
             }
         }
     }
@@ -65,8 +65,8 @@ impl Region {
 #[inline(always)]
 pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
     let gap = |k: usize| {
-        let x = f64::from(point[k]);
-        let (low, high) = (f64::from(value(bounds.min[k])), f64::from(value(bounds.max[k])));
+        let x = widened(point[k]);
+        let (low, high) = (widened(value(bounds.min[k])), widened(value(bounds.max[k])));
         let gap = if x < low {
             low - x
         } else if x > high {

@@ -1,0 +1,243 @@
+//! Faults that users met, each with the least that showed it. What a test here does failed before it was mended.
+
+use std::cell::RefCell;
+use trisap_core::{
+    Aabb, Boxes, Capacity, Cast, Config, Error, Executor, Id, Index, Kernels, Margin, Mode, Region, Serial,
+    Stage, World, layout,
+};
+use trisap_tests::denormals::flushed;
+use trisap_tests::scenes::{Brownian, cube, on_x};
+use trisap_tests::worlds::{Slab, ample};
+
+fn saved<I: Index>(world: &World<'_, I>) -> Vec<u8> {
+    let mut bytes = vec![0; world.snapshot_size()];
+    world.save(&mut bytes).expect("room for the snapshot");
+    bytes
+}
+
+fn fill(world: &mut World<'_, u32>, boxes: &[Aabb]) -> Vec<Id> {
+    let mut ids = vec![None; boxes.len()];
+    world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
+    ids.into_iter().flatten().collect()
+}
+
+/// A tree has planes and no leaves between a shift of the origin and the next step.
+#[test]
+fn a_snapshot_after_a_shift_is_loaded() {
+    let config = Config::new(ample(600, 4000)).with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    fill(&mut world, Brownian::new(600, 3).boxes());
+    world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+    world.shift_origin([1.0, 2.0, 3.0]).expect("finite");
+    let bytes = saved(&world);
+    assert_eq!(world.load(&bytes), Ok(()));
+    assert_eq!(world.len(), 600);
+    assert_eq!(saved(&world), bytes);
+    let step = world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+    assert!(step.found().is_empty() && step.lost().is_empty());
+}
+
+/// The mark of an id that comes twice was a bit that an id can have itself.
+#[test]
+fn an_id_with_a_forged_generation_is_stale_in_a_batch() {
+    let config = Config::new(ample(4, 4));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(5.0, 0.0, 0.0)]);
+    let forged = Id::from_bits(ids[0].to_bits() ^ 1 << 63).expect("not zero");
+    let before = saved(&world);
+    for batch in [[ids[0], forged], [forged, ids[0]]] {
+        assert_eq!(world.remove_many(&batch), Err(Error::StaleId { id: forged }));
+        assert_eq!(saved(&world), before, "nothing has changed");
+    }
+    assert_eq!(world.remove_many(&[ids[0], ids[0]]), Err(Error::StaleId { id: ids[0] }));
+    assert_eq!(saved(&world), before, "nothing has changed");
+}
+
+/// Overlaps of fat boxes that are no pairs do not take the room of pairs, with as many boxes as make a tree or fewer.
+#[test]
+fn margins_need_no_room_for_pairs() {
+    for others in [0, 100, 700] {
+        let far = (0..others).map(|k| on_x(100.0 + 50.0 * k as f32, 101.0 + 50.0 * k as f32));
+        let mut boxes: Vec<Aabb> =
+            [on_x(0.0, 1.0), on_x(1.5, 2.5), on_x(3.0, 4.0)].into_iter().chain(far).collect();
+        let config = Config::new(ample(boxes.len(), 1)).with_margin(Margin::length(1.0)).with_events();
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        fill(&mut world, &boxes);
+        let mut step = |boxes: &[Aabb]| {
+            let step = world.step_over(Boxes::new(boxes), Kernels::BASELINE, &Serial);
+            let step = step.map(|step| (step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()));
+            world.validate().expect("valid");
+            step
+        };
+        assert_eq!(step(&boxes), Ok((vec![], vec![], vec![])), "{others}");
+        assert_eq!(step(&boxes), Ok((vec![], vec![], vec![])), "nothing has moved, {others}");
+        // Inside its fat box.
+        boxes[0] = on_x(0.75, 1.75);
+        assert_eq!(step(&boxes), Ok((vec![[0, 1]], vec![[0, 1]], vec![])), "{others}");
+        // From one pair to another, both inside their fat boxes.
+        boxes[0] = on_x(0.25, 1.25);
+        boxes[1] = on_x(2.25, 3.25);
+        assert_eq!(step(&boxes), Ok((vec![[1, 2]], vec![[1, 2]], vec![[0, 1]])), "{others}");
+        // Two pairs are too many, margins or not, and a step that fails is none to the events.
+        boxes[0] = on_x(0.75, 2.75);
+        assert_eq!(step(&boxes), Err(Error::PairsFull { needed: 2 }), "{others}");
+        boxes[2] = on_x(40.0, 41.0);
+        assert_eq!(step(&boxes), Ok((vec![[0, 1]], vec![[0, 1]], vec![[1, 2]])), "{others}");
+        // Where the surplus fits again.
+        boxes[1] = on_x(-40.0, -39.0);
+        assert_eq!(step(&boxes), Ok((vec![], vec![], vec![[0, 1]])), "{others}");
+        boxes[1] = on_x(2.0, 2.5);
+        assert_eq!(step(&boxes), Ok((vec![[0, 1]], vec![[0, 1]], vec![])), "{others}");
+    }
+}
+
+/// Boxes of the least numbers that there are hold what they were made of, though the host takes these for zero.
+#[test]
+fn rounding_is_outwards_where_denormals_are_flushed() {
+    let numbers =
+        [-1e-40, 1e-40, -1e-300, 1e-300, -5e-324, 5e-324, -1.5e-45, 1.5e-45, 0.1, -0.1, 1e-38, -1e-38];
+    let origins = [0.0, 1e-40, -1e-39, 5e-324, -5e-324, 1.0, 2.3e-308];
+    for x in numbers {
+        for origin in origins {
+            let made = || Aabb::from_f64([x; 3], [x; 3], [origin; 3]);
+            let (plain, flushed) = (made(), flushed(made));
+            assert_eq!(bits(&plain), bits(&flushed), "{x:e} from {origin:e}");
+            let difference = x - origin;
+            assert!(f64::from(plain.min[0]) <= difference && f64::from(plain.max[0]) >= difference);
+        }
+        let plain = Aabb::from_f64([x; 3], [x; 3], [0.0; 3]);
+        assert!(
+            f64::from(plain.min[0].next_up()) > x && f64::from(plain.max[0].next_down()) < x,
+            "{x:e} is tight"
+        );
+    }
+}
+
+fn bits(aabb: &Aabb) -> [[u32; 3]; 2] {
+    [aabb.min.map(f32::to_bits), aabb.max.map(f32::to_bits)]
+}
+
+/// Shifts and queries among boxes of denormals answer as they do on other hosts, on all kernels.
+#[test]
+fn shifts_and_queries_are_the_same_where_denormals_are_flushed() {
+    let least = f32::from_bits(1);
+    let place = |k: u32| k as f32 * 1e-39;
+    for count in [40, 700] {
+        let config = Config::new(ample(count, 4 * count)).with_events();
+        let boxes: Vec<Aabb> = (0..count as u32)
+            .map(|k| Aabb::new([place(k), 0.0, -least], [place(k) + 4e-40, least, 0.0]))
+            .collect();
+        // Computed where denormals are not flushed.
+        let (center, point) = ([place(9), 0.0, 0.0], [place(7), 0.0, 0.0]);
+        for kernels in Kernels::all() {
+            let transcript = || {
+                let mut slab = Slab::new::<u32>(&config);
+                let mut world = slab.world::<u32>(&config);
+                let ids = fill(&mut world, &boxes);
+                world.step(kernels, &Serial).expect("room for the pairs");
+                let mut told = Vec::new();
+                for shift in [[0.0; 3], [1e-39, 0.0, 1e-45]] {
+                    let rounded = world.shift_origin(shift).expect("finite");
+                    world.step(kernels, &Serial).expect("room for the pairs");
+                    let shifted: Vec<_> =
+                        ids.iter().map(|id| bits(&world.aabb(*id).expect("alive"))).collect();
+                    let mut out = vec![None; count];
+                    let ball = Region::Sphere { center, radius: 3e-39 };
+                    let near = world.overlaps(&ball, kernels, &mut out).expect("room");
+                    let ray = Cast::ray([-1e-38, least, -least], [1e-38, 0.0, 0.0], 1e3);
+                    let mut hits = vec![None; count];
+                    let met = world.hits(&ray, kernels, &mut hits).expect("room");
+                    let mut nearest = vec![None; 5];
+                    world.nearest(point, kernels, &mut nearest).expect("finite");
+                    let slots = |hits: &[Option<trisap_core::Hit>]| -> Vec<_> {
+                        hits.iter().flatten().map(|hit| (hit.id.slot(), hit.distance.to_bits())).collect()
+                    };
+                    told.push((rounded, shifted, out[..near].to_vec(), slots(&hits[..met]), slots(&nearest)));
+                }
+                told
+            };
+            let plain = transcript();
+            assert!(plain[0].2.len() >= 5 && plain[0].3.len() == count, "{}", plain[0].2.len());
+            assert_eq!(flushed(transcript), plain, "{count} boxes, {kernels:?}");
+        }
+    }
+}
+
+/// Notes the stages of steps.
+#[derive(Default)]
+struct Noting(RefCell<Vec<Stage>>);
+
+impl Executor for Noting {
+    fn workers(&self) -> u32 {
+        1
+    }
+    fn fork_join(&self, _: u32, _: &(dyn Fn() + Sync)) {}
+    fn enter(&self, stage: Stage) {
+        self.0.borrow_mut().push(stage);
+    }
+}
+
+/// Each stage once, in order, and the last one always.
+#[test]
+fn stages_come_in_order_and_end() {
+    for (count, pairs) in [(10, 0), (40, 400), (300, 3000), (2000, 20_000), (2000, 3)] {
+        let config = Config::new(ample(count, pairs));
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let mut scene = Brownian::new(count, 5);
+        // So near to each other that some overlap.
+        let mut boxes = scene.boxes().to_vec();
+        for (k, aabb) in boxes.iter_mut().enumerate().take(6) {
+            *aabb = cube(0.1 * k as f32, 0.0, 0.0);
+        }
+        let ids = fill(&mut world, &boxes);
+        for round in 0..12 {
+            // Many, few, none; and everything in one place, which asks for new planes.
+            match round {
+                4 => (0..count / 20)
+                    .for_each(|k| world.set_aabb(ids[k], cube(k as f32, 9.0, 0.0)).expect("alive")),
+                5 | 6 => {}
+                7 => ids.iter().for_each(|id| world.set_aabb(*id, cube(3.0, 0.0, 0.0)).expect("alive")),
+                _ => {
+                    scene.advance();
+                    ids.iter().zip(scene.boxes()).for_each(|(id, b)| world.set_aabb(*id, *b).expect("alive"));
+                }
+            }
+            let noting = Noting::default();
+            let done = world.step(Kernels::BASELINE, &noting).is_ok();
+            let stages = noting.0.into_inner();
+            assert!(stages.windows(2).all(|two| two[0] < two[1]), "{stages:?}, {count}, round {round}");
+            assert_eq!(stages.last(), Some(&Stage::Done), "done: {done}, {count}, round {round}");
+        }
+    }
+}
+
+#[test]
+fn what_init_refuses_has_no_size_and_the_error_says_why() {
+    for margin in
+        [Margin::length(-1.0), Margin::length(f32::NAN), Margin { per_extent: 0.0, min: 2.0, max: 1.0 }]
+    {
+        let config = Config::new(Capacity::for_objects(10)).with_margin(margin);
+        assert_eq!(layout::<u32>(&config), None);
+        assert_eq!(World::<u32>::new_in(&mut [], &config).err(), Some(Error::BadMargin));
+    }
+    let lean = Config::new(Capacity::for_objects(257)).with_lean();
+    assert_eq!(layout::<u32>(&lean), None);
+    let error = World::<u32>::new_in(&mut [], &lean).err().expect("too many");
+    assert!(error.to_string().contains("lean"), "{error}");
+    assert!(!Error::LengthMismatch { needed: 1 }.to_string().contains("output"));
+}
+
+/// Only boxes as given are counted, not what stands around them.
+#[test]
+fn a_shift_counts_rounded_boxes_as_given() {
+    let config = Config::new(ample(2, 2)).with_mode(Mode::Fat).with_margin(Margin::length(0.1));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(8.0, 0.0, 0.0)]);
+    // The sides of the boxes stay whole numbers; their margins do not.
+    assert_eq!(world.shift_origin([1024.0, 0.0, 0.0]), Ok(0));
+}
