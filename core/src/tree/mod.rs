@@ -22,6 +22,7 @@ pub(crate) mod cells;
 pub(crate) mod lend;
 pub(crate) mod refine;
 pub(crate) mod relocate;
+pub(crate) mod sharpen;
 pub(crate) mod tighten;
 pub(crate) mod visit;
 
@@ -295,6 +296,16 @@ pub(crate) const GRID_MAX: f32 = 65_535.0;
 impl Frame {
     /// Of no leaf.
     pub(crate) const NONE: Self = Self { origin: [0.0; 8], scale: [0.0; 8] };
+
+    /// Whether it maps coordinates to steps in their order, as sweeps need it: wherever its grid lies then, no pair is lost.
+    pub(crate) fn is_sound(&self) -> bool {
+        let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];
+        let finite = |x: &f32| x.abs() <= f32::MAX;
+        whole(&self.origin)
+            && whole(&self.scale)
+            && self.origin.iter().all(finite)
+            && self.scale.iter().all(|x| *x >= 0.0 && finite(x))
+    }
 
     /// The grid over the minima between two corners.
     ///
