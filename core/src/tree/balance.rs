@@ -101,7 +101,7 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
     (state.leaves_in_use, state.fullest_leaf) = (in_use, most);
     state.divisible = 0;
     let quarters = if state.poor != 0 { GOOD } else { FULL };
-    let is_full = 4 * u64::from(most) << state.depth > quarters * u64::from(state.live);
+    let is_full = (4 * u64::from(most)) << state.depth > quarters * u64::from(state.live);
     if state.planes_in > 0 {
         state.planes_in -= 1;
     } else if !is_full {
@@ -124,7 +124,7 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
     let mut sample = [I::default(); LEAF_SAMPLE];
     let mut count = 0;
     // An odd step, as every second object may be of another kind.
-    let step = members.len() / LEAF_SAMPLE | 1;
+    let step = (members.len() / LEAF_SAMPLE) | 1;
     for (slot, record) in sample.iter_mut().zip(members.iter().step_by(step)) {
         *slot = I::from_slot(record.slot());
         count += 1;
