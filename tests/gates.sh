@@ -28,8 +28,8 @@ if $all; then
     tests/instructions.sh
     if cargo +nightly miri --version >/dev/null 2>&1; then
         MIRIFLAGS=-Zmiri-many-seeds=0..32 cargo +nightly miri test -p trisap-core --lib threads_
-        cargo +nightly miri test -p trisap-tests --test executors a_small_tree
-        cargo +nightly miri test -p trisap-ffi --test border
+        cargo +nightly miri test -p trisap-tests --test conformance executors::a_small_tree
+        cargo +nightly miri test -p trisap-ffi --test abi border::
     else
         echo "skipped: Miri is not installed"
     fi
