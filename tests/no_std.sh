@@ -9,10 +9,12 @@ if ! dpkg -s rustc-web cargo-web rust-web-src >/dev/null 2>&1; then
     apt-get update -qq
     apt-get install -y -qq rustc-web cargo-web rust-web-src
 fi
-export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=target/no_std
+# Both abort on a panic, as the C ABI has to without std: so they share the `core` that is built for a target.
+export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-target}/no_std"
+export CARGO_PROFILE_RELEASE_PANIC=abort
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     /usr/bin/cargo build --release -p trisap-core -Zbuild-std=core --target "$target"
-    CARGO_PROFILE_RELEASE_PANIC=abort /usr/bin/cargo rustc --release -p trisap-ffi --no-default-features \
+    /usr/bin/cargo rustc --release -p trisap-ffi --no-default-features \
         --features panic-handler --crate-type staticlib -Zbuild-std=core --target "$target"
 done
 echo "the core and the C ABI build without std and alloc"
