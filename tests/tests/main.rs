@@ -19,18 +19,21 @@ mod resting;
 mod snapshots;
 mod tree;
 
-/// A file without a line here would be no test at all, and nobody would know.
+/// A file without a line in its `main.rs` would be no test at all, and nobody would know.
 #[test]
 fn every_file_is_a_module() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
-    let modules: Vec<&str> =
-        include_str!("main.rs").lines().filter_map(|line| line.strip_prefix("mod ")).collect();
-    for entry in std::fs::read_dir(folder).expect("the folder of this file") {
-        let path = entry.expect("a folder's entry").path();
-        let name = path.file_stem().expect("a file's name").to_string_lossy().into_owned();
-        assert!(
-            name == "main" || modules.contains(&format!("{name};").as_str()),
-            "main.rs has no line: mod {name};"
-        );
+    let repository = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for folder in ["tests/tests", "core/tests", "ffi/tests", "std-adapter/program/tests"] {
+        let folder = repository.join(folder);
+        let main = std::fs::read_to_string(folder.join("main.rs")).expect("the program of the tests");
+        let mut modules: Vec<String> =
+            main.lines().filter_map(|line| Some(line.strip_prefix("mod ")?.replace(';', ".rs"))).collect();
+        modules.push("main.rs".to_owned());
+        modules.sort();
+        let entries = std::fs::read_dir(&folder).expect("the folder of the tests");
+        let mut files: Vec<String> =
+            entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+        files.sort();
+        assert_eq!(files, modules, "main.rs in {} has a line for each file", folder.display());
     }
 }
