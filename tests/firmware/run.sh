@@ -8,7 +8,7 @@ packages=(rustc-web cargo-web rust-web-src lld-22 qemu-system-arm)
 if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
     [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
     apt-get update -qq
-    apt-get install -y -qq "${packages[@]}"
+    apt-get install -y -qq --no-install-recommends "${packages[@]}"
 fi
 
 # One compiler for the host and the boards. The bootstrap switch lets it build `core` for targets that Debian does not
