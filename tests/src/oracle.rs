@@ -125,6 +125,40 @@ mod tests {
     }
 
     #[test]
+    fn many_at_once_are_the_same_as_one_by_one() {
+        for count in (0..60).chain([333]) {
+            for scene in scenes::all(count, 5) {
+                let mut pairs = Vec::new();
+                for (b, two) in scene.boxes.iter().enumerate() {
+                    for (a, one) in scene.boxes[..b].iter().enumerate() {
+                        let apart = |k: usize| one.max[k] < two.min[k] || two.max[k] < one.min[k];
+                        if !(apart(0) || apart(1) || apart(2)) {
+                            pairs.push([a as u32, b as u32]);
+                        }
+                    }
+                }
+                pairs.sort_unstable();
+                assert_eq!(brute_force(&all_live(&scene.boxes)), pairs, "{} of {count}", scene.name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_remembered_is_what_was_asked() {
+        let boxes = all_live(&scenes::uniform(200, 5));
+        let mut fewer = boxes.clone();
+        fewer[199] = None;
+        let mut moved = boxes.clone();
+        moved[100] = boxes[7];
+        for _ in 0..3 {
+            for asked in [&boxes, &fewer, &moved] {
+                assert_eq!(overlaps(asked), brute_force(asked));
+            }
+        }
+        assert_ne!(overlaps(&boxes), overlaps(&moved));
+    }
+
+    #[test]
     fn skip_dead_slots() {
         let unit = Some(Aabb::new([0.0; 3], [1.0; 3]));
         for oracle in [brute_force, sweep] {
