@@ -45,7 +45,7 @@ pub fn overlaps(boxes: &[Option<Aabb>]) -> Vec<SlotPair> {
             return pairs.clone();
         }
         let pairs = sweep(boxes);
-        let size = |(boxes, pairs): &(Vec<_>, Vec<_>)| boxes.len() + pairs.len();
+        let size = |(boxes, pairs): &Known| boxes.len() + pairs.len();
         while known.iter().map(size).sum::<usize>() > REMEMBERED {
             known.pop_front();
         }
@@ -57,8 +57,11 @@ pub fn overlaps(boxes: &[Option<Aabb>]) -> Vec<SlotPair> {
 /// How many boxes and pairs a thread remembers.
 const REMEMBERED: usize = 2_000_000;
 
+/// The boxes of a question, and their pairs.
+type Known = (Vec<Option<Aabb>>, Vec<SlotPair>);
+
 thread_local! {
-    static KNOWN: RefCell<VecDeque<(Vec<Option<Aabb>>, Vec<SlotPair>)>> = const { RefCell::new(VecDeque::new()) };
+    static KNOWN: RefCell<VecDeque<Known>> = const { RefCell::new(VecDeque::new()) };
 }
 
 /// All slots alive.
