@@ -7,7 +7,7 @@
 //!
 //! ```sh
 //! cargo run --release -- report
-//! TRISAP_REPORT=trisap-report TRISAP_SCREENSHOT=std-adapter/program/report.png cargo test -p trisap-program --test page
+//! TRISAP_REPORT=trisap-report TRISAP_SCREENSHOT=std-adapter/program/report.png cargo test -p trisap-program page::
 //! ```
 //!
 //! (Both paths count from the root of the repository.)
