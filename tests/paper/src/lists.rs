@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 const NONE: u32 = u32::MAX;
 
 /// The moves an object, on average, after which insertion sort is given up and the list is sorted anew (E13).
-const MOST_MOVES: u64 = 16;
+const MOST_MOVES: u64 = 3;
 
 /// Three doubly linked lists of the same objects. The links of an object stand at its index, for each axis (E12).
 #[derive(Clone, Debug, Default)]
@@ -14,6 +14,8 @@ pub(crate) struct Lists([List; 3]);
 
 #[derive(Clone, Debug, Default)]
 struct List {
+    /// The minimum of each object on the axis.
+    keys: Vec<f32>,
     first: u32,
     next: Vec<u32>,
     previous: Vec<u32>,
@@ -25,18 +27,15 @@ impl Lists {
     pub(crate) fn update(&mut self, boxes: &[Aabb]) -> (u64, u32) {
         let (mut moves, mut sorted) = (0, 0);
         for (axis, list) in self.0.iter_mut().enumerate() {
-            let order = |a: u32, b: u32| order(boxes, axis, a, b);
-            if list.next.len() == boxes.len() {
-                match list.repair(order) {
-                    Ok(of_list) => {
-                        moves += of_list;
-                        continue;
-                    }
-                    Err(of_list) => moves += of_list,
-                }
+            list.keys.clear();
+            list.keys.extend(boxes.iter().map(|aabb| aabb.min[axis]));
+            let is_new = list.next.len() != boxes.len();
+            let of_list = if is_new { Err(0) } else { list.repair() };
+            if of_list.is_err() {
+                list.sort();
+                sorted += 1;
             }
-            list.sort(boxes.len(), order);
-            sorted += 1;
+            moves += of_list.unwrap_or_else(|moves| moves);
         }
         (moves, sorted)
     }
@@ -55,37 +54,39 @@ impl Lists {
 }
 
 /// By the minimum alone, and by the index where two are equal (E10).
-fn order(boxes: &[Aabb], axis: usize, a: u32, b: u32) -> Ordering {
-    let (x, y) = (boxes[a as usize].min[axis], boxes[b as usize].min[axis]);
+fn order((x, a): (f32, u32), (y, b): (f32, u32)) -> Ordering {
     // Valid boxes have no NaN. Zeros of both signs are equal here, as they are in the sweep.
     x.partial_cmp(&y).unwrap_or(Ordering::Equal).then(a.cmp(&b))
 }
 
 impl List {
     /// By quicksort, from any order.
-    fn sort(&mut self, objects: usize, order: impl Fn(u32, u32) -> Ordering) {
-        let mut ids: Vec<u32> = (0..objects as u32).collect();
+    fn sort(&mut self) {
+        let objects = self.keys.len();
+        let mut ids: Vec<(f32, u32)> = self.keys.iter().copied().zip(0..).collect();
         ids.sort_unstable_by(|&a, &b| order(a, b));
         self.next = vec![NONE; objects];
         self.previous = vec![NONE; objects];
-        self.first = ids.first().copied().unwrap_or(NONE);
+        self.first = ids.first().map_or(NONE, |&(_, id)| id);
         for two in ids.windows(2) {
-            self.next[two[0] as usize] = two[1];
-            self.previous[two[1] as usize] = two[0];
+            let [before, after] = [two[0].1, two[1].1];
+            self.next[before as usize] = after;
+            self.previous[after as usize] = before;
         }
     }
 
     /// By insertion sort, from an order that was right in the last step. Tells the moves: as an error where there were too
     /// many, and the order is not right yet.
-    fn repair(&mut self, order: impl Fn(u32, u32) -> Ordering) -> Result<u64, u64> {
+    fn repair(&mut self) -> Result<u64, u64> {
         let most = MOST_MOVES * self.next.len() as u64;
         let mut moves = 0;
         // All up to here are in order.
         let mut last = self.first;
         while moves <= most {
             let Some(&id) = self.next.get(last as usize).filter(|&&id| id != NONE) else { return Ok(moves) };
+            let with_key = |id: u32| (self.keys[id as usize], id);
             let mut before = last;
-            while before != NONE && order(id, before).is_lt() {
+            while before != NONE && order(with_key(id), with_key(before)).is_lt() {
                 before = self.previous[before as usize];
                 moves += 1;
             }
@@ -135,7 +136,9 @@ mod tests {
         for axis in 0..3 {
             let ids: Vec<u32> = lists.in_order(axis).collect();
             let mut expected: Vec<u32> = (0..boxes.len() as u32).collect();
-            expected.sort_by(|&a, &b| order(boxes, axis, a, b));
+            let key = |id: u32| boxes[id as usize].min[axis];
+            // `sort_by` keeps the order of the index where two are equal.
+            expected.sort_by(|&a, &b| key(a).partial_cmp(&key(b)).expect("numbers"));
             assert_eq!(ids, expected, "axis {axis}");
             let List { first, previous, .. } = &lists.0[axis];
             assert_eq!(previous[*first as usize], NONE);

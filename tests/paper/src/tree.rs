@@ -174,11 +174,13 @@ impl Tree {
         let mut middle = start;
         for (from, to) in self.members.iter().zip(&mut self.next_members) {
             let members = &from[node.members.clone()];
-            let sides = |member: &Member| self.sides[member.id() as usize];
-            to.extend(members.iter().filter(|member| sides(member).left));
+            let sides = |member: Member| self.sides[member.id() as usize];
+            append(to, members, |member| (member, sides(member).left));
             middle = to.len();
-            let right = members.iter().filter(|member| sides(member).right);
-            to.extend(right.map(|member| if sides(member).starts_left { member.copy() } else { *member }));
+            append(to, members, |member| {
+                let sides = sides(member);
+                (if sides.starts_left { member.copy() } else { member }, sides.right)
+            });
         }
         let end = self.next_members[0].len();
         let widest = widest(dispersion(&self.members, &node.members, boxes));
@@ -197,6 +199,19 @@ impl Tree {
         self.leaf_members.extend_from_slice(&self.members[axis][node.members]);
         self.leaves.push(Leaf { members: start..self.leaf_members.len(), low: node.low, axis });
     }
+}
+
+/// Appends those members of which `pick` says so. That cannot be predicted: so each is written, and the next one over it if it
+/// was not wanted.
+fn append(to: &mut Vec<Member>, members: &[Member], pick: impl Fn(Member) -> (Member, bool)) {
+    let mut end = to.len();
+    to.resize(end + members.len(), Member(0));
+    for &member in members {
+        let (member, wanted) = pick(member);
+        to[end] = member;
+        end += usize::from(wanted);
+    }
+    to.truncate(end);
 }
 
 /// How far the minima of some members are spread on each axis.

@@ -64,7 +64,10 @@ fn e5_a_cube_creeps_through_another() {
 
 #[test]
 fn e6_two_resting_cubes_stay_in_contact() {
-    alone_and_in_a_crowd("rest", &vec![vec![flat(0.0, 1.0), flat(1.0, 2.0)]; 4]);
+    // A third one moves, or else no phase would have anything to do.
+    let frames: Vec<Vec<Aabb>> =
+        [5.0, 6.0, 7.0].map(|x| vec![flat(0.0, 1.0), flat(1.0, 2.0), flat(x, x + 0.5)]).into();
+    alone_and_in_a_crowd("rest", &frames);
 }
 
 #[test]
