@@ -9,6 +9,7 @@ mod queries;
 mod recording;
 mod report;
 mod run;
+mod scenes;
 
 use std::process::ExitCode;
 
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
     if options.queries {
         return ExitCode::SUCCESS;
     }
-    print!("{}", report.markdown());
+    print!("{}", if options.table { report.table() } else { report.markdown() });
     if let Some(path) = &options.json
         && let Err(error) = std::fs::write(path, report.json())
     {

@@ -131,6 +131,38 @@ impl Report {
         text + "\n"
     }
 
+    /// The ratios alone, with a line for each scene, of the peers that took part in any.
+    pub(crate) fn table(&self) -> String {
+        let raced = |row: &&Row| row.outcomes.iter().any(|outcome| !matches!(outcome, Outcome::LeftOut(_)));
+        let rows: Vec<&Row> = self.rows.iter().filter(raced).collect();
+        let mut text = String::from("| scene | objects | pairs | trisap, ms |");
+        rows.iter().for_each(|row| _ = write!(text, " {} |", row.name));
+        text += "\n|---|---:|---:|---:|";
+        text += &"---:|".repeat(rows.len());
+        for (at, scene) in self.scenes.iter().enumerate() {
+            _ = write!(text, "\n| {} | {} | {} |", scene.name, scene.objects, scene.pairs);
+            let outcomes = || rows.iter().filter_map(|row| row.outcomes.get(at));
+            // Of all races in which trisap told pairs, as most peers do.
+            let mut ours = Vec::new();
+            for outcome in outcomes() {
+                if let Outcome::Raced(race) = outcome
+                    && !race.events
+                {
+                    ours.extend_from_slice(&race.ours);
+                }
+            }
+            _ = if ours.is_empty() { write!(text, " |") } else { write!(text, " {:.3} |", median(&ours)) };
+            for outcome in outcomes() {
+                _ = match outcome {
+                    Outcome::Raced(race) => write!(text, " {:.1} |", race.ratio()),
+                    Outcome::LeftOut(_) => write!(text, " |"),
+                    Outcome::Wrong(_) => write!(text, " wrong |"),
+                };
+            }
+        }
+        text + "\n"
+    }
+
     pub(crate) fn json(&self) -> String {
         let mut text = format!("{{\"kernels\":{:?},\"threads\":{},\"races\":[", self.kernels, self.threads);
         let mut separator = "";
