@@ -224,10 +224,20 @@ fn a_report_is_a_page_and_its_data() -> Result {
         let section = sections.iter().find(|section| section["id"] == id);
         section.and_then(|section| section["verdict"]["frames"].as_u64())
     };
-    for id in ["margins", "scaling", "movers", "parts", "precision", "hard_cases"] {
+    for id in ["margins", "scaling", "paper", "movers", "parts", "precision", "hard_cases"] {
         assert!(frames(id) > Some(10), "{id}: {:?}", frames(id));
     }
     assert!(page.contains("ANOTHER MACHINE"), "printed figures are not marked");
+    // The paper's method stands beside trisap in every line of both tables.
+    for table in ["table_1", "table_2"] {
+        let csv = fs::read_to_string(out.join(format!("{table}.csv")))?;
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let titles = lines.next().ok_or("no titles")?;
+        for title in ["trisap (ms)", "the paper's method (ms)"] {
+            let at = titles.iter().position(|of| *of == title).ok_or("no such column")?;
+            assert!(lines.clone().all(|line| line[at].parse().is_ok_and(|time: f64| time > 0.0)), "{title}");
+        }
+    }
     Ok(())
 }
 

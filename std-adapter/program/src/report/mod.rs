@@ -2,6 +2,7 @@
 //!
 //! Each experiment is a file that turns the [`Lab`] into a [`Section`]; nothing but [`measure`] takes the time of a step.
 
+mod as_printed;
 mod chart;
 mod clip;
 mod files;
