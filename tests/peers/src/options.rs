@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::{peers, scenes};
+use crate::{clock::Clock, peers, scenes};
 use std::path::PathBuf;
 
 pub(crate) const USAGE: &str = "\
@@ -16,6 +16,7 @@ a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as
   --table               a line for each scene, with nothing but ratios; all recordings of the repository and a synthetic
                         scene of each kind, if no scene is given
   --queries             box queries and rays on the first frame instead of the race (trisap, parry3d, Embree)
+  --clock wall|cpu      cpu: the time that the process has had of the CPU, for machines where others run; one thread only
   --frames N            timed frames a peer; by default about two million boxes, 15 to 300 frames
   --json FILE           writes the results as JSON as well";
 
@@ -42,6 +43,7 @@ pub(crate) struct Options {
     /// Queries instead of frames.
     pub(crate) queries: bool,
     peers: Vec<String>,
+    pub(crate) clock: Clock,
     pub(crate) frames: Option<usize>,
     pub(crate) json: Option<PathBuf>,
 }
@@ -57,6 +59,7 @@ impl Options {
             table: false,
             queries: false,
             peers: Vec::new(),
+            clock: Clock::Wall,
             frames: None,
             json: None,
         };
@@ -80,6 +83,13 @@ impl Options {
                         other => return Err(format!("--threads {other}: 1 or 2")),
                     }
                 }
+                "--clock" => {
+                    options.clock = match value()?.as_str() {
+                        "wall" => Clock::Wall,
+                        "cpu" => Clock::Cpu,
+                        other => return Err(format!("--clock {other}: wall or cpu")),
+                    }
+                }
                 "--table" => options.table = true,
                 "--queries" => options.queries = true,
                 "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
@@ -89,6 +99,9 @@ impl Options {
                 flag if flag.starts_with('-') => return Err(format!("unknown option {flag}")),
                 _ => options.scenes.push(argument),
             }
+        }
+        if options.threads > 1 && options.clock == Clock::Cpu {
+            return Err("--clock cpu adds up the threads: it is for one".into());
         }
         if options.table && options.scenes.is_empty() {
             options.scenes =

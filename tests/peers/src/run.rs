@@ -1,6 +1,7 @@
 //! The race: trisap and one peer in turn, frame by frame.
 
 use crate::{
+    clock::Clock,
     options::{Events, Options},
     oracle::{self, Digest},
     ours::ours,
@@ -12,7 +13,7 @@ use std::{
     collections::HashSet,
     ops::Range,
     panic::{self, AssertUnwindSafe},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 /// Frames before the timed ones: caches, allocations and adaptive parts settle.
@@ -92,10 +93,10 @@ fn race(
     let setting = Setting { boxes: &boxes, movers, threads: options.threads };
     let of_peer = if setting.is_crowd() && entry.crowd == Crowd::OfMovers { of_movers } else { all };
     let mut ours = match ours(&setting, most, options, events) {
-        Ok(ours) => Runner::new(ours, false),
+        Ok(ours) => Runner::new(ours, false, options.clock),
         Err(reason) => return Outcome::Wrong(reason),
     };
-    let mut peer = Runner::new(start(&setting), entry.fat);
+    let mut peer = Runner::new(start(&setting), entry.fat, options.clock);
     for step in 0..frames.end {
         advance(&mut boxes, movers, recording.frame(step));
         for (name, runner, expected) in [("trisap", &mut ours, all), (entry.name, &mut peer, of_peer)] {
@@ -119,6 +120,7 @@ fn race(
 struct Runner {
     peer: Box<dyn Peer>,
     fat: bool,
+    clock: Clock,
     times: Vec<Duration>,
     /// Of the pair set so far, for exact peers with events.
     digest: Digest,
@@ -130,10 +132,11 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(peer: Box<dyn Peer>, fat: bool) -> Self {
+    fn new(peer: Box<dyn Peer>, fat: bool, clock: Clock) -> Self {
         Self {
             peer,
             fat,
+            clock,
             times: Vec::new(),
             digest: Digest::default(),
             set: HashSet::new(),
@@ -145,9 +148,9 @@ impl Runner {
     /// One frame, and the pairs that overlap among those told.
     fn run(&mut self, boxes: &[Padded]) -> Digest {
         self.peer.prepare(boxes);
-        let start = Instant::now();
+        let start = self.clock.now();
         self.peer.frame();
-        self.times.push(start.elapsed());
+        self.times.push(self.clock.now() - start);
 
         let Self { digest, set, .. } = self;
         let filtered = |pairs: &mut dyn Iterator<Item = [u32; 2]>| {
