@@ -33,9 +33,9 @@ pub enum Kind {
     ///
     /// [`SPREAD_FRAMES`]: super::SPREAD_FRAMES
     Spawn,
-    /// Cubes that move as in Broadmark's Brownian scene, and one frame, [`HITCH_FRAME`], that takes as long as eight and in
-    /// which all boxes are as large as all that they pass, as where a game hangs for a moment. 0.3 to 0.6 pairs a box,
-    /// and about 11 in that frame.
+    /// Cubes that move as in Broadmark's Brownian scene, and one frame, [`HITCH_FRAME`], that takes as long as 24 and in which
+    /// all boxes are as large as all that they pass, some 7 m, as where a game hangs for a moment. 0.3 to 0.6 pairs
+    /// a box, and 60 to 150 in that frame.
     ///
     /// [`HITCH_FRAME`]: super::HITCH_FRAME
     Hitch,
@@ -123,7 +123,7 @@ impl Kind {
             Self::Grains => "Packed balls of three radii",
             Self::Bullets => "Cubes, and 5 % long boxes that bullets sweep",
             Self::Spawn => "All cubes in one place in the first frame, then spread",
-            Self::Hitch => "Cubes that are swept over eight frames in frame 10",
+            Self::Hitch => "Cubes, all of which are swept over 24 frames in frame 10",
             Self::Flat => "A flat world of platforms and bodies",
             Self::Parking => "Cars that rest but for a few",
         }

@@ -12,6 +12,9 @@ const BAY: f32 = 2.6;
 const DEPTH: f32 = 4.9;
 const LANE: f32 = 6.0;
 
+/// How far from the middle of a lane a car drives: on its own side, where it brushes the boxes of parked cars.
+const ASIDE: f32 = 2.4;
+
 /// How fast a car drives at most, in metres a frame: 6 m/s.
 const PACE: f32 = 0.2;
 
@@ -26,7 +29,7 @@ pub(super) fn start(count: u32, random: &mut Random) -> Start {
     for at in 0..count {
         let size = [random.between(1.7, 2.0), random.between(1.4, 2.0), random.between(3.8, 4.8)];
         bodies.push(if at < driving {
-            let z = lane(random.below(rows.div_ceil(2))) - LANE / 2.0;
+            let z = lane(random.below(rows.div_ceil(2))) - LANE / 2.0 + ASIDE;
             let edges = [size[2], size[1], size[0]];
             let velocity = [random.between(PACE / 2.0, PACE), 0.0, 0.0];
             let room = ([0.0, 0.0, z - 1.0], [length.max(edges[0]), edges[1], z + 1.0]);

@@ -12,7 +12,7 @@ pub const SPREAD_FRAMES: u32 = 4;
 pub const HITCH_FRAME: u32 = 10;
 
 /// How many frames a hitch takes.
-const HITCH_STEPS: u32 = 8;
+const HITCH_STEPS: u32 = 24;
 
 /// How far a cube moves in a frame at most.
 const PACE: f32 = 0.75;
