@@ -2,7 +2,8 @@
 //! Written apart from trisap's own reader, so that a fault there cannot hide here.
 
 use std::{fs, io, path::Path};
-use trisap::scene::{Kind, Objects, Setup, Synthetic};
+use trisap::Aabb;
+use trisap::scene::{Kind, Objects, Setup, Synthetic, real};
 
 /// A box as recordings have it: minimum x, y, z, 0, maximum x, y, z, 0.
 pub(crate) type Padded = [f32; 8];
@@ -53,26 +54,32 @@ impl Recording {
         Ok(Self { name: format!("{} {}", text(0), text(NAMES)), objects, frames })
     }
 
-    /// A scene of trisap's generator, named `kind:objects:count`, as in `brownian:cubes:32000`.
+    /// A scene of trisap's generator, named `kind:objects:count`, as in `brownian:cubes:32000`, or `kind:count` where it is one
+    /// of those of games, as in `ground:1e4:8000`.
     fn synthetic(name: &str) -> Option<Self> {
-        let mut parts = name.split(':');
-        let (kind, mix, count) = (parts.next()?, parts.next()?, parts.next()?);
-        let kind = Kind::ALL.into_iter().find(|k| k.name().eq_ignore_ascii_case(kind))?;
-        let mix = Objects::ALL.into_iter().find(|o| o.name().eq_ignore_ascii_case(mix))?;
+        let (scene, count) = name.rsplit_once(':')?;
         let count = count.parse().ok().filter(|&count| count > 0)?;
-        let mut scene = Synthetic::new(Setup { kind, objects: mix, count, seed: 1 });
-        // Falling boxes need some time to meet.
-        (0..SETTLE).for_each(|_| scene.advance());
-        let frame = |_| {
-            scene.advance();
-            scene
-                .boxes()
-                .iter()
-                .map(|b| [b.min[0], b.min[1], b.min[2], 0.0, b.max[0], b.max[1], b.max[2], 0.0])
-                .collect()
+        let (name, frames) = match real::Kind::by_name(scene) {
+            Some(kind) => {
+                let mut scene = real::Scene::new(real::Setup { kind, count, seed: 1 }).ok()?;
+                let next = || {
+                    scene.advance();
+                    scene.boxes().iter().map(from_aabb).collect()
+                };
+                (format!("synthetic {kind}"), settled(next))
+            }
+            None => {
+                let (kind, mix) = scene.split_once(':')?;
+                let kind = Kind::ALL.into_iter().find(|k| k.name().eq_ignore_ascii_case(kind))?;
+                let mix = Objects::ALL.into_iter().find(|o| o.name().eq_ignore_ascii_case(mix))?;
+                let mut scene = Synthetic::new(Setup { kind, objects: mix, count, seed: 1 });
+                let next = || {
+                    scene.advance();
+                    scene.boxes().iter().map(from_aabb).collect()
+                };
+                (format!("synthetic {} {}", kind.name(), mix.name()).to_lowercase(), settled(next))
+            }
         };
-        let frames = (0..SYNTHETIC_FRAMES).map(frame).collect();
-        let name = format!("synthetic {} {}", kind.name(), mix.name()).to_lowercase();
         Some(Self { name, objects: count as usize, frames })
     }
 
@@ -95,6 +102,18 @@ impl Recording {
     pub(crate) fn len(&self) -> usize {
         self.frames.len()
     }
+}
+
+/// The frames that are used of a synthetic scene: falling boxes need some time to meet, and what is sudden in a scene of
+/// games is over.
+fn settled(mut next: impl FnMut() -> Vec<Padded>) -> Vec<Vec<Padded>> {
+    (0..SETTLE).for_each(|_| drop(next()));
+    (0..SYNTHETIC_FRAMES).map(|_| next()).collect()
+}
+
+fn from_aabb(aabb: &Aabb) -> Padded {
+    let ([a, b, c], [d, e, f]) = (aabb.min, aabb.max);
+    [a, b, c, 0.0, d, e, f, 0.0]
 }
 
 fn padded(bytes: &[u8]) -> Padded {
