@@ -7,7 +7,8 @@ pub(crate) const USAGE: &str = "\
 usage: trisap-peers [options] SCENE...
        trisap-peers --table [options] [SCENE...]
 a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as in brownian:cubes:32000
-(kinds: brownian, freefall, gravity; objects: cubes, assorted)
+(kinds: brownian, freefall, gravity; objects: cubes, assorted), or SCENE:COUNT
+for one of those of games, as in town:28000 (`trisap run --help` lists them)
   --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
   --movers N            only N objects move, and only their boxes are handed over, to peers that can be told of few

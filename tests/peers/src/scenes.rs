@@ -4,7 +4,7 @@ use crate::recording::Padded;
 use std::{fs, io, path::Path};
 use trisap::{
     Aabb,
-    scene::{Kind, Objects, Setup, Synthetic},
+    scene::{Kind, Objects, Setup, Synthetic, real},
 };
 
 /// Frames before the first one used, and frames used.
@@ -35,30 +35,46 @@ pub(crate) fn all() -> io::Result<Vec<String>> {
 fn synthetic() -> impl Iterator<Item = String> {
     let of_kind =
         |kind: Kind| Objects::ALL.map(|objects| format!("{}:{}:{OBJECTS}", kind.name(), objects.name()));
-    Kind::ALL.into_iter().flat_map(of_kind).map(|name| name.to_lowercase())
+    let of_games = real::Kind::ALL.into_iter().map(|kind| {
+        let counts = kind.counts();
+        format!("{}:{}", kind.name(), OBJECTS.clamp(*counts.start(), *counts.end()))
+    });
+    Kind::ALL.into_iter().flat_map(of_kind).chain(of_games).map(|name| name.to_lowercase())
 }
 
-/// The frames of a synthetic scene named `kind:objects:count`, as in `brownian:cubes:32000`.
+/// The frames of a synthetic scene named `kind:objects:count`, as in `brownian:cubes:32000`, or `kind:count` where it is one of
+/// those of games, as in `ground:1e4:8000`.
 pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
-    let mut parts = scene.split(':');
-    let (kind, objects, count) = (parts.next()?, parts.next()?, parts.next()?);
+    let (scene, count) = scene.rsplit_once(':')?;
+    let count = count.parse().ok().filter(|&count| count > 0)?;
+    if let Some(kind) = real::Kind::by_name(scene) {
+        let mut scene = real::Scene::new(real::Setup { kind, count, seed: 1 }).ok()?;
+        return Some(settled(|| {
+            scene.advance();
+            padded(scene.boxes())
+        }));
+    }
+    let (kind, objects) = scene.split_once(':')?;
     let kind = Kind::ALL.into_iter().find(|k| k.name().eq_ignore_ascii_case(kind))?;
     let objects = Objects::ALL.into_iter().find(|o| o.name().eq_ignore_ascii_case(objects))?;
-    let count = count.parse().ok().filter(|&count| count > 0)?;
     let mut scene = Synthetic::new(Setup { kind, objects, count, seed: 1 });
-    // Falling boxes need some time to meet.
-    (0..SETTLE).for_each(|_| scene.advance());
-    let frame = |_| {
+    Some(settled(|| {
         scene.advance();
         padded(scene.boxes())
-    };
-    Some((0..FRAMES).map(frame).collect())
+    }))
+}
+
+/// The frames that are used of a synthetic scene: falling boxes need some time to meet, and what is sudden in a scene of
+/// games is over.
+fn settled(mut next: impl FnMut() -> Vec<Padded>) -> Vec<Vec<Padded>> {
+    (0..SETTLE).for_each(|_| drop(next()));
+    (0..FRAMES).map(|_| next()).collect()
 }
 
 /// What a synthetic scene is called in a table.
 pub(crate) fn name(scene: &str) -> String {
-    let parts: Vec<&str> = scene.split(':').collect();
-    format!("synthetic {}", parts[..parts.len() - 1].join(" ")).to_lowercase()
+    let kind = scene.rsplit_once(':').map_or(scene, |(kind, _)| kind);
+    format!("synthetic {}", kind.replace(':', " ")).to_lowercase()
 }
 
 fn padded(boxes: &[Aabb]) -> Vec<Padded> {
@@ -73,7 +89,7 @@ mod tests {
     #[test]
     fn every_scene_of_the_table_can_be_opened() {
         let scenes = all().expect("the folders of the recordings");
-        assert!(scenes.len() >= 4 + Kind::ALL.len());
+        assert!(scenes.len() >= 4 + Kind::ALL.len() + real::Kind::ALL.len());
         for scene in scenes {
             let recording = Recording::open(&scene).unwrap_or_else(|error| panic!("{scene}: {error}"));
             assert!(recording.objects > 0 && recording.len() > 1, "{scene}");

@@ -127,7 +127,7 @@ fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<Started<'
 }
 
 /// The same world with room for as many pairs as there were, and some more.
-fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
+pub(super) fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
     let Some(Error::PairsFull { needed }) = error.downcast_ref() else { return None };
     let pairs = u32::try_from(needed + needed / 4).ok()?;
     Some(Config { capacity: Capacity { pairs, ..config.capacity }, ..*config })

@@ -18,6 +18,7 @@ mod parts;
 mod plan;
 mod precision;
 mod printed;
+mod real_scenes;
 #[cfg(feature = "record")]
 mod recordings;
 mod result;
@@ -85,6 +86,7 @@ fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
         SectionName::Precision => precision::precision(lab),
         SectionName::Ties => Ok(ties::ties(&sizes)),
         SectionName::HardCases => hard_cases::hard_cases(lab),
+        SectionName::RealScenes => real_scenes::real_scenes(lab),
     };
     names.into_iter().map(section).collect()
 }
