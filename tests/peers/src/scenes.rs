@@ -7,9 +7,14 @@ use trisap::{
     scene::{Kind, Objects, Setup, Synthetic},
 };
 
-/// Frames before the first one used, and frames used.
+/// Frames before the first one used.
 const SETTLE: usize = 40;
-const FRAMES: usize = 12;
+
+/// Frames used: no more than fit into memory, and enough that few frames go backwards, where boxes come back into the margins
+/// that some peers have.
+fn frames_used(count: u32) -> usize {
+    (2_000_000 / count as usize).clamp(12, 150)
+}
 
 /// The boxes of synthetic scenes in the table, where a scene can have any number.
 const OBJECTS: u32 = 8000;
@@ -52,7 +57,7 @@ pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
         scene.advance();
         padded(scene.boxes())
     };
-    Some((0..FRAMES).map(frame).collect())
+    Some((0..frames_used(count)).map(frame).collect())
 }
 
 /// What a synthetic scene is called in a table.
