@@ -165,6 +165,7 @@ impl Report {
             _ = if ours.is_empty() { write!(text, " |") } else { write!(text, " {:.3} |", median(&ours)) };
             for outcome in outcomes() {
                 _ = match outcome {
+                    Outcome::Raced(race) if race.ratio() < 0.95 => write!(text, " {:.2} |", race.ratio()),
                     Outcome::Raced(race) => write!(text, " {:.1} |", race.ratio()),
                     Outcome::LeftOut(_) => write!(text, " |"),
                     Outcome::Wrong(_) => write!(text, " wrong |"),

@@ -7,9 +7,14 @@ use trisap::{
     scene::{Kind, Objects, Setup, Synthetic, real},
 };
 
-/// Frames before the first one used, and frames used.
+/// Frames before the first one used.
 const SETTLE: usize = 40;
-const FRAMES: usize = 12;
+
+/// Frames used: no more than fit into memory, and enough that few frames go backwards, where boxes come back into the margins
+/// that some peers have.
+fn frames_used(count: u32) -> usize {
+    (2_000_000 / count as usize).clamp(12, 150)
+}
 
 /// The boxes of synthetic scenes in the table, where a scene can have any number.
 const OBJECTS: u32 = 8000;
@@ -49,7 +54,7 @@ pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
     let count = count.parse().ok().filter(|&count| count > 0)?;
     if let Some(kind) = real::Kind::by_name(scene) {
         let mut scene = real::Scene::new(real::Setup { kind, count, seed: 1 }).ok()?;
-        return Some(settled(|| {
+        return Some(settled(count, || {
             scene.advance();
             padded(scene.boxes())
         }));
@@ -58,7 +63,7 @@ pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
     let kind = Kind::ALL.into_iter().find(|k| k.name().eq_ignore_ascii_case(kind))?;
     let objects = Objects::ALL.into_iter().find(|o| o.name().eq_ignore_ascii_case(objects))?;
     let mut scene = Synthetic::new(Setup { kind, objects, count, seed: 1 });
-    Some(settled(|| {
+    Some(settled(count, || {
         scene.advance();
         padded(scene.boxes())
     }))
@@ -66,9 +71,9 @@ pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
 
 /// The frames that are used of a synthetic scene: falling boxes need some time to meet, and what is sudden in a scene of
 /// games is over.
-fn settled(mut next: impl FnMut() -> Vec<Padded>) -> Vec<Vec<Padded>> {
+fn settled(count: u32, mut next: impl FnMut() -> Vec<Padded>) -> Vec<Vec<Padded>> {
     (0..SETTLE).for_each(|_| drop(next()));
-    (0..FRAMES).map(|_| next()).collect()
+    (0..frames_used(count)).map(|_| next()).collect()
 }
 
 /// What a synthetic scene is called in a table.
