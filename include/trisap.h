@@ -939,7 +939,7 @@ TRISAP_SIZE(trisap_config, 68);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
-TRISAP_SIZE(trisap_stats, 104);
+TRISAP_SIZE(trisap_stats, 112);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);
