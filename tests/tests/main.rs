@@ -6,6 +6,7 @@
 mod allocation;
 mod capacity;
 mod choices;
+mod cliffs;
 mod errata;
 mod executors;
 mod filters;
@@ -14,7 +15,9 @@ mod large;
 mod numerics;
 mod properties;
 mod queries;
+mod real_scenes;
 mod recordings;
+mod regressions;
 mod resting;
 mod snapshots;
 mod tree;

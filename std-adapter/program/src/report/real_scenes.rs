@@ -48,7 +48,7 @@ pub(super) fn real_scenes(lab: &Lab) -> Result<Section> {
         text: vec![format!(
             "Each scene is stepped through once, in {FRAMES} frames; the times are those of single steps on one thread, and \
              the first, which builds the tree, is left out. Dashed, and in the table: the times of a world that begins \
-             {LAST} frames before the end. A world that takes longer than the fresh one suffers from what it went through. \
+             {LAST} frames before the end. Where the old world takes longer, that comes from what it went through. \
              All boxes are given in every step."
         )],
         figures: FIGURES.map(|(title, kinds)| figure(title, kinds, &runs)).into(),
