@@ -21,6 +21,8 @@ cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
 (cd tests/firmware && cargo fmt --all --check && cargo clippy --workspace --all-targets -- -D warnings)
 (cd tests/emulated && cargo fmt --check && cargo clippy -- -D warnings)
 cargo test --workspace
+# What only a build without debug assertions does: indices out of range are reported instead of ending the program.
+cargo test --release -p trisap-core --lib access
 
 if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests

@@ -1,8 +1,28 @@
 //! Slice access that cannot panic.
 //!
 //! The core promises no panic, so an index is never taken with `[]` where the compiler cannot see that it is in
-//! range. By the world's invariants these indices always are; should one not be, reads give the default and
-//! writes are dropped. Builds with debug assertions stop there instead, and all tests run in such a build.
+//! range. By the world's invariants these indices always are; should one not be, reads give the default, writes are
+//! dropped, and a mark is left that the next step reports ([`Error::InvariantBroken`](crate::Error::InvariantBroken)), since a
+//! pair may be missing. Builds with debug assertions stop there instead, and nearly all tests run in such a build.
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// How often an index was out of range, in all worlds of the process: nothing that belongs to one is within reach there.
+static FAULTS: AtomicU32 = AtomicU32::new(0);
+
+/// Leaves the mark.
+#[cold]
+#[inline(never)]
+pub(crate) fn note_fault(index: usize, len: usize) {
+    debug_assert!(false, "index {index} of {len}");
+    // Not in one piece, which some processors cannot do: of two at the same time one is enough.
+    FAULTS.store(FAULTS.load(Relaxed).wrapping_add(1), Relaxed);
+}
+
+/// The number of marks: another one than before tells that there were some.
+pub(crate) fn faults() -> u32 {
+    FAULTS.load(Relaxed)
+}
 
 /// See the module.
 pub(crate) trait Access<T> {
@@ -38,15 +58,20 @@ impl<T> Access<T> for [T] {
     where
         T: Copy + Default,
     {
-        debug_assert!(index < self.len(), "read {index} of {}", self.len());
-        self.get(index).copied().unwrap_or_default()
+        match self.get(index) {
+            Some(element) => *element,
+            None => {
+                note_fault(index, self.len());
+                T::default()
+            }
+        }
     }
 
     #[inline(always)]
     fn put(&mut self, index: usize, value: T) {
-        debug_assert!(index < self.len(), "write {index} of {}", self.len());
-        if let Some(element) = self.get_mut(index) {
-            *element = value;
+        match self.get_mut(index) {
+            Some(element) => *element = value,
+            None => note_fault(index, self.len()),
         }
     }
 
@@ -62,14 +87,25 @@ impl<T> Access<T> for [T] {
 
     #[inline(always)]
     fn span(&self, start: usize, len: usize) -> &[T] {
-        debug_assert!(start + len <= self.len(), "span {start}+{len} of {}", self.len());
-        self.get(start..).and_then(|tail| tail.get(..len)).unwrap_or_default()
+        match self.get(start..).and_then(|tail| tail.get(..len)) {
+            Some(span) => span,
+            None => {
+                note_fault(start.saturating_add(len), self.len());
+                &[]
+            }
+        }
     }
 
     #[inline(always)]
     fn span_mut(&mut self, start: usize, len: usize) -> &mut [T] {
-        debug_assert!(start + len <= self.len(), "span {start}+{len} of {}", self.len());
-        self.get_mut(start..).and_then(|tail| tail.get_mut(..len)).unwrap_or_default()
+        let all = self.len();
+        match self.get_mut(start..).and_then(|tail| tail.get_mut(..len)) {
+            Some(span) => span,
+            None => {
+                note_fault(start.saturating_add(len), all);
+                &mut []
+            }
+        }
     }
 }
 
@@ -119,5 +155,37 @@ pub(crate) mod bits {
     /// How many bits are set.
     pub(crate) fn count(words: &[u32]) -> u32 {
         words.iter().map(|word| word.count_ones()).sum()
+    }
+}
+
+/// Where debug assertions stop at once, there is nothing to report.
+#[cfg(all(test, not(debug_assertions)))]
+mod tests {
+    use super::*;
+    use crate::exec::Serial;
+    use crate::{Aabb, Boxes, Capacity, Config, Error, Kernels, World, layout};
+    use std::{vec, vec::Vec};
+
+    #[repr(C, align(64))]
+    #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+    struct Line([u8; 64]);
+
+    /// A place that is none is an error of the step that meets it, and the next step finds all pairs.
+    #[test]
+    fn an_index_out_of_range_is_an_error_of_the_step() {
+        let config = Config::new(Capacity::for_objects(1000)).with_events();
+        let mut slab = vec![Line([0; 64]); layout::<u32>(&config).unwrap().bytes / 64];
+        let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
+        let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+        let boxes: Vec<Aabb> = (0..1000u16).map(|k| cube(f32::from(k))).collect();
+        let mut ids = vec![None; boxes.len()];
+        world.insert_many(Boxes::new(&boxes), &mut ids).unwrap();
+        assert_eq!(world.step(Kernels::BASELINE, &Serial).unwrap().pairs().len(), 999);
+        world.parts.place.put(7, 1 << 30);
+        world.set_aabb(ids[7].unwrap(), cube(7.01)).unwrap();
+        assert_eq!(world.step(Kernels::BASELINE, &Serial).err(), Some(Error::InvariantBroken));
+        let step = world.step(Kernels::BASELINE, &Serial).unwrap();
+        assert_eq!((step.pairs().len(), step.lost()), (998, &[[6, 7]][..]));
+        assert_eq!(world.validate(), Ok(()));
     }
 }

@@ -66,6 +66,10 @@ pub enum Error {
         /// Items that are needed.
         needed: usize,
     },
+    /// An index inside of the library was out of range since the last step, in this world or in another one of the process: a
+    /// fault of this library, or of whoever wrote to the memory of a world. Pairs may be missing. The next step finds all of
+    /// them anew; found and lost resume from the last complete step. [`World::validate`](crate::World::validate) tells more.
+    InvariantBroken,
     /// More pairs than the capacity. The step has happened and counted on; [`World::pairs`](crate::World::pairs)
     /// holds the first ones in order; found and lost are empty and resume from the last complete step.
     PairsFull {
@@ -94,6 +98,9 @@ impl fmt::Display for Error {
             }
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
             Self::LengthMismatch { needed } => write!(f, "the slices of the batch differ in length: {needed} items are needed"),
+            Self::InvariantBroken => {
+                f.write_str("an index inside of the library was out of range: pairs may be missing")
+            }
             Self::PairsFull { needed } => {
                 write!(f, "the pair buffer is full: {needed} pairs would have to fit")
             }

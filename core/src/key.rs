@@ -5,6 +5,7 @@
 //! one to one, but for -0.0, which becomes 0.0 on the way in.
 
 use crate::aabb::Aabb;
+use crate::access::note_fault;
 use bytemuck::{Pod, Zeroable};
 
 /// The key of +infinity, the largest that a box can hold.
@@ -75,8 +76,13 @@ impl KeyBox {
     /// The box at a slot, without a copy.
     #[inline(always)]
     pub(crate) fn of(boxes: &[Self], slot: usize) -> &Self {
-        debug_assert!(slot < boxes.len(), "box {slot} of {}", boxes.len());
-        boxes.get(slot).unwrap_or(&Self::EMPTY)
+        match boxes.get(slot) {
+            Some(bounds) => bounds,
+            None => {
+                note_fault(slot, boxes.len());
+                &Self::EMPTY
+            }
+        }
     }
 
     /// The box of a free slot: as empty, with a link to another slot where it does no harm.

@@ -208,6 +208,9 @@ pub(crate) struct State {
     candidates: u64,
     tied: u64,
 
+    /// Indices out of range that the last step knew of: see [`access`](crate::access).
+    pub(crate) faults: u32,
+
     // Small numbers, and what is so or not.
     /// Whether an object may differ from what the last complete step has seen.
     pub(crate) touched: u8,
@@ -244,7 +247,7 @@ pub(crate) struct State {
     pub(crate) deeper_after: u8,
     /// Full steps in a row with far more such candidates.
     pub(crate) heavy: u8,
-    unused: [u8; 5],
+    unused: [u8; 1],
 }
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
@@ -377,12 +380,12 @@ impl State {
     /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
     /// was built for about the slab alone.
     pub(crate) fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, ..*self }
+        Self { workers: 1, magic: 0, faults: 0, ..*self }
     }
 
     /// Takes over what a snapshot does not have.
     pub(crate) fn adopt(&mut self, other: &Self) {
-        (self.workers, self.magic) = (other.workers, other.magic);
+        (self.workers, self.magic, self.faults) = (other.workers, other.magic, other.faults);
     }
 
     pub(crate) fn mode(&self) -> Mode {

@@ -1,6 +1,6 @@
 //! A slab carved into slices, lent by the caller or kept inline.
 
-use crate::access::bits;
+use crate::access::{bits, faults};
 use crate::config::{Config, Mode};
 use crate::error::Error;
 use crate::filter::Filter;
@@ -206,6 +206,7 @@ impl<'m, I: Index> Parts<'m, I> {
         slab.fill(0);
         let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
         *parts.state = State::new(config, size_of::<I>());
+        parts.state.faults = faults();
         parts.clear();
         Ok(parts)
     }

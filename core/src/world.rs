@@ -1,7 +1,7 @@
 //! The public world. [`World::advance`] is a step: its phases in order.
 
 use crate::aabb::{Aabb, Boxes};
-use crate::access::{Access, bits};
+use crate::access::{Access, bits, faults};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
 use crate::exec::{Executor, OneStep, Stage};
@@ -39,7 +39,16 @@ impl<I: Index> World<'_, I> {
         let executor = OneStep::new(means.executor, shared);
         let means = Means { executor: &executor, ..means };
         let rejected = Self::take_in(parts, bounds, means);
-        let result = Self::find(parts, shared, means);
+        let mut result = Self::find(parts, shared, means);
+        if faults() != parts.state.faults {
+            parts.state.faults = faults();
+            parts.state.complete = 0;
+            parts.state.planted = 0;
+            parts.state.settled = 0;
+            parts.state.filled = 0;
+            parts.state.stale_lists = 1;
+            result = Err(Error::InvariantBroken);
+        }
         means.executor.enter(Stage::Done);
         result?;
         Ok(Step { rejected, world: self })
@@ -363,7 +372,7 @@ impl<I: Index> World<'_, I> {
     /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`].
     ///
     /// # Errors
-    /// [`Error::PairsFull`].
+    /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
     pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
         self.advance(None, self.means(kernels, executor, None))
     }

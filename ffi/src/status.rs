@@ -119,6 +119,7 @@ impl From<Error> for Refusal {
             Error::BadBox { index } => (trisap_status::BadBox, u64::from(index)),
             Error::StaleId { id } => (trisap_status::StaleId, id.to_bits()),
             Error::LengthMismatch { needed } => (trisap_status::InvalidArgument, needed as u64),
+            Error::InvariantBroken => (trisap_status::Corrupt, 0),
             Error::PairsFull { needed } => (trisap_status::PairsFull, needed),
             Error::NoFilters => (trisap_status::NoFilters, 0),
             Error::BadClass { class } => (trisap_status::BadClass, u64::from(class)),

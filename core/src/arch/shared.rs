@@ -3,6 +3,7 @@
 //! Stores are relaxed atomics: plain moves on every target, and a race, were there one, would be a wrong
 //! result that the tests see, never undefined behaviour.
 
+use crate::access::note_fault;
 use bytemuck::Pod;
 use core::marker::PhantomData;
 use core::sync::atomic::Ordering::Relaxed;
@@ -60,7 +61,7 @@ impl<'a, T: Pod> Shared<'a, T> {
     pub(crate) fn store(&self, index: usize, item: &T) {
         let start = index * Self::WORDS;
         let Some(target) = self.words.get(start..start + Self::WORDS) else {
-            debug_assert!(false, "store {index} of {}", self.words.len() / Self::WORDS);
+            note_fault(index, self.words.len() / Self::WORDS);
             return;
         };
         let bytes = bytemuck::bytes_of(item);
