@@ -1,6 +1,6 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
 use crate::id::{Index, Pair};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::query::line::{Crossing, Slabs, Walk};
@@ -22,6 +22,9 @@ impl Avx2 {
 
 /// The bytes of a record with the halves of its six lanes changed, and nothing of its tag.
 pub(super) const HALVES: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -1, -1, -1];
+
+/// The same, and the tag.
+pub(super) const HALVES_AND_TAG: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 12, 13, 14, 15];
 
 /// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]
@@ -120,6 +123,21 @@ pub(super) fn sift_by_four<S: Fours, I: Index>(
     sifted
 }
 
+/// The positions of the lowest four bits of a mask: see [`Simd::four`].
+#[inline(always)]
+pub(super) const fn of_four(base: u32, bits: u64) -> [u32; 4] {
+    let first = base & 0xffff;
+    let second = bits & bits.wrapping_sub(1);
+    let third = second & second.wrapping_sub(1);
+    let fourth = third & third.wrapping_sub(1);
+    [
+        first + bits.trailing_zeros(),
+        first + second.trailing_zeros(),
+        first + third.trailing_zeros(),
+        first + fourth.trailing_zeros(),
+    ]
+}
+
 /// Two records, side by side.
 ///
 /// # Safety
@@ -143,6 +161,17 @@ fn compare(_: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
         let marks = _mm256_setr_epi32(0, 0, 0, marks, 0, 0, 0, marks);
         let shared = _mm256_and_si256(_mm256_and_si256(a, b), marks);
         (_mm256_or_si256(_mm256_subs_epu16(a, limit), shared), _mm256_cmpeq_epi16(a, limit))
+    }
+}
+
+/// What of two records is beyond a limit, marks shared with its tag included.
+#[inline(always)]
+fn beyond(_: Avx2, records: __m256i, limit: __m256i) -> __m256i {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let marks = _mm256_set1_epi32(!Record::SLOT as i32);
+        let shared = _mm256_and_si256(_mm256_and_si256(records, limit), marks);
+        _mm256_blend_epi32::<0b1000_1000>(_mm256_subs_epu16(records, limit), shared)
     }
 }
 
@@ -256,29 +285,37 @@ impl Fours for Avx2 {
             if _mm256_testz_si256(ties, ties) == 0 {
                 return None;
             }
-            // The halves of the vectors are packed apart, here and below: the order is 0, 2, 1, 3.
-            let apart = _mm256_packs_epi16(first, second);
-            let kept = _mm256_cmpeq_epi64(apart, _mm256_setzero_si256());
-            let kept = _mm256_movemask_pd(_mm256_castsi256_pd(kept)) as usize & 15;
             // The tags of both records.
             let tags = _mm256_unpackhi_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
-            let slots = _mm256_and_si256(tags, _mm256_set1_epi32(Record::SLOT as i32));
-            let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
-            let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
-            let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
-            if size_of::<I>() == 2 {
-                // Both slots in the first half of their pair.
-                let shifted = _mm256_srli_epi64::<16>(lower_first);
-                let halves = _mm256_blend_epi16::<0b1010_1010>(lower_first, shifted);
-                let kept = _mm256_castsi128_si256(bytemuck::cast(KEPT[kept]));
-                let packed = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(halves, kept));
-                _mm_storeu_si128(pairs.as_mut_ptr().cast(), packed);
-            } else {
-                let packed = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT_WIDE[kept]));
-                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
-            }
-            Some(kept.count_ones() as usize)
+            Some(keep(self, _mm256_packs_epi16(first, second), tags, pairs))
         }
+    }
+}
+
+/// Writes the slots of those of four pairs of records that nothing holds apart, and returns how many they are. The halves of
+/// the vectors were packed apart: the order is 0, 2, 1, 3. A plain function, as [`twice`] is.
+#[inline(always)]
+fn keep<I: Index>(_: Avx2, apart: __m256i, tags: __m256i, pairs: &mut [Pair<I>; 4]) -> usize {
+    // SAFETY: the token proves AVX2. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
+    unsafe {
+        let kept = _mm256_cmpeq_epi64(apart, _mm256_setzero_si256());
+        let kept = _mm256_movemask_pd(_mm256_castsi256_pd(kept)) as usize & 15;
+        let slots = _mm256_and_si256(tags, _mm256_set1_epi32(Record::SLOT as i32));
+        let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
+        let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
+        let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
+        if size_of::<I>() == 2 {
+            // Both slots in the first half of their pair.
+            let shifted = _mm256_srli_epi64::<16>(lower_first);
+            let halves = _mm256_blend_epi16::<0b1010_1010>(lower_first, shifted);
+            let kept = _mm256_castsi128_si256(bytemuck::cast(KEPT[kept]));
+            let packed = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(halves, kept));
+            _mm_storeu_si128(pairs.as_mut_ptr().cast(), packed);
+        } else {
+            let packed = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT_WIDE[kept]));
+            _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
+        }
+        kept.count_ones() as usize
     }
 }
 
@@ -425,6 +462,43 @@ impl Simd for Avx2 {
         let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
         // SAFETY: `self` proves BMI2.
         unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
+    }
+
+    #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m256i) -> u32 {
+        let mask = half(self, bytemuck::cast_ref(rows), query);
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u32(mask, count.min(HALF) as u32) }
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        let [first, second, third, fourth] = of_four(base, bits);
+        let at = base >> 16;
+        if at.max(fourth) as usize >= sorted.len() {
+            return None;
+        }
+        // SAFETY: `self` proves AVX2; of the positions of ascending bits the last one is the greatest, and it is in the slice.
+        unsafe {
+            let one = pick(self, sorted, at, at);
+            // What the other's lanes must not exceed, and the tag as it is.
+            let limit = _mm256_shuffle_epi8(one, _mm256_broadcastsi128_si256(bytemuck::cast(HALVES_AND_TAG)));
+            let limit = _mm256_xor_si256(limit, _mm256_setr_epi32(-1, -1, -1, 0, -1, -1, -1, 0));
+            let (a, b) = (pick(self, sorted, first, second), pick(self, sorted, third, fourth));
+            let ties = _mm256_or_si256(_mm256_cmpeq_epi16(a, limit), _mm256_cmpeq_epi16(b, limit));
+            if _mm256_testz_si256(ties, _mm256_setr_epi32(-1, -1, -1, 0, -1, -1, -1, 0)) == 0 {
+                return None;
+            }
+            let tags =
+                _mm256_unpackhi_epi64(_mm256_unpackhi_epi32(a, limit), _mm256_unpackhi_epi32(b, limit));
+            Some(keep(self, _mm256_packs_epi16(beyond(self, a, limit), beyond(self, b, limit)), tags, pairs))
+        }
     }
 
     #[inline(always)]

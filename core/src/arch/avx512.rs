@@ -1,8 +1,8 @@
 //! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
 //! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
 
-use super::avx2::{Avx2, Fours, HALVES, sift_by_four};
-use super::{Contact, EIGHT, Phase, Row, Sifted, Simd, WINDOW};
+use super::avx2::{Avx2, Fours, HALVES, HALVES_AND_TAG, of_four, sift_by_four};
+use super::{Contact, EIGHT, HALF, Phase, Row, Sifted, Simd, WINDOW};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::query::line::{Crossing, Slabs, Walk};
@@ -103,19 +103,28 @@ impl Fours for Avx512 {
             let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
             let shared = _mm512_and_si512(_mm512_and_si512(a, b), marks);
             let apart = _mm512_or_si512(_mm512_subs_epu16(a, limit), shared);
-            // The tags of both records stand in the second half of their place now.
-            let slots = _mm512_and_si512(_mm512_unpackhi_epi32(a, b), _mm512_set1_epi32(Record::SLOT as i32));
-            let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
-            let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
-            let kept = zero(self, apart) & 0b1010_1010;
-            let packed = _mm512_castsi512_si256(_mm512_maskz_compress_epi64(kept, lower_first));
-            if size_of::<I>() == 2 {
-                _mm_storeu_si128(pairs.as_mut_ptr().cast(), _mm256_cvtepi32_epi16(packed));
-            } else {
-                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
-            }
-            Some(kept.count_ones() as usize)
+            Some(keep(self, apart, _mm512_unpackhi_epi32(a, b), pairs))
         }
+    }
+}
+
+/// Writes the slots of those of four pairs of records that nothing holds apart, and returns how many they are. The tags of both
+/// records stand in the second half of their place. A plain function, for the same reason.
+#[inline(always)]
+fn keep<I: Index>(simd: Avx512, apart: __m512i, tags: __m512i, pairs: &mut [Pair<I>; 4]) -> usize {
+    // SAFETY: the token proves AVX-512 F and VL. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
+    unsafe {
+        let slots = _mm512_and_si512(tags, _mm512_set1_epi32(Record::SLOT as i32));
+        let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
+        let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
+        let kept = zero(simd, apart) & 0b1010_1010;
+        let packed = _mm512_castsi512_si256(_mm512_maskz_compress_epi64(kept, lower_first));
+        if size_of::<I>() == 2 {
+            _mm_storeu_si128(pairs.as_mut_ptr().cast(), _mm256_cvtepi32_epi16(packed));
+        } else {
+            _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
+        }
+        kept.count_ones() as usize
     }
 }
 
@@ -211,6 +220,47 @@ impl Simd for Avx512 {
             let first = _mm512_kunpackw(quarter(self, b, query).into(), quarter(self, a, query).into());
             let second = _mm512_kunpackw(quarter(self, d, query).into(), quarter(self, c, query).into());
             _bzhi_u64(_mm512_kunpackd(second.into(), first.into()), count.min(WINDOW) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m512i) -> u32 {
+        let [a, b]: &[[u8; 64]; 2] = bytemuck::cast_ref(rows);
+        // SAFETY: `self` proves AVX-512 BW and BMI2.
+        unsafe {
+            let mask = _mm512_kunpackw(quarter(self, b, query).into(), quarter(self, a, query).into());
+            _bzhi_u32(mask, count.min(HALF) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        let at = (base >> 16) as usize;
+        let positions = of_four(base, bits);
+        if at.max(positions[3] as usize) >= sorted.len() {
+            return None;
+        }
+        // SAFETY: `self` proves AVX-512 F, BW and VL; of the positions of ascending bits the last one is the greatest, and it is
+        // in the slice.
+        unsafe {
+            let one = _mm_load_si128(sorted.as_ptr().add(at).cast());
+            // What the other's lanes must not exceed, and the tag as it is.
+            let limit = _mm_shuffle_epi8(one, bytemuck::cast(HALVES_AND_TAG));
+            let limit = _mm512_broadcast_i32x4(_mm_xor_si128(limit, _mm_setr_epi32(-1, -1, -1, 0)));
+            let others = pick(self, sorted, positions);
+            if _mm512_mask_cmpeq_epu16_mask(LANES, others, limit) != 0 {
+                return None;
+            }
+            let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
+            let shared = _mm512_and_si512(_mm512_and_si512(others, limit), marks);
+            let apart = _mm512_or_si512(_mm512_maskz_subs_epu16(LANES, others, limit), shared);
+            Some(keep(self, apart, _mm512_unpackhi_epi32(others, limit), pairs))
         }
     }
 

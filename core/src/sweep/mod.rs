@@ -7,6 +7,7 @@ pub(crate) mod bag;
 pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod movers;
+pub(crate) mod scan;
 pub(crate) mod scratch;
 pub(crate) mod small;
 pub(crate) mod strips;
