@@ -37,8 +37,8 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     let axis = axis.min(2);
     let ends = sort(simd, bags, axis, 0, bench);
     let count = bags[0].len() + bags[1].len();
-    let scan = Scan::new(simd, axis, count, bench, boxes, sink);
-    scan.run(|at, record| (at + 1, reach_of(record, axis, &ends)));
+    let scan = Scan::new(axis, count, bench, boxes, sink);
+    scan.run(simd, |at, record| (at + 1, reach_of(record, axis, &ends)));
 }
 
 /// Sweeps two bags against each other along `axis`: each pair has a record of either.
@@ -55,9 +55,9 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     let [left, right] = bags.map(<[Record]>::len);
     let left_ends = sort(simd, [bags[0], &[]], axis, 0, bench);
     let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
-    let scan = Scan::new(simd, axis, left + right, bench, boxes, sink);
+    let scan = Scan::new(axis, left + right, bench, boxes, sink);
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    scan.run(|at, record| {
+    scan.run(simd, |at, record| {
         let run = high(record.lanes[axis]) as usize;
         if at < left {
             let first = if run == 0 { left } else { right_ends[run - 1] as usize };
@@ -93,8 +93,8 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         end = end.max(*run);
         *run = end;
     }
-    let scan = Scan::new(simd, axis, order.len(), bench, boxes, sink);
-    scan.run(|at, record| (at + 1, reach_of(record, axis, &ends)));
+    let scan = Scan::new(axis, order.len(), bench, boxes, sink);
+    scan.run(simd, |at, record| (at + 1, reach_of(record, axis, &ends)));
 }
 
 /// Sorts records into the bench from position `start` on.

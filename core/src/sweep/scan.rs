@@ -36,6 +36,19 @@ pub(crate) struct Open {
     end: u32,
 }
 
+impl Open {
+    /// The windows of a record from the first row on.
+    #[inline(always)]
+    fn new(at: usize, first: usize, end: usize) -> Self {
+        Self { base: (at << 16 | first) as u32, end: end as u32 }
+    }
+
+    #[inline(always)]
+    fn at(self) -> usize {
+        (self.base >> 16) as usize
+    }
+}
+
 /// Masks that are taken bits from before the room for them is looked at again.
 const PART: usize = 32;
 /// Candidates, or pairs, of so many masks, and what is written behind them.
@@ -44,11 +57,10 @@ const ROOM: usize = 4 * PART + 4;
 const SAMPLE: usize = 32;
 
 /// Looks for pairs in a sorted bag.
-pub(super) struct Scan<'s, S: Simd, I> {
-    pub(super) simd: S,
-    pub(super) lanes: S::Axis,
+pub(super) struct Scan<'s, I> {
     pub(super) sorted: &'s [Record],
     rows: &'s [Row],
+    axis: usize,
     masks: &'s mut [Mask],
     open: &'s mut [Open],
     held: usize,
@@ -68,10 +80,9 @@ struct Found<'s, I> {
     tied: &'s mut u64,
 }
 
-impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
+impl<'s, I: Index> Scan<'s, I> {
     #[inline(always)]
     pub(super) fn new(
-        simd: S,
         axis: usize,
         count: usize,
         bench: &'s mut Bench<'_, I>,
@@ -81,105 +92,134 @@ impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
         let Bench { sorted, rows, masks, open, candidates, pairs, tested, tied } = bench;
         let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
         let found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied };
-        Self { simd, lanes: simd.axis(axis), sorted, rows, masks, open, held: 0, found, sink }
+        Self { sorted, rows, axis, masks, open, held: 0, found, sink }
     }
 
     /// Hands on the pairs of all records. `run` has where the neighbours of a record start and end.
     #[inline(always)]
-    pub(super) fn run(mut self, run: impl Fn(usize, &Record) -> (usize, usize)) {
+    pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
         let count = self.sorted.len();
-        let mut reach = 0;
-        let mut sampled = 0;
-        let step = count.div_ceil(SAMPLE).max(1);
-        for at in (0..count).step_by(step) {
+        let (mut reach, mut sampled) = (0, 0);
+        for at in (0..count).step_by(count.div_ceil(SAMPLE).max(1)) {
             let (first, end) = run(at, &self.sorted.at(at));
-            reach += end.saturating_sub(first);
+            reach += end - first;
             sampled += 1;
         }
         if reach > HALF * sampled {
-            self.passes::<WINDOW>(run)
+            simd.call(Passes::<_, _, WINDOW> { scan: &mut self, run });
         } else {
-            self.passes::<HALF>(run)
+            simd.call(Passes::<_, _, HALF> { scan: &mut self, run });
         }
-        self.simd.call(Drain {
-            masks: self.masks.span_mut(0, self.held),
-            found: &mut self.found,
-            sink: self.sink,
-        });
-        self.simd.call(Last { found: &mut self.found, sink: self.sink });
-    }
-
-    #[inline(always)]
-    fn passes<const WIDTH: usize>(&mut self, run: impl Fn(usize, &Record) -> (usize, usize)) {
-        let (simd, lanes, rows, sorted) = (self.simd, self.lanes, self.rows, self.sorted);
-        let most = self.open.len().min(self.masks.len()).max(1);
-        let mut start = 0;
-        while start < sorted.len() {
-            let stop = sorted.len().min(start + most);
-            self.make_room(stop - start);
-            let mut held = self.held;
-            let mut left = 0;
-            for (at, record) in (start..stop).zip(sorted.span(start, stop - start)) {
-                let (first, end) = run(at, record);
-                let open = Open { base: (at << 16 | first) as u32, end: end as u32 };
-                let bits = window::<S, WIDTH>(simd, lanes, rows, record, open);
-                self.masks.put(held, Mask { bits, base: open.base.into() });
-                held += usize::from(bits != 0);
-                self.open.put(left, Open { base: open.base.wrapping_add(WIDTH as u32), end: open.end });
-                left += usize::from(end > first + WIDTH);
-            }
-            self.held = held;
-            while left > 0 {
-                self.make_room(left);
-                let mut held = self.held;
-                let mut again = 0;
-                for index in 0..left {
-                    let open = self.open.at(index);
-                    let (at, first) = ((open.base >> 16) as usize, (open.base & 0xffff) as usize);
-                    let bits = window::<S, WIDTH>(simd, lanes, rows, &sorted.at(at), open);
-                    self.masks.put(held, Mask { bits, base: open.base.into() });
-                    held += usize::from(bits != 0);
-                    self.open.put(again, Open { base: open.base.wrapping_add(WIDTH as u32), end: open.end });
-                    again += usize::from(open.end as usize > first + WIDTH);
-                }
-                self.held = held;
-                left = again;
-            }
-            start = stop;
-        }
+        self.drain(simd);
+        simd.call(Last { found: &mut self.found, sink: self.sink });
     }
 
     /// Makes room for so many masks, of which there are at most as many as the list is long.
     #[inline(always)]
-    fn make_room(&mut self, more: usize) {
+    fn make_room<S: Simd>(&mut self, simd: S, more: usize) {
         if self.held + more > self.masks.len() {
-            let masks = self.masks.span_mut(0, self.held);
-            self.simd.call(Drain { masks, found: &mut self.found, sink: self.sink });
-            self.held = 0;
+            self.drain(simd);
+        }
+    }
+
+    #[inline(always)]
+    fn drain<S: Simd>(&mut self, simd: S) {
+        let masks = self.masks.span_mut(0, self.held);
+        simd.call(Drain { masks, found: &mut self.found, sink: self.sink });
+        self.held = 0;
+    }
+}
+
+/// Compares all records with the rows of their neighbours, in windows of this width.
+struct Passes<'p, 's, I, F, const WIDTH: usize> {
+    scan: &'p mut Scan<'s, I>,
+    run: F,
+}
+
+impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phase
+    for Passes<'_, '_, I, F, WIDTH>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { scan, run } = self;
+        let (sorted, rows, lanes) = (scan.sorted, scan.rows, simd.axis(scan.axis));
+        let most = scan.open.len().min(scan.masks.len()).max(1);
+        let mut start = 0;
+        while start < sorted.len() {
+            let count = most.min(sorted.len() - start);
+            scan.make_room(simd, count);
+            let mut lists = Lists::new(scan);
+            for (at, record) in (start..).zip(sorted.span(start, count)) {
+                let (first, end) = run(at, record);
+                lists.next::<S, WIDTH>(simd, lanes, rows, record, Open::new(at, first, end));
+            }
+            let mut left = lists.finish();
+            while left > 0 {
+                scan.make_room(simd, left);
+                let mut lists = Lists::new(scan);
+                for index in 0..left {
+                    let open = lists.open.at(index);
+                    lists.next::<S, WIDTH>(simd, lanes, rows, &sorted.at(open.at()), open);
+                }
+                left = lists.finish();
+            }
+            start += count;
         }
     }
 }
 
-/// Compares a record with the rows of its next window.
-#[inline(always)]
-fn window<S: Simd, const WIDTH: usize>(
-    simd: S,
-    lanes: S::Axis,
-    rows: &[Row],
-    record: &Record,
-    open: Open,
-) -> u64 {
-    let first = (open.base & 0xffff) as usize;
-    let query = simd.query(lanes, record);
-    let count = (open.end as usize).saturating_sub(first);
-    let rows = rows.get(first..).unwrap_or_default();
-    // No closures: they would not share the instruction set of their function.
-    if WIDTH == WINDOW {
-        let Some(rows) = rows.first_chunk() else { return 0 };
-        simd.window(rows, count, query)
-    } else {
-        let Some(rows) = rows.first_chunk() else { return 0 };
-        simd.half_window(rows, count, query).into()
+/// The lists that a pass adds to.
+struct Lists<'l> {
+    masks: &'l mut [Mask],
+    open: &'l mut [Open],
+    held: &'l mut usize,
+    more: usize,
+    left: usize,
+}
+
+impl<'l> Lists<'l> {
+    #[inline(always)]
+    fn new<I>(scan: &'l mut Scan<'_, I>) -> Self {
+        let masks = scan.masks.get_mut(scan.held..).unwrap_or_default();
+        Self { masks, open: scan.open, held: &mut scan.held, more: 0, left: 0 }
+    }
+
+    /// Compares a record with the rows of its next window. Both lists are written always, used or not.
+    #[inline(always)]
+    fn next<S: Simd, const WIDTH: usize>(
+        &mut self,
+        simd: S,
+        lanes: S::Axis,
+        rows: &[Row],
+        record: &Record,
+        open: Open,
+    ) {
+        let Open { base, end } = open;
+        let first = base as usize & 0xffff;
+        let count = (end as usize).wrapping_sub(first);
+        // No closures: they would not share the instruction set of their function.
+        let Some(rows) = rows.get(first..first + WIDTH) else { return };
+        let query = simd.query(lanes, record);
+        let bits = if WIDTH == WINDOW {
+            let Some(rows) = rows.first_chunk() else { return };
+            simd.window(rows, count, query)
+        } else {
+            let Some(rows) = rows.first_chunk() else { return };
+            simd.half_window(rows, count, query).into()
+        };
+        self.masks.put(self.more, Mask { bits, base: base.into() });
+        self.more += usize::from(bits != 0);
+        self.open.put(self.left, Open { base: base.wrapping_add(WIDTH as u32), end });
+        self.left += usize::from(count > WIDTH);
+    }
+
+    /// Returns how many rows have further windows.
+    #[inline(always)]
+    fn finish(self) -> usize {
+        *self.held += self.more;
+        self.left
     }
 }
 
