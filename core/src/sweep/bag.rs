@@ -38,7 +38,8 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     let ends = sort(simd, bags, axis, 0, bench);
     let count = bags[0].len() + bags[1].len();
     let scan = Scan::new(axis, count, bench, boxes, sink);
-    scan.run(simd, |at, record| (at + 1, reach_of(record, axis, &ends)));
+    let ends = &ends;
+    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
 /// Sweeps two bags against each other along `axis`: each pair has a record of either.
@@ -57,13 +58,14 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
     let scan = Scan::new(axis, left + right, bench, boxes, sink);
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    scan.run(simd, |at, record| {
-        let run = high(record.lanes[axis]) as usize;
+    let (left_ends, right_ends) = (&left_ends, &right_ends);
+    scan.run(simd, move |at, record| {
+        let run = high(record.lanes.at(axis)) as usize;
         if at < left {
             let first = if run == 0 { left } else { right_ends[run - 1] as usize };
-            (first, reach_of(record, axis, &right_ends))
+            (first, reach_of(record, axis, right_ends))
         } else {
-            (left_ends[run] as usize, reach_of(record, axis, &left_ends))
+            (left_ends[run] as usize, reach_of(record, axis, left_ends))
         }
     });
 }
@@ -94,7 +96,8 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         *run = end;
     }
     let scan = Scan::new(axis, order.len(), bench, boxes, sink);
-    scan.run(simd, |at, record| (at + 1, reach_of(record, axis, &ends)));
+    let ends = &ends;
+    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
 /// Sorts records into the bench from position `start` on.
@@ -137,5 +140,5 @@ fn sort<S: Simd, I>(
 /// The end of the last run that a record reaches.
 #[inline(always)]
 fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
-    ends[high(!record.lanes[3 + axis]) as usize] as usize
+    ends[high(!record.lanes.at(3 + axis)) as usize] as usize
 }
