@@ -1,6 +1,6 @@
 //! A worker's scratch: everything that a leaf's sweep needs, for a bag of records that stays in the cache.
 
-use super::scan::{Mask, Open};
+use super::scan::Lists;
 use crate::arch::{Row, WINDOW};
 use crate::id::{Index, Pair};
 use crate::tree::Record;
@@ -21,22 +21,16 @@ const fn batch(bag: usize) -> usize {
     if bag < 1024 { bag } else { 1024 }
 }
 
-/// Rows whose windows are compared before the bits of their masks are taken.
-const fn rows(bag: usize) -> usize {
-    if bag < 512 { bag } else { 512 }
-}
-
 /// The length of a worker's area.
 pub(crate) const fn records<I>(bag: usize) -> usize {
     if bag == 0 {
         return 0;
     }
     let candidates = batch(bag) + WINDOW;
-    let masks = of::<Mask>(rows(bag)) + of::<Open>(rows(bag));
     of::<Work>(1)
         + 2 * bag
         + of::<Row>(bag + WINDOW)
-        + masks
+        + of::<Lists>(1)
         + of::<u32>(candidates)
         + of::<Pair<I>>(candidates)
 }
@@ -73,10 +67,8 @@ pub(crate) struct Bench<'s, I> {
     pub(crate) sorted: &'s mut [Record],
     /// The bag's rows, and room for a window behind them.
     pub(crate) rows: &'s mut [Row],
-    /// What windows found.
-    pub(crate) masks: &'s mut [Mask],
-    /// Rows that have further windows.
-    pub(crate) open: &'s mut [Open],
+    /// Masks, and rows that have further windows.
+    pub(crate) lists: &'s mut [Lists],
     /// Positions in the bag: `low << 16 | high`.
     pub(crate) candidates: &'s mut [u32],
     /// Pairs on their way out.
@@ -99,8 +91,7 @@ impl<'s, I: Index> Scratch<'s, I> {
             bench: Bench {
                 sorted: cut(&mut rest, bag),
                 rows: cut(&mut rest, bag + WINDOW),
-                masks: cut(&mut rest, rows(bag)),
-                open: cut(&mut rest, rows(bag)),
+                lists: cut(&mut rest, 1),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
                 tested: 0,
