@@ -167,7 +167,8 @@ fn keep<I: Index>(
     // SAFETY: the token proves AVX2. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
     unsafe {
         let ties = _mm256_or_si256(_mm256_cmpeq_epi16(a, first), _mm256_cmpeq_epi16(b, second));
-        if _mm256_testz_si256(ties, _mm256_setr_epi32(-1, -1, -1, 0, -1, -1, -1, 0)) == 0 {
+        // But for those of the tags. With a mask for the test the compiler makes four operations of it.
+        if _mm256_movemask_epi8(ties) & 0x0fff_0fff != 0 {
             return None;
         }
         // The halves of the vectors are packed apart, here and below: the order is 0, 2, 1, 3.
@@ -179,15 +180,14 @@ fn keep<I: Index>(
         let slots = _mm256_and_si256(tags, _mm256_set1_epi32(Record::SLOT as i32));
         let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
         let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
-        let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
         if size_of::<I>() == 2 {
             // Both slots in the first half of their pair.
-            let shifted = _mm256_srli_epi64::<16>(lower_first);
-            let halves = _mm256_blend_epi16::<0b1010_1010>(lower_first, shifted);
+            let halves = _mm256_blend_epi16::<0b1010_1010>(lower, _mm256_slli_epi32::<16>(upper));
             let kept = _mm256_castsi128_si256(bytemuck::cast(KEPT[kept]));
             let packed = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(halves, kept));
             _mm_storeu_si128(pairs.as_mut_ptr().cast(), packed);
         } else {
+            let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
             let packed = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT_WIDE[kept]));
             _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
         }

@@ -123,8 +123,11 @@ impl<I: Index> Found<'_, I> {
     #[inline(always)]
     fn fours<S: Simd>(&mut self, simd: S, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
         let sorted = self.sorted;
-        let mut found = self.found;
-        let mut tested = 4 * which.len();
+        let pairs = self.pairs.get_mut(self.found..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let candidates = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let (Some(pairs), Some(candidates)) = (pairs, candidates) else { return to };
+        let (mut found, mut untested) = (0, 0);
+        let count = which.len();
         for index in which {
             let (bits, base) = lists.mask(index);
             let (one, two, three) = without(bits);
@@ -132,20 +135,20 @@ impl<I: Index> Found<'_, I> {
             lists.put_mask(to, rest, base);
             to += usize::from(rest != 0);
             // No closure: it would not share the instruction set of its function.
-            if let Some(room) = self.pairs.get_mut(found..).and_then(<[_]>::first_chunk_mut::<4>)
+            if let Some(room) = pairs.get_mut(found % (4 * PART)..).and_then(<[_]>::first_chunk_mut::<4>)
                 && let Some(four) = simd.four(sorted, base, bits, room)
             {
                 found += four;
                 continue;
             }
             for bits in [bits, one, two, three] {
-                self.candidates.put(self.collected, candidate(base, bits));
-                self.collected += 1;
+                candidates.put(untested, candidate(base, bits));
+                untested += 1;
             }
-            tested -= 4;
         }
-        self.found = found;
-        *self.tested += tested as u64;
+        self.found += found;
+        self.collected += untested;
+        *self.tested += (4 * count - untested) as u64;
         to
     }
 
