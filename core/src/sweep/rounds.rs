@@ -15,14 +15,18 @@ use core::ops::Range;
 const PART: usize = 32;
 /// Candidates, or pairs, of so many masks, and what is written behind them.
 const ROOM: usize = 4 * PART + 4;
+
 /// What has been found so far.
 pub(super) struct Found<'s, I> {
     pub(super) sorted: &'s [Record],
     pub(super) boxes: &'s [KeyBox],
     pub(super) candidates: &'s mut [u32],
+    /// Candidates that wait for their test.
     pub(super) collected: usize,
     pub(super) pairs: &'s mut [Pair<I>],
+    /// Pairs that wait to be handed on.
     pub(super) found: usize,
+    /// As in [`Bench`](super::scratch::Bench).
     pub(super) tested: &'s mut u64,
     pub(super) tied: &'s mut u64,
 }
@@ -141,6 +145,7 @@ impl<I: Index> Found<'_, I> {
                 found += four;
                 continue;
             }
+            // Rare, but where boxes share sides.
             for bits in [bits, one, two, three] {
                 candidates.put(untested, candidate(base, bits));
                 untested += 1;

@@ -15,7 +15,7 @@ use crate::key::KeyBox;
 use crate::tree::Record;
 use bytemuck::{Pod, Zeroable};
 
-/// Rows whose windows are compared in one pass.
+/// Rows whose windows are compared in one pass. A power of two, so that a list's index needs no check.
 pub(super) const ROWS: usize = 256;
 
 /// What the passes found, and what they have left to do.
@@ -53,7 +53,7 @@ const SAMPLE: usize = 32;
 
 /// Looks for pairs in a sorted bag.
 pub(super) struct Scan<'s, I> {
-    pub(super) sorted: &'s [Record],
+    sorted: &'s [Record],
     rows: &'s [Row],
     axis: usize,
     lists: &'s mut [Lists],
@@ -85,9 +85,10 @@ impl<'s, I: Index> Scan<'s, I> {
         let (mut reach, mut sampled) = (0, 0);
         for at in (0..count).step_by(count.div_ceil(SAMPLE).max(1)) {
             let (first, end) = run(at, &self.sorted.at(at));
-            reach += end - first;
+            reach += end.saturating_sub(first);
             sampled += 1;
         }
+        // Short runs need no second half.
         if reach > HALF * sampled {
             simd.call(Passes::<_, _, WINDOW> { scan: &mut self, run });
         } else {
