@@ -158,16 +158,18 @@ pub(crate) trait Simd: Copy + Send + Sync {
         pairs: &mut [Pair<I>; 4],
     ) -> Option<usize> {
         let a = sorted.get((base >> 16) as usize)?;
-        let (mut found, mut tied, mut rest) = (0, false, bits);
+        let (mut found, mut rest) = (0, bits);
         for _ in 0..4 {
             let b = sorted.get((base & 0xffff).wrapping_add(rest.trailing_zeros()) as usize)?;
             rest &= rest.wrapping_sub(1);
             let contact = self.contact(a, b);
+            if contact.tied {
+                return None;
+            }
             pairs.put(found, pair::<I>(a.slot(), b.slot()));
             found += usize::from(contact.touches & (a.tag & b.tag & !Record::SLOT == 0));
-            tied |= contact.tied;
         }
-        (!tied).then_some(found)
+        Some(found)
     }
 
     /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
