@@ -3,7 +3,7 @@
 //! The steps of a world reach the same operations, but not all of their corners. It is a function of the crate under a
 //! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
 
-use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::id::{Index, Pair};
 use crate::kernels::Kernels;
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
@@ -91,9 +91,11 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     }
     let count = random.below(WINDOW + 9);
     let query = simd.query(simd.axis(axis), &record);
+    let few: &[Row; HALF] = rows.first_chunk().unwrap_or(&[[0; 4]; HALF]);
     rounds.check([
         ("row", simd.row(simd.axis(axis), &record) == Scalar.row(axis, &record)),
         ("window", simd.window(&rows, count, query) == Scalar.window(&rows, count, least)),
+        ("half_window", simd.half_window(few, count, query) == Scalar.half_window(few, count, least)),
     ]);
 }
 
@@ -123,7 +125,15 @@ fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let sift = (sifted.found, sifted.tied) == (expected.found, expected.tied)
         && kept[..sifted.found] == expected_kept[..sifted.found]
         && list[..sifted.tied] == expected_list[..sifted.tied];
-    rounds.check([("sift", sift)]);
+    // Of 40 records a window reaches up to 64, some of them behind the end.
+    let base = (random.below(RECORDS) << 16 | random.below(RECORDS / 2)) as u32;
+    let bits = random.bits() & random.bits() & if random.below(4) == 0 { u64::MAX } else { 0xf_ffff };
+    let mut fours = [[Pair::<I>::default(); 4]; 2];
+    let [kept, expected_kept] = &mut fours;
+    let found = simd.four(&sorted, base, bits, kept);
+    let four = found == Scalar.four(&sorted, base, bits, expected_kept)
+        && kept.iter().zip(expected_kept).take(found.unwrap_or_default()).all(|(a, b)| a == b);
+    rounds.check([("sift", sift), ("four", four)]);
 }
 
 #[inline(always)]

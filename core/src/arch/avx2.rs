@@ -1,6 +1,7 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
-use super::{Contact, EIGHT, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
+use super::fours::{self, HALVES};
+use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
 use crate::id::{Index, Pair};
 use crate::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::query::line::{Crossing, Slabs, Walk};
@@ -19,9 +20,6 @@ impl Avx2 {
         detected::get().then_some(Self(()))
     }
 }
-
-/// The bytes of a record with the halves of its six lanes changed, and nothing of its tag.
-pub(super) const HALVES: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, -1, -1, -1, -1];
 
 /// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]
@@ -48,102 +46,6 @@ fn high_bytes(_: Avx2, lanes: [usize; 4]) -> __m128i {
     let [a, b, c, d] = [2 * lanes[0] + 1, 2 * lanes[1] + 1, 2 * lanes[2] + 1, 2 * lanes[3] + 1];
     // SAFETY: the token proves AVX2.
     unsafe { _mm_set1_epi32(i32::from_le_bytes([a as u8, b as u8, c as u8, d as u8])) }
-}
-
-/// For each mask of pairs 0, 2, 1 and 3: where the first halves of those that it keeps stand, in the order of the pairs.
-const KEPT: [[u32; 4]; 16] = {
-    let mut table = [[0; 4]; 16];
-    let mut mask = 0;
-    while mask < 16 {
-        let (mut pair, mut kept) = (0, 0);
-        while pair < 4 {
-            let at = [0, 2, 1, 3][pair];
-            if mask >> at & 1 != 0 {
-                table[mask][kept] = 2 * at as u32;
-                kept += 1;
-            }
-            pair += 1;
-        }
-        mask += 1;
-    }
-    table
-};
-
-/// The same for both halves.
-const KEPT_WIDE: [[u32; 8]; 16] = {
-    let mut table = [[0; 8]; 16];
-    let mut mask = 0;
-    while mask < 16 {
-        let mut half = 0;
-        while half < 8 {
-            table[mask][half] = KEPT[mask][half / 2] + half as u32 % 2;
-            half += 1;
-        }
-        mask += 1;
-    }
-    table
-};
-
-/// An instruction set that tests four candidates at a time.
-pub(super) trait Fours: Simd {
-    /// Writes the pairs that [`Simd::sift`] finds among four candidates and returns how many they are. `None` where the
-    /// keys may have to decide, and where a position is not in the slice.
-    fn pairs_of<I: Index>(
-        self,
-        sorted: &[Record],
-        candidates: &[u32; 4],
-        pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize>;
-}
-
-/// [`Simd::sift`].
-#[inline(always)]
-pub(super) fn sift_by_four<S: Fours, I: Index>(
-    simd: S,
-    sorted: &[Record],
-    candidates: &mut [u32],
-    pairs: &mut [Pair<I>],
-) -> Sifted {
-    let mut sifted = Sifted::default();
-    let mut from = 0;
-    while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
-        let room = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>());
-        match room.and_then(|room| simd.pairs_of(sorted, four, room)) {
-            Some(found) => sifted.found += found,
-            None => (from..from + 4).for_each(|at| sifted.add(simd, sorted, candidates, at, pairs)),
-        }
-        from += 4;
-    }
-    for at in from..candidates.len() {
-        sifted.add(simd, sorted, candidates, at, pairs);
-    }
-    sifted
-}
-
-/// Two records, side by side.
-///
-/// # Safety
-/// The positions must be in the slice.
-#[inline(always)]
-unsafe fn pick(_: Avx2, records: &[Record], a: u32, b: u32) -> __m256i {
-    let start: *const __m128i = records.as_ptr().cast();
-    // SAFETY: the caller vouches for the positions; the token proves AVX2.
-    unsafe { _mm256_loadu2_m128i(start.add(b as usize), start.add(a as usize)) }
-}
-
-/// What of two records excludes that they touch, zero in both halves if nothing does, and which of their lanes tie.
-#[inline(always)]
-fn compare(_: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
-    // SAFETY: the token proves AVX2.
-    unsafe {
-        // As in `contact`; the tag's lanes exclude nothing.
-        let halves = _mm256_broadcastsi128_si256(bytemuck::cast(HALVES));
-        let limit = _mm256_xor_si256(_mm256_shuffle_epi8(b, halves), _mm256_set1_epi8(-1));
-        let marks = !Record::SLOT as i32;
-        let marks = _mm256_setr_epi32(0, 0, 0, marks, 0, 0, 0, marks);
-        let shared = _mm256_and_si256(_mm256_and_si256(a, b), marks);
-        (_mm256_or_si256(_mm256_subs_epu16(a, limit), shared), _mm256_cmpeq_epi16(a, limit))
-    }
 }
 
 /// The least denormal `f32`.
@@ -238,57 +140,6 @@ const IN_ORDER: [u8; 256] = {
 #[inline(always)]
 const fn in_order(mask: i32) -> u32 {
     IN_ORDER[(mask & 0xff) as usize] as u32
-}
-
-impl Fours for Avx2 {
-    #[inline(always)]
-    fn pairs_of<I: Index>(
-        self,
-        sorted: &[Record],
-        candidates: &[u32; 4],
-        pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize> {
-        let end = sorted.len().min(usize::from(u16::MAX)) as i16;
-        // SAFETY: `self` proves AVX2; the four candidates are 16 bytes, and all their halves are compared with the length before
-        // they are taken for positions. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
-        unsafe {
-            let positions = _mm_loadu_si128(candidates.as_ptr().cast());
-            let beyond = _mm_cmpeq_epi16(_mm_max_epu16(positions, _mm_set1_epi16(end)), positions);
-            if _mm_testz_si128(beyond, beyond) == 0 {
-                return None;
-            }
-            let [p, q, r, s] = *candidates;
-            let (a, b) = (pick(self, sorted, p >> 16, q >> 16), pick(self, sorted, p & 0xffff, q & 0xffff));
-            let (c, d) = (pick(self, sorted, r >> 16, s >> 16), pick(self, sorted, r & 0xffff, s & 0xffff));
-            let ((first, first_ties), (second, second_ties)) = (compare(self, a, b), compare(self, c, d));
-            let ties = _mm256_or_si256(first_ties, second_ties);
-            if _mm256_testz_si256(ties, ties) == 0 {
-                return None;
-            }
-            // The halves of the vectors are packed apart, here and below: the order is 0, 2, 1, 3.
-            let apart = _mm256_packs_epi16(first, second);
-            let kept = _mm256_cmpeq_epi64(apart, _mm256_setzero_si256());
-            let kept = _mm256_movemask_pd(_mm256_castsi256_pd(kept)) as usize & 15;
-            // The tags of both records.
-            let tags = _mm256_unpackhi_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
-            let slots = _mm256_and_si256(tags, _mm256_set1_epi32(Record::SLOT as i32));
-            let crossed = _mm256_shuffle_epi32::<0b10_11_00_01>(slots);
-            let (lower, upper) = (_mm256_min_epu32(slots, crossed), _mm256_max_epu32(slots, crossed));
-            let lower_first = _mm256_blend_epi32::<0b1010_1010>(lower, upper);
-            if size_of::<I>() == 2 {
-                // Both slots in the first half of their pair.
-                let shifted = _mm256_srli_epi64::<16>(lower_first);
-                let halves = _mm256_blend_epi16::<0b1010_1010>(lower_first, shifted);
-                let kept = _mm256_castsi128_si256(bytemuck::cast(KEPT[kept]));
-                let packed = _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(halves, kept));
-                _mm_storeu_si128(pairs.as_mut_ptr().cast(), packed);
-            } else {
-                let packed = _mm256_permutevar8x32_epi32(lower_first, bytemuck::cast(KEPT_WIDE[kept]));
-                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
-            }
-            Some(kept.count_ones() as usize)
-        }
-    }
 }
 
 impl Simd for Avx2 {
@@ -437,8 +288,26 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m256i) -> u32 {
+        let mask = half(self, bytemuck::cast_ref(rows), query);
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u32(mask, count.min(HALF) as u32) }
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::four(self, sorted, base, bits, pairs)
+    }
+
+    #[inline(always)]
     fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        sift_by_four(self, sorted, candidates, pairs)
+        fours::sift(self, sorted, candidates, pairs)
     }
 
     #[inline(always)]

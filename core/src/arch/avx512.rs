@@ -1,8 +1,8 @@
 //! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
 //! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
 
-use super::avx2::{Avx2, Fours, HALVES, sift_by_four};
-use super::{Contact, EIGHT, Phase, Row, Sifted, Simd, WINDOW};
+use super::avx2::Avx2;
+use super::{Contact, EIGHT, HALF, Phase, Row, Sifted, Simd, WINDOW};
 use crate::id::{Index, Pair};
 use crate::key::KeyBox;
 use crate::query::line::{Crossing, Slabs, Walk};
@@ -35,10 +35,6 @@ impl Avx512 {
     }
 }
 
-/// The lanes of four records but for their tags, and the tags alone.
-const LANES: __mmask32 = 0x3f3f_3f3f;
-const TAGS: __mmask16 = 0x8888;
-
 /// One bit for each of 16 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]
 fn quarter(_: Avx512, rows: &[u8; 64], query: __m512i) -> __mmask16 {
@@ -47,75 +43,6 @@ fn quarter(_: Avx512, rows: &[u8; 64], query: __m512i) -> __mmask16 {
         // What the query's bytes exceed a row's by: nothing where none does.
         let excess = _mm512_subs_epu8(query, _mm512_loadu_si512(rows.as_ptr().cast()));
         _mm512_testn_epi32_mask(excess, excess)
-    }
-}
-
-/// Bit `2 i` and bit `2 i + 1` are set where all bytes of record `i` are zero.
-#[inline(always)]
-fn zero(_: Avx512, records: __m512i) -> __mmask8 {
-    // SAFETY: the token proves AVX-512 F.
-    unsafe {
-        let any = _mm512_or_si512(records, _mm512_shuffle_epi32::<0b01_00_11_10>(records));
-        _mm512_testn_epi64_mask(any, any)
-    }
-}
-
-/// The records at four positions.
-///
-/// # Safety
-/// The positions must be in the slice.
-#[inline(always)]
-unsafe fn pick(_: Avx512, records: &[Record], [a, b, c, d]: [u32; 4]) -> __m512i {
-    let start: *const __m128i = records.as_ptr().cast();
-    // SAFETY: the caller vouches for the positions; the token proves AVX-512 F.
-    unsafe {
-        let low = _mm256_loadu2_m128i(start.add(b as usize), start.add(a as usize));
-        let high = _mm256_loadu2_m128i(start.add(d as usize), start.add(c as usize));
-        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
-    }
-}
-
-impl Fours for Avx512 {
-    #[inline(always)]
-    fn pairs_of<I: Index>(
-        self,
-        sorted: &[Record],
-        candidates: &[u32; 4],
-        pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize> {
-        let positions: __m128i = bytemuck::cast(*candidates);
-        let end = sorted.len().min(usize::from(u16::MAX)) as i16;
-        // SAFETY: `self` proves AVX-512 F, BW and VL; all halves of the candidates are compared with the length before they are
-        // taken for positions.
-        unsafe {
-            if _mm_cmpge_epu16_mask(positions, _mm_set1_epi16(end)) != 0 {
-                return None;
-            }
-            let [p, q, r, s] = *candidates;
-            let a = pick(self, sorted, [p >> 16, q >> 16, r >> 16, s >> 16]);
-            let b = pick(self, sorted, [p & 0xffff, q & 0xffff, r & 0xffff, s & 0xffff]);
-            // As in `contact`; the tag's lanes exclude nothing.
-            let halves = _mm512_broadcast_i32x4(bytemuck::cast(HALVES));
-            let limit = _mm512_xor_si512(_mm512_shuffle_epi8(b, halves), _mm512_set1_epi8(-1));
-            if _mm512_mask_cmpeq_epu16_mask(LANES, a, limit) != 0 {
-                return None;
-            }
-            let marks = _mm512_maskz_set1_epi32(TAGS, !Record::SLOT as i32);
-            let shared = _mm512_and_si512(_mm512_and_si512(a, b), marks);
-            let apart = _mm512_or_si512(_mm512_subs_epu16(a, limit), shared);
-            // The tags of both records stand in the second half of their place now.
-            let slots = _mm512_and_si512(_mm512_unpackhi_epi32(a, b), _mm512_set1_epi32(Record::SLOT as i32));
-            let crossed = _mm512_shuffle_epi32::<0b10_11_00_01>(slots);
-            let lower_first = _mm512_mask_max_epu32(_mm512_min_epu32(slots, crossed), 0xaaaa, slots, crossed);
-            let kept = zero(self, apart) & 0b1010_1010;
-            let packed = _mm512_castsi512_si256(_mm512_maskz_compress_epi64(kept, lower_first));
-            if size_of::<I>() == 2 {
-                _mm_storeu_si128(pairs.as_mut_ptr().cast(), _mm256_cvtepi32_epi16(packed));
-            } else {
-                _mm256_storeu_si256(pairs.as_mut_ptr().cast(), packed);
-            }
-            Some(kept.count_ones() as usize)
-        }
     }
 }
 
@@ -215,8 +142,29 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m512i) -> u32 {
+        let [a, b]: &[[u8; 64]; 2] = bytemuck::cast_ref(rows);
+        // SAFETY: `self` proves AVX-512 BW and BMI2.
+        unsafe {
+            let mask = _mm512_kunpackw(quarter(self, b, query).into(), quarter(self, a, query).into());
+            _bzhi_u32(mask, count.min(HALF) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        self.0.four(sorted, base, bits, pairs)
+    }
+
+    #[inline(always)]
     fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        sift_by_four(self, sorted, candidates, pairs)
+        self.0.sift(sorted, candidates, pairs)
     }
 
     #[inline(always)]

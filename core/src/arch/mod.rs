@@ -11,6 +11,8 @@ pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
 pub(crate) mod claim;
+#[cfg(target_arch = "x86_64")]
+mod fours;
 pub(crate) mod scalar;
 pub(crate) mod shared;
 
@@ -35,6 +37,8 @@ pub(crate) type Row = [u8; 4];
 
 /// Rows that are compared at a time: one bit each in a mask.
 pub(crate) const WINDOW: usize = 64;
+/// The same where records have few neighbours.
+pub(crate) const HALF: usize = WINDOW / 2;
 
 /// Records that are tested against a cast at a time.
 pub(crate) const EIGHT: usize = 8;
@@ -137,6 +141,36 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// The first `count` rows, at most all, whose bytes are all at least the query's: bit `i` for row `i`.
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
+
+    /// As [`window`](Self::window), for half as many rows.
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: Self::Query) -> u32;
+
+    /// Compares the record at `base >> 16` with four others: those at `base & 0xffff` and the lowest four bits of a mask. Puts the
+    /// pairs of those that touch and share no mark at the start of `pairs`, in their order, and returns how many they are. What
+    /// stands behind these means nothing. `None` where only the keys can tell for one of the four, touch or not, and where
+    /// there are no four.
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        let a = sorted.get((base >> 16) as usize)?;
+        let (mut found, mut rest) = (0, bits);
+        for _ in 0..4 {
+            let b = sorted.get((base & 0xffff).wrapping_add(rest.trailing_zeros()) as usize)?;
+            rest &= rest.wrapping_sub(1);
+            let contact = self.contact(a, b);
+            if contact.tied {
+                return None;
+            }
+            pairs.put(found, pair::<I>(a.slot(), b.slot()));
+            found += usize::from(contact.touches & (a.tag & b.tag & !Record::SLOT == 0));
+        }
+        Some(found)
+    }
 
     /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
     /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can

@@ -1,6 +1,6 @@
 //! The level that every CPU has. Also the definition of what each operation means.
 
-use super::{Contact, EIGHT, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, HALF, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::aabb::Aabb;
 use crate::access::Access;
 use crate::key::{KeyBox, value};
@@ -10,6 +10,23 @@ use crate::tree::{Frame, GRID_MAX, Record};
 /// No more than the target's baseline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
+
+/// A bit for each of the first rows whose bytes are all at least the query's.
+#[inline(always)]
+fn inside(rows: &[Row], count: usize, query: Row) -> u64 {
+    // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
+    const HIGH: u32 = 0x8080_8080;
+    let query = u32::from_ne_bytes(query);
+    let mut mask = 0;
+    for (index, row) in rows.iter().take(count).enumerate() {
+        let row = u32::from_ne_bytes(*row);
+        let rest = (row | HIGH) - (query & !HIGH);
+        // High bits that differ decide, else the bits below them.
+        let inside = (row & !query) | (!(row ^ query) & rest);
+        mask |= u64::from(inside & HIGH == HIGH) << index;
+    }
+    mask
+}
 
 impl Simd for Scalar {
     type Keys = KeyBox;
@@ -102,18 +119,12 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
-        // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
-        const HIGH: u32 = 0x8080_8080;
-        let query = u32::from_ne_bytes(query);
-        let mut mask = 0;
-        for (index, row) in rows.iter().take(count).enumerate() {
-            let row = u32::from_ne_bytes(*row);
-            let rest = (row | HIGH) - (query & !HIGH);
-            // High bits that differ decide, else the bits below them.
-            let inside = (row & !query) | (!(row ^ query) & rest);
-            mask |= u64::from(inside & HIGH == HIGH) << index;
-        }
-        mask
+        inside(rows, count, query)
+    }
+
+    #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: Row) -> u32 {
+        inside(rows, count, query) as u32
     }
 
     #[inline(always)]

@@ -8,10 +8,11 @@
 //! the exact boxes decide.
 
 use super::Sink;
+use super::scan::Scan;
 use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::{Phase, Row, Sifted, Simd, WINDOW};
-use crate::id::{Index, Pair, pair};
+use crate::arch::Simd;
+use crate::id::Index;
 use crate::key::KeyBox;
 use crate::tree::{Frame, Record};
 
@@ -36,11 +37,9 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     let axis = axis.min(2);
     let ends = sort(simd, bags, axis, 0, bench);
     let count = bags[0].len() + bags[1].len();
-    let mut scan = Scan::new(simd, axis, count, bench, boxes, sink);
-    for (at, record) in scan.sorted.iter().enumerate() {
-        scan.rows(at, record, at + 1, reach_of(record, axis, &ends));
-    }
-    scan.test();
+    let scan = Scan::new(axis, count, bench, boxes, sink);
+    let ends = &ends;
+    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
 /// Sweeps two bags against each other along `axis`: each pair has a record of either.
@@ -57,18 +56,18 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     let [left, right] = bags.map(<[Record]>::len);
     let left_ends = sort(simd, [bags[0], &[]], axis, 0, bench);
     let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
-    let mut scan = Scan::new(simd, axis, left + right, bench, boxes, sink);
+    let scan = Scan::new(axis, left + right, bench, boxes, sink);
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    for (at, record) in scan.sorted.iter().enumerate() {
-        let run = high(record.lanes[axis]) as usize;
+    let (left_ends, right_ends) = (&left_ends, &right_ends);
+    scan.run(simd, move |at, record| {
+        let run = high(record.lanes.at(axis)) as usize;
         if at < left {
             let first = if run == 0 { left } else { right_ends[run - 1] as usize };
-            scan.rows(at, record, first, reach_of(record, axis, &right_ends));
+            (first, reach_of(record, axis, right_ends))
         } else {
-            scan.rows(at, record, left_ends[run] as usize, reach_of(record, axis, &left_ends));
+            (left_ends[run] as usize, reach_of(record, axis, left_ends))
         }
-    }
-    scan.test();
+    });
 }
 
 /// Sweeps the objects of a list that is in ascending order of their minimum on `axis`.
@@ -96,11 +95,9 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         end = end.max(*run);
         *run = end;
     }
-    let mut scan = Scan::new(simd, axis, order.len(), bench, boxes, sink);
-    for (at, record) in scan.sorted.iter().enumerate() {
-        scan.rows(at, record, at + 1, reach_of(record, axis, &ends));
-    }
-    scan.test();
+    let scan = Scan::new(axis, order.len(), bench, boxes, sink);
+    let ends = &ends;
+    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
 /// Sorts records into the bench from position `start` on.
@@ -143,120 +140,7 @@ fn sort<S: Simd, I>(
 /// The end of the last run that a record reaches.
 #[inline(always)]
 fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
-    ends[high(!record.lanes[3 + axis]) as usize] as usize
-}
-
-/// Looks for pairs in a sorted bag.
-struct Scan<'s, S: Simd, I> {
-    simd: S,
-    lanes: S::Axis,
-    sorted: &'s [Record],
-    rows: &'s [Row],
-    candidates: &'s mut [u32],
-    collected: u32,
-    /// As many as leave room for a window.
-    most: u32,
-    pairs: &'s mut [Pair<I>],
-    tested: &'s mut u64,
-    tied: &'s mut u64,
-    boxes: &'s [KeyBox],
-    sink: &'s mut dyn Sink<I>,
-}
-
-impl<'s, S: Simd, I: Index> Scan<'s, S, I> {
-    #[inline(always)]
-    fn new(
-        simd: S,
-        axis: usize,
-        count: usize,
-        bench: &'s mut Bench<'_, I>,
-        boxes: &'s [KeyBox],
-        sink: &'s mut dyn Sink<I>,
-    ) -> Self {
-        let Bench { sorted, rows, candidates, pairs, tested, tied } = bench;
-        let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
-        let (lanes, most) = (simd.axis(axis), candidates.len().saturating_sub(WINDOW) as u32);
-        Self { simd, lanes, sorted, rows, candidates, collected: 0, most, pairs, tested, tied, boxes, sink }
-    }
-
-    /// Collects the candidates among the rows from `first` to `end` for the record at `at`.
-    #[inline(always)]
-    fn rows(&mut self, at: usize, record: &Record, mut first: usize, end: usize) {
-        while first < end {
-            // Made anew after a test, since registers do not outlast that call.
-            let query = self.simd.query(self.lanes, record);
-            while first < end && self.collected <= self.most {
-                let collected = self.collected as usize;
-                let rows = self.rows.get(first..first + WINDOW);
-                let room = self.candidates.get_mut(collected..collected + WINDOW);
-                if let (Some(Ok(rows)), Some(Ok(room))) =
-                    (rows.map(TryFrom::try_from), room.map(TryFrom::try_from))
-                {
-                    let mask = self.simd.window(rows, end - first, query);
-                    self.collected += unpack(mask, ((at << 16) | first) as u32, room);
-                }
-                first += WINDOW;
-            }
-            if self.collected > self.most {
-                self.test();
-            }
-        }
-    }
-
-    /// Tests the candidates on all lanes and hands the pairs on.
-    #[inline(always)]
-    fn test(&mut self) {
-        *self.tested += u64::from(self.collected);
-        let candidates = self.candidates.span_mut(0, self.collected as usize);
-        let pairs = self.pairs.span_mut(0, self.collected as usize);
-        let (sorted, boxes) = (self.sorted, self.boxes);
-        let Sifted { found, tied } = self.simd.call(Test { sorted, candidates, pairs, boxes });
-        *self.tied += tied as u64;
-        self.sink.take(self.pairs.span_mut(0, found));
-        self.collected = 0;
-    }
-}
-
-/// Writes a candidate for each set bit and returns how many there are.
-#[inline(always)]
-fn unpack(mask: u64, base: u32, room: &mut [u32; WINDOW]) -> u32 {
-    let count = mask.count_ones();
-    let mut rest = mask;
-    // Most masks have few bits, and how many is hard to predict: four are written always.
-    for four in room.as_chunks_mut::<4>().0 {
-        for candidate in four {
-            *candidate = base + rest.trailing_zeros();
-            rest &= rest.wrapping_sub(1);
-        }
-        if rest == 0 {
-            break;
-        }
-    }
-    count
-}
-
-/// Tests candidates: see [`Simd::sift`]. Their pairs come to the front of `pairs`, which has a place for each.
-struct Test<'t, I> {
-    sorted: &'t [Record],
-    candidates: &'t mut [u32],
-    pairs: &'t mut [Pair<I>],
-    boxes: &'t [KeyBox],
-}
-
-impl<I: Index> Phase for Test<'_, I> {
-    type Output = Sifted;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Sifted {
-        let Self { sorted, candidates, pairs, boxes } = self;
-        let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
-        // Of boxes that share a step of the grid only the keys can tell.
-        for &candidate in candidates.span(0, tied) {
-            let a = sorted.at((candidate >> 16) as usize).slot();
-            let b = sorted.at((candidate & 0xffff) as usize).slot();
-            pairs.put(found, pair::<I>(a, b));
-            found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
-        }
-        Sifted { found, tied }
-    }
+    // The record's bytes as lanes, so that the index needs no check.
+    let lanes: &[u16; 8] = bytemuck::cast_ref(record);
+    ends[high(!lanes[(3 + axis) % 8]) as usize] as usize
 }

@@ -7,6 +7,8 @@ pub(crate) mod bag;
 pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod movers;
+mod rounds;
+mod scan;
 pub(crate) mod scratch;
 pub(crate) mod small;
 pub(crate) mod strips;

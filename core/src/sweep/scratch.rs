@@ -1,5 +1,6 @@
 //! A worker's scratch: everything that a leaf's sweep needs, for a bag of records that stays in the cache.
 
+use super::scan::Lists;
 use crate::arch::{Row, WINDOW};
 use crate::id::{Index, Pair};
 use crate::tree::Record;
@@ -26,7 +27,12 @@ pub(crate) const fn records<I>(bag: usize) -> usize {
         return 0;
     }
     let candidates = batch(bag) + WINDOW;
-    of::<Work>(1) + 2 * bag + of::<Row>(bag + WINDOW) + of::<u32>(candidates) + of::<Pair<I>>(candidates)
+    of::<Work>(1)
+        + 2 * bag
+        + of::<Row>(bag + WINDOW)
+        + of::<Lists>(1)
+        + of::<u32>(candidates)
+        + of::<Pair<I>>(candidates)
 }
 
 const fn of<T>(count: usize) -> usize {
@@ -61,6 +67,8 @@ pub(crate) struct Bench<'s, I> {
     pub(crate) sorted: &'s mut [Record],
     /// The bag's rows, and room for a window behind them.
     pub(crate) rows: &'s mut [Row],
+    /// Masks, and rows that have further windows.
+    pub(crate) lists: &'s mut [Lists],
     /// Positions in the bag: `low << 16 | high`.
     pub(crate) candidates: &'s mut [u32],
     /// Pairs on their way out.
@@ -83,6 +91,7 @@ impl<'s, I: Index> Scratch<'s, I> {
             bench: Bench {
                 sorted: cut(&mut rest, bag),
                 rows: cut(&mut rest, bag + WINDOW),
+                lists: cut(&mut rest, 1),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
                 tested: 0,

@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 19] = [
+const HOOKS: [(&str, &[&str]); 20] = [
     ("in_parallel::{closure", &["paths::", "collect::{closure"]),
     ("collect::{closure", &["paths::"]),
     ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
@@ -26,6 +26,7 @@ const HOOKS: [(&str, &[&str]); 19] = [
     ("balance::", &["radix::", "build::", "Executor>::"]),
     ("radix::", &["radix::", "Executor>::"]),
     ("build::", &["build::", "Executor>::"]),
+    ("sweep::rounds", &["Sink<u16>>::take"]),
     ("sweep::s", &[RULE]),
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),

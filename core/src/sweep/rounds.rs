@@ -1,0 +1,215 @@
+//! Takes the bits of the masks that windows gave, in rounds: one, two or three bits of each mask, so that a multiple of four is
+//! left, go to a list of candidates; four bits of each mask that has some left are tested at once, until none has. No branch
+//! hangs on how many bits a mask has.
+
+use super::Sink;
+use super::scan::Lists;
+use crate::access::Access;
+use crate::arch::{Phase, Sifted, Simd};
+use crate::id::{Index, Pair, pair};
+use crate::key::KeyBox;
+use crate::tree::Record;
+use core::ops::Range;
+
+/// Masks that are taken bits from before the room for them is looked at again.
+const PART: usize = 32;
+/// Candidates, or pairs, of so many masks, and what is written behind them.
+const ROOM: usize = 4 * PART + 4;
+
+/// What has been found so far.
+pub(super) struct Found<'s, I> {
+    pub(super) sorted: &'s [Record],
+    pub(super) boxes: &'s [KeyBox],
+    pub(super) candidates: &'s mut [u32],
+    /// Candidates that wait for their test.
+    pub(super) collected: usize,
+    pub(super) pairs: &'s mut [Pair<I>],
+    /// Pairs that wait to be handed on.
+    pub(super) found: usize,
+    /// As in [`Bench`](super::scratch::Bench).
+    pub(super) tested: &'s mut u64,
+    pub(super) tied: &'s mut u64,
+}
+
+/// Takes all bits of the masks in the lists.
+pub(super) struct Drain<'d, 's, I> {
+    pub(super) lists: &'d mut Lists,
+    /// How many masks there are.
+    pub(super) held: usize,
+    pub(super) found: &'d mut Found<'s, I>,
+    pub(super) sink: &'d mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for Drain<'_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { lists, held, found, sink } = self;
+        let mut left = 0;
+        for start in (0..held).step_by(PART) {
+            found.make_room(simd, sink);
+            left = found.odd_ones(lists, start..held.min(start + PART), left);
+        }
+        while left > 0 {
+            let mut again = 0;
+            for start in (0..left).step_by(PART) {
+                found.make_room(simd, sink);
+                again = found.fours(simd, lists, start..left.min(start + PART), again);
+            }
+            left = again;
+        }
+    }
+}
+
+/// Tests the last candidates and hands on the last pairs.
+pub(super) struct Last<'d, 's, I> {
+    pub(super) found: &'d mut Found<'s, I>,
+    pub(super) sink: &'d mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for Last<'_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        self.found.test(simd, self.sink);
+        self.found.hand_on(self.sink);
+    }
+}
+
+impl<I: Index> Found<'_, I> {
+    /// Makes room for the candidates and the pairs of `PART` masks.
+    #[inline(always)]
+    fn make_room<S: Simd>(&mut self, simd: S, sink: &mut dyn Sink<I>) {
+        if self.collected + ROOM > self.candidates.len() {
+            self.test(simd, sink);
+        }
+        if self.found + ROOM > self.pairs.len() {
+            self.hand_on(sink);
+        }
+    }
+
+    /// Hands the pairs on.
+    #[inline(always)]
+    fn hand_on(&mut self, sink: &mut dyn Sink<I>) {
+        sink.take(self.pairs.span_mut(0, self.found));
+        self.found = 0;
+    }
+
+    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left come to `to` on;
+    /// returns where they end.
+    #[inline(always)]
+    fn odd_ones(&mut self, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
+        let room = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let Some(room) = room else { return to };
+        let mut count = 0;
+        for index in which {
+            let (bits, base) = lists.mask(index);
+            let (one, two, _) = without(bits);
+            let odd = bits.count_ones() as usize % 4;
+            // Written always, used or not.
+            let at = count % (4 * PART);
+            for (offset, bits) in [bits, one, two].into_iter().enumerate() {
+                room.put(at + offset, candidate(base, bits));
+            }
+            count += odd;
+            let even = if odd & 2 == 0 { bits } else { two };
+            let rest = if odd & 1 == 0 { even } else { even & even.wrapping_sub(1) };
+            lists.put_mask(to, rest, base);
+            to += usize::from(rest != 0);
+        }
+        self.collected += count;
+        to
+    }
+
+    /// Tests four bits of each of some masks. Masks with bits left come to `to` on; returns where they end.
+    #[inline(always)]
+    fn fours<S: Simd>(&mut self, simd: S, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
+        let sorted = self.sorted;
+        let pairs = self.pairs.get_mut(self.found..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let candidates = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let (Some(pairs), Some(candidates)) = (pairs, candidates) else { return to };
+        let (mut found, mut untested) = (0, 0);
+        let count = which.len();
+        for index in which {
+            let (bits, base) = lists.mask(index);
+            let (one, two, three) = without(bits);
+            let rest = three & three.wrapping_sub(1);
+            lists.put_mask(to, rest, base);
+            to += usize::from(rest != 0);
+            // No closure: it would not share the instruction set of its function.
+            if let Some(room) = pairs.get_mut(found % (4 * PART)..).and_then(<[_]>::first_chunk_mut::<4>)
+                && let Some(four) = simd.four(sorted, base, bits, room)
+            {
+                found += four;
+                continue;
+            }
+            // Rare, but where boxes share sides.
+            for bits in [bits, one, two, three] {
+                candidates.put(untested, candidate(base, bits));
+                untested += 1;
+            }
+        }
+        self.found += found;
+        self.collected += untested;
+        *self.tested += (4 * count - untested) as u64;
+        to
+    }
+
+    /// Tests the candidates on all lanes and hands the pairs on.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, sink: &mut dyn Sink<I>) {
+        if self.found + self.collected > self.pairs.len() {
+            self.hand_on(sink);
+        }
+        let (sorted, boxes) = (self.sorted, self.boxes);
+        let candidates = self.candidates.span_mut(0, self.collected);
+        let pairs = self.pairs.span_mut(self.found, self.collected);
+        let Sifted { found, tied } = simd.call(Test { sorted, candidates, pairs, boxes });
+        *self.tested += self.collected as u64;
+        *self.tied += tied as u64;
+        self.found += found;
+        self.collected = 0;
+    }
+}
+
+/// A mask without its lowest bit, its two lowest, and its three lowest.
+#[inline(always)]
+const fn without(bits: u64) -> (u64, u64, u64) {
+    let one = bits & bits.wrapping_sub(1);
+    let two = one & one.wrapping_sub(1);
+    (one, two, two & two.wrapping_sub(1))
+}
+
+/// The candidate of the lowest bit of a mask.
+#[inline(always)]
+const fn candidate(base: u32, bits: u64) -> u32 {
+    base.wrapping_add(bits.trailing_zeros())
+}
+
+/// Tests candidates: see [`Simd::sift`]. Their pairs come to the front of `pairs`, which has a place for each.
+struct Test<'t, I> {
+    sorted: &'t [Record],
+    candidates: &'t mut [u32],
+    pairs: &'t mut [Pair<I>],
+    boxes: &'t [KeyBox],
+}
+
+impl<I: Index> Phase for Test<'_, I> {
+    type Output = Sifted;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Sifted {
+        let Self { sorted, candidates, pairs, boxes } = self;
+        let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
+        // Of boxes that share a step of the grid only the keys can tell.
+        for &candidate in candidates.span(0, tied) {
+            let a = sorted.at((candidate >> 16) as usize).slot();
+            let b = sorted.at((candidate & 0xffff) as usize).slot();
+            pairs.put(found, pair::<I>(a, b));
+            found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
+        }
+        Sifted { found, tied }
+    }
+}

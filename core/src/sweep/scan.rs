@@ -1,0 +1,195 @@
+//! Finds the pairs of a sorted bag without branches that hang on its boxes: the branch predictor would guess them wrong, and
+//! that costs more than the compares.
+//!
+//! Each record is compared with the rows of its neighbours, a window at a time, in passes: the first window of many rows, then
+//! the second window of those whose run of neighbours goes on, and so on. What a window finds is a mask; `rounds` takes the
+//! bits.
+
+use super::Sink;
+use super::rounds::{Drain, Found, Last};
+use super::scratch::Bench;
+use crate::access::Access;
+use crate::arch::{HALF, Phase, Row, Simd, WINDOW};
+use crate::id::Index;
+use crate::key::KeyBox;
+use crate::tree::Record;
+use bytemuck::{Pod, Zeroable};
+
+/// Rows whose windows are compared in one pass. A power of two, so that a list's index needs no check.
+pub(super) const ROWS: usize = 256;
+
+/// What the passes found, and what they have left to do.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct Lists {
+    /// A bit for each row of a window that may touch.
+    bits: [u64; ROWS],
+    /// Where the mask belongs: the position whose window it is, and that of the window's first row, `at << 16 | first`. The
+    /// candidate of bit `k` is `base + k`.
+    bases: [u32; ROWS],
+    /// The next window of a row whose run of neighbours goes on, in the same form.
+    open: [u32; ROWS],
+    /// Where that run ends.
+    ends: [u32; ROWS],
+}
+
+impl Lists {
+    /// The bits and the base of a mask.
+    #[inline(always)]
+    pub(super) fn mask(&self, index: usize) -> (u64, u32) {
+        (self.bits.at(index % ROWS), self.bases.at(index % ROWS))
+    }
+
+    /// Replaces a mask.
+    #[inline(always)]
+    pub(super) fn put_mask(&mut self, index: usize, bits: u64, base: u32) {
+        self.bits.put(index % ROWS, bits);
+        self.bases.put(index % ROWS, base);
+    }
+}
+
+/// Rows whose run of neighbours is looked at to choose the width of the windows.
+const SAMPLE: usize = 32;
+
+/// Looks for pairs in a sorted bag.
+pub(super) struct Scan<'s, I> {
+    sorted: &'s [Record],
+    rows: &'s [Row],
+    axis: usize,
+    lists: &'s mut [Lists],
+    /// Masks in the lists.
+    held: usize,
+    found: Found<'s, I>,
+    sink: &'s mut dyn Sink<I>,
+}
+
+impl<'s, I: Index> Scan<'s, I> {
+    #[inline(always)]
+    pub(super) fn new(
+        axis: usize,
+        count: usize,
+        bench: &'s mut Bench<'_, I>,
+        boxes: &'s [KeyBox],
+        sink: &'s mut dyn Sink<I>,
+    ) -> Self {
+        let Bench { sorted, rows, lists, candidates, pairs, tested, tied } = bench;
+        let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
+        let found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied };
+        Self { sorted, rows, axis, lists, held: 0, found, sink }
+    }
+
+    /// Hands on the pairs of all records. `run` has where the neighbours of a record start and end.
+    #[inline(always)]
+    pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
+        let count = self.sorted.len();
+        let (mut reach, mut sampled) = (0, 0);
+        for at in (0..count).step_by(count.div_ceil(SAMPLE).max(1)) {
+            let (first, end) = run(at, &self.sorted.at(at));
+            reach += end.saturating_sub(first);
+            sampled += 1;
+        }
+        // Short runs need no second half.
+        if reach > HALF * sampled {
+            simd.call(Passes::<_, _, WINDOW> { scan: &mut self, run });
+        } else {
+            simd.call(Passes::<_, _, HALF> { scan: &mut self, run });
+        }
+        self.drain(simd);
+        simd.call(Last { found: &mut self.found, sink: self.sink });
+    }
+
+    /// Makes room for so many masks, at most `ROWS`.
+    #[inline(always)]
+    fn make_room<S: Simd>(&mut self, simd: S, more: usize) {
+        if self.held + more > ROWS {
+            self.drain(simd);
+        }
+    }
+
+    #[inline(always)]
+    fn drain<S: Simd>(&mut self, simd: S) {
+        let [lists] = &mut *self.lists else { return };
+        simd.call(Drain { lists, held: self.held, found: &mut self.found, sink: self.sink });
+        self.held = 0;
+    }
+}
+
+/// Compares all records with the rows of their neighbours, in windows of this width.
+struct Passes<'p, 's, I, F, const WIDTH: usize> {
+    scan: &'p mut Scan<'s, I>,
+    run: F,
+}
+
+impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phase
+    for Passes<'_, '_, I, F, WIDTH>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { scan, run } = self;
+        let (sorted, rows, lanes) = (scan.sorted, scan.rows, simd.axis(scan.axis));
+        let mut start = 0;
+        while start < sorted.len() {
+            let count = ROWS.min(sorted.len() - start);
+            scan.make_room(simd, count);
+            let [lists] = &mut *scan.lists else { return };
+            let mut pass = Pass { rows, lanes, lists, held: scan.held, left: 0 };
+            for (at, record) in (start..).zip(sorted.span(start, count)) {
+                let (first, end) = run(at, record);
+                pass.next::<S, WIDTH>(simd, record, (at << 16 | first) as u32, end as u32);
+            }
+            let mut left = pass.left;
+            scan.held = pass.held;
+            while left > 0 {
+                scan.make_room(simd, left);
+                let [lists] = &mut *scan.lists else { return };
+                let mut pass = Pass { rows, lanes, lists, held: scan.held, left: 0 };
+                for index in 0..left {
+                    let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
+                    let Some(record) = sorted.get((base >> 16) as usize) else { continue };
+                    pass.next::<S, WIDTH>(simd, record, base, end);
+                }
+                left = pass.left;
+                scan.held = pass.held;
+            }
+            start += count;
+        }
+    }
+}
+
+/// One window of many rows.
+struct Pass<'l, A> {
+    rows: &'l [Row],
+    lanes: A,
+    lists: &'l mut Lists,
+    /// Masks so far.
+    held: usize,
+    /// Rows so far that have further windows.
+    left: usize,
+}
+
+impl<A: Copy> Pass<'_, A> {
+    /// Compares a record with the rows of its next window.
+    #[inline(always)]
+    fn next<S: Simd<Axis = A>, const WIDTH: usize>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
+        let first = base & 0xffff;
+        let count = end.wrapping_sub(first);
+        let rows = self.rows.get(first as usize..first as usize + WIDTH).unwrap_or_default();
+        let query = simd.query(self.lanes, record);
+        // No closures: they would not share the instruction set of their function.
+        let bits = if WIDTH == WINDOW {
+            let Some(rows) = rows.first_chunk() else { return };
+            simd.window(rows, count as usize, query)
+        } else {
+            let Some(rows) = rows.first_chunk() else { return };
+            simd.half_window(rows, count as usize, query).into()
+        };
+        // Both lists are written always, used or not.
+        self.lists.put_mask(self.held, bits, base);
+        self.held += usize::from(bits != 0);
+        self.lists.open.put(self.left % ROWS, base.wrapping_add(WIDTH as u32));
+        self.lists.ends.put(self.left % ROWS, end);
+        self.left += usize::from(count > WIDTH as u32);
+    }
+}
