@@ -13,8 +13,7 @@ static FAULTS: AtomicU32 = AtomicU32::new(0);
 /// Leaves the mark.
 #[cold]
 #[inline(never)]
-pub(crate) fn note_fault(index: usize, len: usize) {
-    debug_assert!(false, "index {index} of {len}");
+pub(crate) fn note_fault() {
     // Not in one piece, which some processors cannot do: of two at the same time one is enough.
     FAULTS.store(FAULTS.load(Relaxed).wrapping_add(1), Relaxed);
 }
@@ -58,10 +57,11 @@ impl<T> Access<T> for [T] {
     where
         T: Copy + Default,
     {
+        debug_assert!(index < self.len(), "read {index} of {}", self.len());
         match self.get(index) {
             Some(element) => *element,
             None => {
-                note_fault(index, self.len());
+                note_fault();
                 T::default()
             }
         }
@@ -69,9 +69,10 @@ impl<T> Access<T> for [T] {
 
     #[inline(always)]
     fn put(&mut self, index: usize, value: T) {
+        debug_assert!(index < self.len(), "write {index} of {}", self.len());
         match self.get_mut(index) {
             Some(element) => *element = value,
-            None => note_fault(index, self.len()),
+            None => note_fault(),
         }
     }
 
@@ -87,10 +88,11 @@ impl<T> Access<T> for [T] {
 
     #[inline(always)]
     fn span(&self, start: usize, len: usize) -> &[T] {
+        debug_assert!(start + len <= self.len(), "span {start}+{len} of {}", self.len());
         match self.get(start..).and_then(|tail| tail.get(..len)) {
             Some(span) => span,
             None => {
-                note_fault(start.saturating_add(len), self.len());
+                note_fault();
                 &[]
             }
         }
@@ -98,11 +100,11 @@ impl<T> Access<T> for [T] {
 
     #[inline(always)]
     fn span_mut(&mut self, start: usize, len: usize) -> &mut [T] {
-        let all = self.len();
+        debug_assert!(start + len <= self.len(), "span {start}+{len} of {}", self.len());
         match self.get_mut(start..).and_then(|tail| tail.get_mut(..len)) {
             Some(span) => span,
             None => {
-                note_fault(start.saturating_add(len), all);
+                note_fault();
                 &mut []
             }
         }

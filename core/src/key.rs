@@ -76,10 +76,11 @@ impl KeyBox {
     /// The box at a slot, without a copy.
     #[inline(always)]
     pub(crate) fn of(boxes: &[Self], slot: usize) -> &Self {
+        debug_assert!(slot < boxes.len(), "box {slot} of {}", boxes.len());
         match boxes.get(slot) {
             Some(bounds) => bounds,
             None => {
-                note_fault(slot, boxes.len());
+                note_fault();
                 &Self::EMPTY
             }
         }

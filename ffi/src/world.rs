@@ -77,18 +77,18 @@ pub unsafe extern "C" fn trisap_world_init(
         border::check(header)?;
         // SAFETY: the caller's promise.
         let config = unsafe { border::read(config)? };
+        let core_config = config.to_core()?;
+        // What may be wrong with it shows without memory, so that a refusal leaves the memory alone.
+        match World::<u32>::new_in(&mut [], &core_config) {
+            Err(Error::SlabTooSmall { .. }) | Ok(_) => {}
+            Err(error) => return Err(error.into()),
+        }
         let needed = size(&config)?;
         if bytes < needed {
             return Err(trisap_status::MemoryTooSmall.into());
         }
         border::span(world, 1, &range(memory, needed))?;
         let slab_bytes = needed - HEADER;
-        let core_config = config.to_core()?;
-        // What else may be wrong shows without memory, so that a refusal leaves the memory alone.
-        match World::<u32>::new_in(&mut [], &core_config) {
-            Err(Error::SlabTooSmall { .. }) | Ok(_) => {}
-            Err(error) => return Err(error.into()),
-        }
         // SAFETY: by the caller's promise there are `bytes` bytes, and `needed` is no more. A slice needs initialised
         // memory.
         unsafe { memory.cast::<u8>().write_bytes(0, needed) };

@@ -61,7 +61,8 @@ impl<'a, T: Pod> Shared<'a, T> {
     pub(crate) fn store(&self, index: usize, item: &T) {
         let start = index * Self::WORDS;
         let Some(target) = self.words.get(start..start + Self::WORDS) else {
-            note_fault(index, self.words.len() / Self::WORDS);
+            debug_assert!(false, "store {index} of {}", self.words.len() / Self::WORDS);
+            note_fault();
             return;
         };
         let bytes = bytemuck::bytes_of(item);
