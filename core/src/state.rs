@@ -209,7 +209,8 @@ pub(crate) struct State {
     pub(crate) outran: u32,
     /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
     pub(crate) without_surplus: u32,
-    pub(crate) unused: u32,
+    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    pub(crate) unproven: u32,
 
     // Statistics of the last step that are nowhere else.
     moved: u32,
@@ -352,9 +353,15 @@ impl State {
     }
 
     /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
-    /// was built for about the slab alone.
+    /// was built for about the slab alone. A snapshot has no lists.
     pub(crate) fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, ..*self }
+        Self { workers: 1, magic: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
+    }
+
+    /// Whether the statistics of the last step are such as a step leaves.
+    pub(crate) const fn has_known_statistics(&self) -> bool {
+        let (path, reason) = (self.chosen as usize & 0xff, (self.chosen >> 8) as usize & 0xff);
+        path < Path::ALL.len() && reason < Reason::ALL.len() && self.chosen >> 16 <= 1 && self.coarse <= 1
     }
 
     /// Takes over what a snapshot does not have.
