@@ -63,7 +63,7 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.slots as usize;
     for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered] {
-        if slots % 32 != 0 {
+        if !slots.is_multiple_of(32) {
             let last = content.word(set, slots / 32).unwrap_or(0);
             check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
         }

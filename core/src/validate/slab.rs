@@ -3,18 +3,19 @@
 use super::tree::leaves;
 use super::{Invalid, check};
 use crate::access::{Access, bits};
-use crate::arch::{Simd as _, scalar::Scalar};
+use crate::arch::{Phase, Simd, limit, scalar::Scalar};
 use crate::id::Index;
+use crate::kernels::Kernels;
 use crate::key::KeyBox;
 use crate::layout::ONE_LEAF;
 use crate::links;
-use crate::recount;
+use crate::recount::{self, Sum};
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::sweep::strips;
 use crate::tree::cells::{cut, frame};
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Leaf, home_of};
+use crate::tree::{Cell, Frame, Leaf, first_of_eight, home_of};
 
 /// Checks all of that.
 pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
@@ -185,32 +186,64 @@ fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     if !known || !parts.filters.of.is_empty() || !filled && !few {
         return Ok(());
     }
-    let boxes = parts.boxes.swept();
-    let slots = state.slots as usize;
-    let stays = |slot: usize| !boxes.at(slot).is_empty() && !bits::test(parts.moved.words, slot);
-    let mut all = recount::Sum::default();
-    for slot in (0..slots).filter(|slot| stays(*slot)) {
-        let bounds = boxes.at(slot);
-        let mut meet = |other: usize| {
-            if other > slot && stays(other) && boxes.at(other).overlaps(&bounds) {
-                all.add([slot as u32, other as u32]);
+    let all = if filled { Kernels::detect().run(InTree(parts)) } else { one_by_one(parts) };
+    check(all == recount::carried(parts), "pairs are missing, or there twice", 0)
+}
+
+/// Whether an object lives and has not moved.
+fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
+    !KeyBox::of(parts.boxes.now, slot).is_empty() && !bits::test(parts.moved.words, slot)
+}
+
+/// All overlaps of objects that have not moved.
+fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
+    let (boxes, mut all) = (parts.boxes.swept(), Sum::default());
+    let slots = 0..parts.state.slots as usize;
+    for a in slots.clone().filter(|slot| stays(parts, *slot)) {
+        for b in a + 1..slots.end {
+            if stays(parts, b) && KeyBox::of(boxes, a).overlaps(KeyBox::of(boxes, b)) {
+                all.add([a as u32, b as u32]);
             }
-        };
-        if !filled {
-            (slot + 1..slots).for_each(meet);
-            continue;
-        }
-        let mut visit = Visit::new(Scalar, parts.tree.nodes, state.depth, 0, bounds);
-        while let Some(whole) = visit.next(Scalar) {
-            for part in whole << state.finer()..(whole + 1) << state.finer() {
-                let leaf = parts.tree.leaves.at(part);
-                let members = parts.tree.records.span(leaf.start as usize, leaf.len as usize);
-                members.iter().for_each(|record| meet(record.slot() as usize));
-            }
-        }
-        for front in parts.tree.fronts.span(state.large_start as usize, state.large as usize) {
-            meet(front.slot as usize);
         }
     }
-    check(all == recount::carried(parts), "pairs are missing, or there twice", 0)
+    all
+}
+
+/// As [`one_by_one`], in a tree.
+struct InTree<'p, 'm, I>(&'p Parts<'m, I>);
+
+impl<I: Index> Phase for InTree<'_, '_, I> {
+    type Output = Sum;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Sum {
+        let Self(parts) = self;
+        let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
+        let (mut all, finer) = (Sum::default(), state.finer());
+        for slot in (0..state.slots as usize).filter(|slot| stays(parts, *slot)) {
+            let bounds = KeyBox::of(boxes, slot);
+            let mut meet = |other: usize| {
+                if other > slot && stays(parts, other) && simd.overlap(KeyBox::of(boxes, other), bounds) {
+                    all.add([slot as u32, other as u32]);
+                }
+            };
+            let mut visit = Visit::new(simd, tree.nodes, state.depth, 0, *bounds);
+            while let Some(whole) = visit.next(simd) {
+                let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
+                for part in whole << finer..(whole + 1) << finer {
+                    for (eight, left) in tree.leaves.at(part).eights(tree.records) {
+                        let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
+                        while mask != 0 {
+                            meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
+                            mask &= mask - 1;
+                        }
+                    }
+                }
+            }
+            for front in tree.fronts.span(state.large_start as usize, state.large as usize) {
+                meet(front.slot as usize);
+            }
+        }
+        all
+    }
 }
