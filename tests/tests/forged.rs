@@ -267,7 +267,11 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             ("bounds around nothing", &|b| b[p.bounds..p.bounds + 12 * p.leaf_count].fill(255)),
             ("a free slot with a box", &|b| put(b, p.boxes + 24 * free + 12, 0)),
             ("a chain that does not end", &|b| put(b, p.boxes + 24 * free + 4, 1 + free as u32)),
-            ("a pair of who is awake is set aside", &|b| put(b, ASIDE, get(snapshot, SWEPT_PAIRS))),
+            ("a pair of who is awake is set aside", &|b| {
+                put(b, ASIDE, get(snapshot, SWEPT_PAIRS));
+                b[p.awake..p.planes].fill(0);
+                bit(b, p.awake, get(snapshot, pair) as usize);
+            }),
         ];
         let there = if get(snapshot, REFINED) > 0 { divided.len() } else { 1 };
         assert_eq!(loaded(snapshot, &divided[..there], setup), [""; 0]);
