@@ -98,7 +98,7 @@
 #define TRISAP_REASON_OUT_OF_BALANCE 8
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 3
+#define TRISAP_ABI_VERSION 4
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0
@@ -389,7 +389,11 @@ typedef struct trisap_stats {
     uint32_t moved;
     /// Leaves of the tree; 1 where the world is swept from a list.
     uint32_t leaves;
-    /// Large objects, which live in a list of their own.
+    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    uint32_t leaves_in_use;
+    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    uint32_t fullest_leaf;
+    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
     uint32_t large;
     /// Objects whose leaf got new planes.
     uint32_t rebalanced;
@@ -936,7 +940,7 @@ TRISAP_SIZE(trisap_config, 68);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
-TRISAP_SIZE(trisap_stats, 104);
+TRISAP_SIZE(trisap_stats, 112);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);

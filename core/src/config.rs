@@ -80,7 +80,8 @@ impl Choice {
 /// next would gain nothing by it, and has none until it is slower; see [`Config::fixed_margins`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Share of the object's largest extent.
+    /// Share of the object's largest extent, of which no more counts than eight times the smallest one that is not zero. Of a
+    /// box without bounds nothing counts.
     pub per_extent: f32,
     /// Lower bound, a length.
     pub min: f32,

@@ -2,7 +2,7 @@
 
 use crate::access::Access;
 use crate::config::{Margin, Mode};
-use crate::key::KeyBox;
+use crate::key::{KeyBox, length};
 use crate::marks::Marks;
 
 /// The arrays of some consecutive slots; positions count from the first of them.
@@ -104,7 +104,20 @@ impl Objects<'_> {
     }
 }
 
-/// The length that a margin means for a box (erratum E2).
+/// How many times the smallest side of a box its margin takes it to be large at most: a wide plane needs no wide margin.
+const FLATTEST: f32 = 8.0;
+
+/// The length that a margin means for a box (erratum E2). What is unbounded has no size that it could be a share of.
 pub(crate) fn margin_length(margin: &Margin, bounds: &KeyBox) -> f32 {
-    (margin.per_extent * bounds.largest_extent()).max(margin.min).min(margin.max)
+    let largest = bounds.largest_extent();
+    let mut smallest = f32::MAX;
+    for k in 0..3 {
+        let side = length(bounds.min[k], bounds.max[k]);
+        // A flat box has a size on its other axes.
+        if side > 0.0 && side < smallest {
+            smallest = side;
+        }
+    }
+    let size = if largest > f32::MAX { 0.0 } else { largest.min(FLATTEST * smallest) };
+    (margin.per_extent * size).max(margin.min).min(margin.max)
 }

@@ -22,7 +22,7 @@ use crate::sweep::scratch::Work;
 use crate::sweep::small;
 use crate::sweep::strips::Striped;
 use crate::tree::assign::Census;
-use crate::tree::cells::longest_axis;
+use crate::tree::cells::{Extent, Sample, longest_axis};
 use crate::tree::refine::{Refine, coarsen};
 use crate::tree::relocate::{Relocate, order_movers};
 use crate::tree::tighten::Tighten;
@@ -38,7 +38,7 @@ const CALM: u32 = 2;
 const MOVERS_PER_BLOCK: usize = 64;
 
 /// Steps of a small world from one choice of its axes to the next.
-const SURVEY_EVERY: u32 = 8;
+const SURVEY_EVERY: u8 = 8;
 
 /// What a path works with.
 #[derive(Clone, Copy)]
@@ -86,6 +86,8 @@ fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
         Route { path: Path::Full, reason }
     } else if parts.state.planted == 0 {
         Route { path: Path::Rebuilt, reason: Reason::NothingKept }
+    } else if parts.state.divisible != 0 {
+        Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
     } else {
         Route { path: Path::Rebuilt, reason: Reason::Outgrown }
     }
@@ -185,8 +187,8 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
         return None;
     }
     state.survey_in = SURVEY_EVERY - 1;
-    let census = survey(slots, state, boxes);
-    let side = |k: u32| length(census.extent.low[k as usize % 3], census.extent.high[k as usize % 3]);
+    let (census, extent) = survey(slots, state, boxes);
+    let side = |k: u8| length(extent.low[k as usize % 3], extent.high[k as usize % 3]);
     let (a, b) = ((state.list_axis + 1) % 3, (state.list_axis + 2) % 3);
     state.strip_axis = if side(b) > side(a) { b } else { a };
     Some(census.is_coarse(state.live))
@@ -202,8 +204,7 @@ fn lists<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> Progress {
     let Parts { state, boxes, order, output, .. } = parts;
     let boxes = boxes.swept();
     let spare = bytemuck::try_cast_slice_mut(output.scratch).unwrap_or_default();
-    let Sorted { order, axis, census } = sort_list(order, state, boxes, spare);
-    let frame = Frame::over(census.extent.low, census.extent.high);
+    let Sorted { order, axis, census, frame } = sort_list(order, state, boxes, spare);
     means.executor.enter(Stage::Sweep);
     let mut collector = Collector::new(output, &parts.sizes, Gate::new(&parts.filters, means.rule));
     let (pairs, work) = collector.collect(means.executor, 0, 1, &|_, scratch, sink| {
@@ -225,6 +226,8 @@ struct Sorted<'o, I> {
     order: &'o [I],
     axis: usize,
     census: Census,
+    /// The grid for the whole world.
+    frame: Frame,
 }
 
 /// Puts the list of the longest axis in order.
@@ -234,18 +237,19 @@ fn sort_list<'o, I: Index>(
     boxes: &[KeyBox],
     spare: &mut [u32],
 ) -> Sorted<'o, I> {
-    let census = survey(order[0].span(0, state.live as usize), state, boxes);
+    let (census, extent) = survey(order[0].span(0, state.live as usize), state, boxes);
     let axis = state.list_axis as usize;
     let order = list_of(order, axis, state);
     links::repair(order, boxes, axis, spare);
-    Sorted { order, axis, census }
+    Sorted { order, axis, census, frame: Frame::over(extent.low, extent.high) }
 }
 
-/// Looks at all boxes and chooses the axis of the list.
-fn survey<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Census {
+/// Looks at all boxes and chooses the axis of the list: by where most of them are.
+fn survey<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> (Census, Extent) {
     let census = assign::survey(slots.iter().filter_map(|slot| boxes.get(slot.at())));
-    state.list_axis = longest_axis(&census.extent, state.list_axis as usize) as u32;
-    census
+    let extent = census.extent.trimmed(&Sample::of_list(slots, boxes));
+    state.list_axis = longest_axis(&extent, state.list_axis as usize) as u8;
+    (census, extent)
 }
 
 /// The list of an axis.
@@ -300,6 +304,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) 
     } else {
         balance::rebalance(parts, means)
     };
+    balance::deepen(parts);
     executor.enter(Stage::Fill);
     let mut census = assign::count(parts, kernels, executor);
     if !replant && balance::is_out_of_balance(parts) {
@@ -314,6 +319,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) 
         balance::settle(parts);
     }
     assign::fill(parts, &census, kernels, executor);
+    balance::review(parts);
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
     let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
@@ -325,6 +331,7 @@ fn full<I: Index>(parts: &mut Parts<'_, I>, mut route: Route, means: Means<'_>) 
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
         kernels.run_wide(SweepLeaves { grove: &grove, leaves, scratch, sink });
     });
+    balance::weigh(parts.state, work.candidates.saturating_sub(pairs), replant);
     let rebalanced = if replant { parts.state.live } else { rebalanced };
     let coarse = Some(census.is_coarse(parts.state.live));
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })

@@ -29,7 +29,7 @@ impl<I: Index> World<'_, I> {
                 state.awake = u32::MAX;
             }
         }
-        state.resting |= u32::from(!ids.is_empty());
+        state.resting |= u8::from(!ids.is_empty());
         Ok(())
     }
 

@@ -99,6 +99,10 @@ pub struct Stats {
     pub outran: u32,
     /// Leaves of the tree; 1 where the world is swept from a list.
     pub leaves: u32,
+    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    pub leaves_in_use: u32,
+    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    pub fullest_leaf: u32,
     /// Boxes swept in leaves where they are not at home.
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
@@ -114,7 +118,7 @@ pub struct Stats {
     pub lost: u64,
     /// Exact mode with a margin: overlaps of fat boxes that the exact test dropped.
     pub surplus: u64,
-    /// Large objects, which live in a list of their own.
+    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
     pub large: u32,
     /// Objects whose leaf got new planes.
     pub rebalanced: u32,
@@ -149,14 +153,6 @@ pub(crate) struct State {
 
     /// Slots in the sorted lists.
     pub(crate) listed: u32,
-    /// Whether the lists do not hold the living objects any more.
-    pub(crate) stale_lists: u32,
-    /// The axis that a small world is swept along.
-    pub(crate) list_axis: u32,
-    /// The axis across which its strips lie.
-    pub(crate) strip_axis: u32,
-    /// Steps until the axes are chosen anew.
-    pub(crate) survey_in: u32,
 
     /// Living objects when the planes were made, or zero where there are none.
     pub(crate) planted: u32,
@@ -167,24 +163,16 @@ pub(crate) struct State {
     pub(crate) refined: u32,
     /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
     pub(crate) tightened: u32,
-    /// Whether records, places and reaches are those of the last step.
-    pub(crate) filled: u32,
     /// First large object among the fronts, and how many there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
     /// Bounds of the minima.
     pub(crate) low: [i32; 3],
     pub(crate) high: [i32; 3],
-    /// Whether an object may differ from what the last complete step has seen.
-    pub(crate) touched: u32,
-    /// Whether the caller has ever put an object to rest.
-    pub(crate) resting: u32,
-    /// Whether an object has come since the last complete step.
-    pub(crate) entered: u16,
-    /// Whether a tight box has changed inside its fat box since the last complete step.
-    pub(crate) crept: u16,
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
     pub(crate) settled: u64,
+    /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
+    pub(crate) settled_work: u64,
 
     /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
     /// mode with a margin, the surplus.
@@ -199,18 +187,15 @@ pub(crate) struct State {
     pub(crate) lost: u64,
     /// With events: pairs of the last complete result in the other buffer, all but those set aside.
     pub(crate) previous_result: u64,
-    /// Whether the last step ended with all its pairs.
-    pub(crate) complete: u32,
     /// Steps in a row in which few objects have moved.
     pub(crate) calm: u32,
     /// How many objects are awake, or more.
     pub(crate) awake: u32,
     /// Boxes since the last complete step that outran their object's margin.
     pub(crate) outran: u32,
-    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
-    pub(crate) without_surplus: u32,
-    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
-    pub(crate) unproven: u32,
+    /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
+    pub(crate) leaves_in_use: u32,
+    pub(crate) fullest_leaf: u32,
 
     // Statistics of the last step that are nowhere else.
     moved: u32,
@@ -219,10 +204,49 @@ pub(crate) struct State {
     chosen: u32,
     leaves: u32,
     rebalanced: u32,
-    coarse: u32,
     copies: u64,
     candidates: u64,
     tied: u64,
+
+    // Small numbers, and what is so or not.
+    /// Whether an object may differ from what the last complete step has seen.
+    pub(crate) touched: u8,
+    /// Whether the caller has ever put an object to rest.
+    pub(crate) resting: u8,
+    /// Whether the lists do not hold the living objects any more.
+    pub(crate) stale_lists: u8,
+    /// Whether records, places and reaches are those of the last step.
+    pub(crate) filled: u8,
+    /// Whether the last step ended with all its pairs.
+    pub(crate) complete: u8,
+    coarse: u8,
+    /// Whether an object has come since the last complete step.
+    pub(crate) entered: u8,
+    /// Whether a tight box has changed inside its fat box since the last complete step.
+    pub(crate) crept: u8,
+    /// The axis that a small world is swept along.
+    pub(crate) list_axis: u8,
+    /// The axis across which its strips lie.
+    pub(crate) strip_axis: u8,
+    /// Steps until the axes are chosen anew.
+    pub(crate) survey_in: u8,
+    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
+    pub(crate) without_surplus: u8,
+    /// Whether the planes could not part the objects well when they were made.
+    pub(crate) poor: u8,
+    /// Whether the planes leave together what new ones would part.
+    pub(crate) divisible: u8,
+    /// Full steps until new planes are tried again after they were not good, and how many it will be the next time.
+    pub(crate) planes_in: u8,
+    pub(crate) planes_after: u8,
+    /// The same for more levels of the planes after there were too many copies.
+    pub(crate) deeper_in: u8,
+    pub(crate) deeper_after: u8,
+    /// Full steps in a row with far more such candidates.
+    pub(crate) heavy: u8,
+    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    pub(crate) unproven: u8,
+    unused: [u8; 4],
 }
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
@@ -358,10 +382,14 @@ impl State {
         Self { workers: 1, magic: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
     }
 
-    /// Whether the statistics of the last step are such as a step leaves.
-    pub(crate) const fn has_known_statistics(&self) -> bool {
+    /// Whether the statistics of the last step are such as a step leaves, and nothing stands where nothing should.
+    pub(crate) fn has_known_statistics(&self) -> bool {
         let (path, reason) = (self.chosen as usize & 0xff, (self.chosen >> 8) as usize & 0xff);
-        path < Path::ALL.len() && reason < Reason::ALL.len() && self.chosen >> 16 <= 1 && self.coarse <= 1
+        path < Path::ALL.len()
+            && reason < Reason::ALL.len()
+            && self.chosen >> 16 <= 1
+            && self.coarse <= 1
+            && self.unused == [0; 4]
     }
 
     /// Takes over what a snapshot does not have.
@@ -381,7 +409,7 @@ impl State {
 
     /// Notes what boxes that came have meant to their objects.
     pub(crate) fn note(&mut self, told: Motions) {
-        self.crept |= u16::from(told.crept);
+        self.crept |= u8::from(told.crept);
         self.outran = self.outran.saturating_add(told.outran);
     }
 
@@ -409,6 +437,8 @@ impl State {
             shared: self.chosen >> 16 != 0,
             outran: self.last_outran,
             leaves: self.leaves,
+            leaves_in_use: if self.leaves > 1 { self.leaves_in_use } else { u32::from(self.live > 0) },
+            fullest_leaf: if self.leaves > 1 { self.fullest_leaf } else { self.live },
             copies: self.copies,
             candidates: self.candidates,
             tied: self.tied,
@@ -429,7 +459,7 @@ impl State {
         self.leaves = progress.leaves;
         self.rebalanced = progress.rebalanced;
         if let Some(coarse) = progress.coarse {
-            self.coarse = u32::from(coarse);
+            self.coarse = u8::from(coarse);
         }
         self.copies = progress.work.copies;
         self.candidates = progress.work.candidates;

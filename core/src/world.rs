@@ -99,7 +99,7 @@ impl<I: Index> World<'_, I> {
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
         results::sort_out(parts, fitting as usize, complete, means);
-        parts.state.complete = u32::from(complete);
+        parts.state.complete = u8::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }

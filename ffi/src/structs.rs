@@ -403,7 +403,11 @@ pub struct trisap_stats {
     pub moved: u32,
     /// Leaves of the tree; 1 where the world is swept from a list.
     pub leaves: u32,
-    /// Large objects, which live in a list of their own.
+    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    pub leaves_in_use: u32,
+    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    pub fullest_leaf: u32,
+    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
     pub large: u32,
     /// Objects whose leaf got new planes.
     pub rebalanced: u32,
@@ -446,6 +450,8 @@ pub extern "C" fn trisap_default_stats() -> trisap_stats {
         objects: 0,
         moved: 0,
         leaves: 0,
+        leaves_in_use: 0,
+        fullest_leaf: 0,
         large: 0,
         rebalanced: 0,
         coarse_resolution: 0,
@@ -472,7 +478,7 @@ const _: () = {
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);
-    assert!(size_of::<trisap_stats>() == 104);
+    assert!(size_of::<trisap_stats>() == 112);
     // Pairs are handed out as they stand in the world.
     assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
     assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());

@@ -209,6 +209,8 @@ pub unsafe extern "C" fn trisap_world_stats(
             objects: known.objects,
             moved: known.moved,
             leaves: known.leaves,
+            leaves_in_use: known.leaves_in_use,
+            fullest_leaf: known.fullest_leaf,
             large: known.large,
             rebalanced: known.rebalanced,
             coarse_resolution: u32::from(known.coarse_resolution),

@@ -8,7 +8,8 @@ version=0.29.2
 root="${CARGO_TARGET_DIR:-target}/cbindgen"
 cbindgen="${CBINDGEN:-$root/bin/cbindgen}"
 if [ "$("$cbindgen" --version 2>/dev/null)" != "cbindgen $version" ]; then
-    cargo install cbindgen --version "$version" --locked --quiet --root "$root" --target-dir "$root/build"
+    # Without optimisation: it runs for a second.
+    cargo install cbindgen --debug --version "$version" --locked --quiet --root "$root" --target-dir "$root/build"
     cbindgen="$root/bin/cbindgen"
 fi
 

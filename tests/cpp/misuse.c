@@ -610,7 +610,7 @@ static void snapshots(void) {
     memcpy(broken, snapshot, size);
     seal(broken, size);
     CHECK(memcmp(broken, snapshot, size) == 0);
-    const size_t forged[3] = {24 + 40, 24 + 264 + 3, size - 1};
+    const size_t forged[3] = {24 + 40, 24 + 256 + 3, size - 1};
     for (int i = 0; i < 3; i++) {
         memcpy(broken, snapshot, size);
         broken[forged[i]] ^= 0x7f;

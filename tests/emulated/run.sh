@@ -83,7 +83,7 @@ cp -r Cargo.toml Cargo.lock build.rs machine.ld src "$work/copy/tests/emulated"
 kernel=$work/copy/core/src/arch/avx512.rs
 sed -i -e 's/_mm512_subs_epu8/_mm512_subs_epi8/' -e 's/count.min(WINDOW)/count.min(WINDOW - 1)/' -e 's/0xaaaa/0xa2aa/' "$kernel"
 [ "$(diff ../../core/src/arch/avx512.rs "$kernel" | grep -c '^>')" = 3 ]
-rom "$work/copy/tests/emulated" "$target/wrong" wrong
+rom "$work/copy/tests/emulated" "$target" wrong
 boot corei7_icelake_u wrong
 found=$(sed -n 's/^operations of avx512 .*: \(.*\)\.$/\1/p' "$work/output" | tr ' ' '\n' | sort | xargs)
 [ "$found" = "sift window" ] || { echo "found are: $found" >&2 && exit 1; }

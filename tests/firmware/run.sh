@@ -8,18 +8,20 @@ packages=(rustc-web cargo-web rust-web-src lld-22 qemu-system-arm)
 if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
     [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
     apt-get update -qq
-    apt-get install -y -qq "${packages[@]}"
+    apt-get install -y -qq --no-install-recommends "${packages[@]}"
 fi
 
 # One compiler for the host and the boards. The bootstrap switch lets it build `core` for targets that Debian does not
 # ship, and tell the frames of functions.
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 
-# A program for a board, in a directory of its own, since features change it: build NAME TARGET PROGRAMS...
+# Programs for a board: build TARGET PROGRAMS... All are in one directory, so that `core` is built once for a target; with
+# other features a program takes the place of the one before.
+boards=$CARGO_TARGET_DIR/boards
 build() {
-    local name=$1 target=$2
-    shift 2
-    RUSTFLAGS=-Zemit-stack-sizes CARGO_TARGET_DIR="$CARGO_TARGET_DIR/$name" \
+    local target=$1
+    shift
+    RUSTFLAGS=-Zemit-stack-sizes CARGO_TARGET_DIR="$boards" \
         /usr/bin/cargo build --quiet --release -p trisap-firmware -Zbuild-std=core --target "$target" "$@"
 }
 
@@ -52,8 +54,8 @@ echo "the host's hash of all pairs: $expected"
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     programs=(--bin replay --bin calls --bin around)
     [ $target != thumbv7em-none-eabihf ] || programs+=(--bin measure)
-    build boards $target "${programs[@]}"
-    release=$CARGO_TARGET_DIR/boards/$target/release
+    build $target "${programs[@]}"
+    release=$boards/$target/release
 
     if [ $target != riscv32imac-unknown-none-elf ] || command -v qemu-system-riscv32 >/dev/null; then
         run "$release/replay" "$expected"
@@ -67,7 +69,6 @@ for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-
     fi
 done
 
-boards=$CARGO_TARGET_DIR/boards
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     "$tools/inspect" "$boards/$target/release/replay" --sizes sizes.txt
 done
@@ -84,8 +85,8 @@ done
 "$tools/inspect" "$boards/riscv32imac-unknown-none-elf/release/around"
 # Nor does the tree panic, which is in no program for so few objects but by this feature; nor do filters, which need it, and
 # all that is around the exact path. The stack is that of any world, however large.
-build large thumbv7em-none-eabihf --bin calls --bin around --features large
-large=$CARGO_TARGET_DIR/large/thumbv7em-none-eabihf/release
+build thumbv7em-none-eabihf --bin calls --bin around --features large
+large=$boards/thumbv7em-none-eabihf/release
 "$tools/inspect" "$large/calls"
 run "$large/around" "" >"$CARGO_TARGET_DIR/stack.txt"
 "$tools/inspect" "$large/around" --stack 4608 --measured "$CARGO_TARGET_DIR/stack.txt"
@@ -94,8 +95,8 @@ calls=$boards/thumbv6m-none-eabi/release/calls
 "$tools/inspect" "$calls" --integers from_fixed
 [ "$(failure "$tools/inspect" "$calls" --integers insert)" = 1 ]
 # The search for panics finds one that is there.
-build panic thumbv7em-none-eabihf --bin replay --features panic
-[ "$(failure "$tools/inspect" "$CARGO_TARGET_DIR/panic/thumbv7em-none-eabihf/release/replay")" = 1 ]
+build thumbv7em-none-eabihf --bin replay --features panic
+[ "$(failure "$tools/inspect" "$boards/thumbv7em-none-eabihf/release/replay")" = 1 ]
 # The table of instructions. Without an exact clock there are no figures.
 [ "$(failure run "$boards/thumbv7em-none-eabihf/release/measure" "")" = 1 ]
 run "$boards/thumbv7em-none-eabihf/release/measure" "" -icount shift=0

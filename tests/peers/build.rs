@@ -10,15 +10,17 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=cpp");
     let on = |feature: &str| env::var(format!("CARGO_FEATURE_{feature}")).is_ok();
-    let packages = Packages::read();
+    // Asked only where a peer is compiled from the sources in a package.
+    let package = |name: &str| Packages::read().folder(name);
 
-    // As the crate compiles PhysX itself: its headers depend on these.
-    let physx = packages.folder("physx-sys").join("physx");
-    let mut build = shim();
-    build.include(physx.join("physx/include")).include(physx.join("pxshared/include"));
-    build.define("PX_PHYSX_STATIC_LIB", None).define("DISABLE_CUDA_PHYSX", None);
-    build.file("cpp/physx.cpp").compile("peer_physx");
-
+    if on("PHYSX") {
+        // As the crate compiles PhysX itself: its headers depend on these.
+        let physx = package("physx-sys").join("physx");
+        let mut build = shim();
+        build.include(physx.join("physx/include")).include(physx.join("pxshared/include"));
+        build.define("PX_PHYSX_STATIC_LIB", None).define("DISABLE_CUDA_PHYSX", None);
+        build.file("cpp/physx.cpp").compile("peer_physx");
+    }
     if on("EMBREE") {
         native().file("cpp/embree.cpp").file("cpp/embree_queries.cpp").compile("peer_embree");
         println!("cargo:rustc-link-lib=embree3");
@@ -33,7 +35,7 @@ fn main() {
         println!("cargo:rustc-link-lib=LinearMath");
     }
     if on("BOX3D") {
-        let box3d = packages.folder("boxddd-sys").join("third-party/box3d");
+        let box3d = package("boxddd-sys").join("third-party/box3d");
         let include = [box3d.join("include"), box3d.join("src")];
         native().includes(&include).file("cpp/box3d.cpp").compile("peer_box3d");
         let mut build = native();
@@ -42,7 +44,7 @@ fn main() {
         build.files(sources(&box3d.join("src"), "c")).compile("box3d");
     }
     if on("JOLT") {
-        let jolt = packages.folder("joltc-sys").join("JoltC/JoltPhysics");
+        let jolt = package("joltc-sys").join("JoltC/JoltPhysics");
         let mut build = shim();
         // The switches of Jolt's own `Distribution` build for x86-64.
         for flag in

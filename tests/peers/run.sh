@@ -1,13 +1,14 @@
 #!/bin/sh
 # Installs what the peers need, builds them, and races trisap against them:
 #
-#     tests/peers/run.sh [options] FILE.aabbs...
+#     tests/peers/run.sh [options] SCENE...
+#     tests/peers/run.sh --table [options] [SCENE...]
 #
-# Options are those of the program (see README.md). A peer that cannot be installed here is left out.
+# Options are those of the program (see README.md). PEERS says which peers are built: `rust` (no C++ compiler needed),
+# `physx` (these and PhysX) or `all`, the default. A peer that cannot be installed here is left out.
 set -eu
 here=$(dirname "$0")
 
-features=jolt,box3d
 install() {
     dpkg -s "$1" >/dev/null 2>&1 && return
     as_root=
@@ -15,11 +16,21 @@ install() {
     [ -n "${updated-}" ] || { $as_root apt-get update -qq && updated=yes; }
     $as_root apt-get install -y -qq --no-install-recommends "$1" >/dev/null
 }
+features=
+case "${PEERS:-all}" in
+rust | physx | all) ;;
+*) echo "PEERS=$PEERS: rust, physx or all" >&2 && exit 2 ;;
+esac
 # PhysX is compiled with clang, as its crate and its authors do.
-install clang
-install libembree-dev && features=$features,embree
-install libbullet-dev && features=$features,bullet
-install libtbb-dev && install libcgal-dev && features=$features,cgal
+case "${PEERS:-all}" in
+physx | all) install clang && features=$features,physx ;;
+esac
+if [ "${PEERS:-all}" = all ]; then
+    features=$features,jolt,box3d
+    install libembree-dev && features=$features,embree
+    install libbullet-dev && features=$features,bullet
+    install libtbb-dev && install libcgal-dev && features=$features,cgal
+fi
 
 # The rayon versions of parry3d and rapier3d are slower on one thread.
 case " $* " in

@@ -214,7 +214,7 @@ fn a_full_buffer_is_the_same_under_every_executor() {
 }
 
 /// Few enough boxes for an interpreter that looks for races and undefined behaviour; one seed takes minutes even so:
-/// `cargo +nightly miri test -p trisap-tests --test executors a_small_tree`.
+/// `cargo +nightly miri test -p trisap-tests --test conformance a_small_tree`.
 #[test]
 fn a_small_tree_is_the_same_on_threads() {
     const COUNT: usize = 1040;

@@ -15,25 +15,24 @@ use trisap_tests::worlds::{Setup, Slab, ample};
 const LIVE: usize = HEADER + 40;
 const SLOTS: usize = HEADER + 44;
 const FREE: usize = HEADER + 48;
-const STALE_LISTS: usize = HEADER + 56;
-const PLANTED: usize = HEADER + 72;
-const DEPTH: usize = HEADER + 76;
-const REFINED: usize = HEADER + 80;
-const FILLED: usize = HEADER + 88;
-const LARGE_START: usize = HEADER + 92;
-const LARGE: usize = HEADER + 96;
-const LOW: usize = HEADER + 100;
-const TOUCHED: usize = HEADER + 124;
-const RESTING: usize = HEADER + 128;
-const CREPT: usize = HEADER + 134;
-const SETTLED: usize = HEADER + 136;
-const SWEPT_PAIRS: usize = HEADER + 144;
-const ASIDE: usize = HEADER + 152;
-const RESULT_PAIRS: usize = HEADER + 160;
-const FOUND: usize = HEADER + 168;
-const LOST: usize = HEADER + 176;
-const COMPLETE: usize = HEADER + 192;
-const CHOSEN: usize = HEADER + 224;
+const STALE_LISTS: usize = HEADER + 234;
+const PLANTED: usize = HEADER + 56;
+const DEPTH: usize = HEADER + 60;
+const REFINED: usize = HEADER + 64;
+const FILLED: usize = HEADER + 235;
+const LARGE_START: usize = HEADER + 72;
+const LARGE: usize = HEADER + 76;
+const TOUCHED: usize = HEADER + 232;
+const RESTING: usize = HEADER + 233;
+const CREPT: usize = HEADER + 239;
+const SETTLED: usize = HEADER + 104;
+const SWEPT_PAIRS: usize = HEADER + 120;
+const ASIDE: usize = HEADER + 128;
+const RESULT_PAIRS: usize = HEADER + 136;
+const FOUND: usize = HEADER + 144;
+const LOST: usize = HEADER + 152;
+const COMPLETE: usize = HEADER + 236;
+const CHOSEN: usize = HEADER + 196;
 
 /// Where sections of a snapshot start, of a world with a tree and nothing that it could do without, 32 bits wide.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +44,7 @@ struct Places {
     awake: usize,
     planes: usize,
     leaves: usize,
+    frames: usize,
     bounds: usize,
     nodes: usize,
     members: usize,
@@ -58,7 +58,7 @@ struct Places {
 impl Places {
     fn of(snapshot: &[u8]) -> Self {
         let [slots, depth, refined] = [SLOTS, DEPTH, REFINED].map(|at| get(snapshot, at) as usize);
-        assert!(get(snapshot, FILLED) == 1 && get(snapshot, PLANTED) > 512 && get(snapshot, PLANTED) <= 1024);
+        assert!(snapshot[FILLED] == 1 && get(snapshot, PLANTED) > 512 && get(snapshot, PLANTED) <= 1024);
         let words = slots.div_ceil(32);
         let finer = if refined > 0 { 3 } else { 0 };
         let (whole_count, leaf_count) = (1 << depth, 1 << (depth + finer));
@@ -70,7 +70,8 @@ impl Places {
         let planes = awake + 4 * words;
         // Two leaves were planned, with eight parts each.
         let leaves = planes + 4 * 16;
-        let bounds = leaves + 12 * leaf_count + 12 * whole_count;
+        let frames = leaves + 12 * leaf_count + 12 * whole_count;
+        let bounds = frames + 24 * whole_count;
         let nodes = bounds + if refined > 0 { 12 * leaf_count } else { 0 };
         let members = nodes + 24 * (2 * whole_count - 1);
         let count: u32 = (0..leaf_count).map(|leaf| get(snapshot, leaves + 12 * leaf)).sum();
@@ -85,6 +86,7 @@ impl Places {
             awake,
             planes,
             leaves,
+            frames,
             bounds,
             nodes,
             members,
@@ -175,18 +177,19 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         let forgeries: &[(&str, &dyn Fn(&mut Vec<u8>))] = &[
             ("a number of objects", &|b| put(b, LIVE, get(snapshot, LIVE) - 1)),
             ("a free slot", &|b| put(b, FREE, 1 + slot as u32)),
-            ("lists", &|b| put(b, STALE_LISTS, 0)),
+            ("lists", &|b| b[STALE_LISTS] = 0),
             ("planes for fewer", &|b| put(b, PLANTED, 512)),
             ("planes for nobody", &|b| put(b, PLANTED, 0)),
             ("planes for too many", &|b| put(b, PLANTED, 701)),
             ("a deeper tree", &|b| put(b, DEPTH, get(snapshot, DEPTH) + 1)),
             ("leaves that are divided", &|b| put(b, REFINED, get(snapshot, REFINED) ^ 1)),
-            ("leaves that are not filled", &|b| put(b, FILLED, 0)),
-            ("filled twice", &|b| put(b, FILLED, 2)),
+            ("leaves that are not filled", &|b| b[FILLED] = 0),
+            ("filled twice", &|b| b[FILLED] = 2),
             ("where large objects start", &|b| put(b, LARGE_START, u32::MAX)),
-            ("an extent that is none", &|b| put(b, LOW, i32::MAX as u32)),
-            ("an extent upside down", &|b| put(b, LOW, 0x7f7f_ffff)),
-            ("touched by nobody", &|b| put(b, TOUCHED, 2)),
+            ("a frame of no numbers", &|b| put(b, p.frames, 0x7fc0_0000)),
+            ("a frame upside down", &|b| put(b, p.frames + 12, 0xbf80_0000)),
+            ("a frame without end", &|b| put(b, p.frames + 24 * p.whole_count - 4, 0x7f80_0000)),
+            ("touched by nobody", &|b| b[TOUCHED] = 2),
             ("margins that there are not", &|b| b[CREPT] = 1),
             ("squares beyond all numbers", &|b| b[SETTLED..SETTLED + 8].fill(255)),
             ("more pairs than room", &|b| put(b, SWEPT_PAIRS, 9001)),
@@ -195,7 +198,7 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             ("more set aside than pairs", &|b| put(b, ASIDE, get(snapshot, SWEPT_PAIRS) + 1)),
             ("found without events", &|b| put(b, FOUND, 1)),
             ("lost without events", &|b| put(b, LOST, 1)),
-            ("neither complete nor not", &|b| put(b, COMPLETE, 2)),
+            ("neither complete nor not", &|b| b[COMPLETE] = 2),
             ("a path that there is not", &|b| put(b, CHOSEN, 5)),
             ("a reason that there is not", &|b| put(b, CHOSEN, 9 << 8)),
             ("a box that is none", &|b| put(b, p.boxes + 24 * slot, i32::MAX as u32)),
@@ -260,10 +263,10 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         // The other one has nothing of this.
         let divided: &[(&str, &dyn Fn(&mut Vec<u8>))] = &[
             ("a pair that does not overlap", &|b| put(b, pair + 4, apart)),
-            ("who has moved and is not touched", &|b| put(b, TOUCHED, 0)),
+            ("who has moved and is not touched", &|b| b[TOUCHED] = 0),
             ("who is no more has not moved", &|b| bit(b, p.moved, free)),
             ("who is no more rests", &|b| bit(b, p.resting, free)),
-            ("nobody was put to rest", &|b| put(b, RESTING, 0)),
+            ("nobody was put to rest", &|b| b[RESTING] = 0),
             ("bounds around nothing", &|b| b[p.bounds..p.bounds + 12 * p.leaf_count].fill(255)),
             ("a free slot with a box", &|b| put(b, p.boxes + 24 * free + 12, 0)),
             ("a chain that does not end", &|b| put(b, p.boxes + 24 * free + 4, 1 + free as u32)),

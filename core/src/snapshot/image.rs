@@ -8,7 +8,7 @@ use crate::key::KeyBox;
 use crate::layout::Sizes;
 use crate::state::State;
 use crate::sweep::strips::Planes;
-use crate::tree::Record;
+use crate::tree::{Frame, Record};
 use crate::validate::content::{Content, LeafCounts, Set, Stand};
 use crate::validate::{pairs, tree};
 use bytemuck::Pod;
@@ -87,6 +87,8 @@ pub(super) struct Stored<'b, I> {
     pub(super) leaves: Packed<'b, LeafCounts>,
     /// Of each leaf of the last full step: from where on boxes are large objects.
     pub(super) far: Packed<'b, [i32; 3]>,
+    /// The origin and the scale of its frame.
+    pub(super) frames: Packed<'b, [[f32; 3]; 2]>,
     /// The lanes of [`TreeParts::bounds`](crate::storage::TreeParts::bounds).
     pub(super) bounds: Packed<'b, [u16; 6]>,
     /// From the root on.
@@ -155,6 +157,7 @@ impl<'b, I: Index> Stored<'b, I> {
         let planes = body.cut(lengths.planes)?;
         let leaves: Packed<'b, LeafCounts> = body.cut(lengths.leaves)?;
         let far = body.cut(lengths.whole_leaves)?;
+        let frames = body.cut(lengths.whole_leaves)?;
         let bounds = body.cut(lengths.bounds)?;
         let nodes = body.cut(lengths.nodes)?;
         let members = leaves.iter().map(|leaf| u64::from(leaf.len)).sum::<u64>();
@@ -176,6 +179,7 @@ impl<'b, I: Index> Stored<'b, I> {
             planes,
             leaves,
             far,
+            frames,
             bounds,
             nodes,
             members: body.cut(members)?,
@@ -259,6 +263,11 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     fn leaf(&self, index: usize) -> LeafCounts {
         self.stored.leaves.at(index)
+    }
+
+    fn frame(&self, whole: usize) -> Frame {
+        let [origin, scale] = self.stored.frames.at(whole);
+        Frame::new(origin, scale)
     }
 
     fn bounds(&self, leaf: usize) -> Record {

@@ -1,7 +1,7 @@
 //! Saves a world to plain bytes and brings it back, for rollback and for files.
 //!
-//! A snapshot has what the next step needs and nothing that it can work out: no scratch memory, no lists, no cells, frames and
-//! records of the tree, no boxes of the last step that are still the boxes of this one. What is not there cannot be wrong. It
+//! A snapshot has what the next step needs and nothing that it can work out: no scratch memory, no lists, no cells and records
+//! of the tree, no boxes of the last step that are still the boxes of this one. What is not there cannot be wrong. It
 //! holds positions, never addresses, so it can be loaded into any world of the same configuration on any machine of the same
 //! byte order.
 
@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::id::Index;
 use crate::state::State;
 use crate::storage::Parts;
+use crate::tree::Frame;
 use crate::validate::content::leaf;
 use crate::validate::{content, numbers};
 use crate::world::World;
@@ -172,6 +173,8 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
     let far = |whole: usize| tree.cells.at(whole << state.finer()).far();
     to.each(lengths.whole_leaves, (0..lengths.whole_leaves).map(far));
+    let frames = tree.frames.span(0, lengths.whole_leaves).iter().map(Frame::parts);
+    to.each(lengths.whole_leaves, frames);
     to.each(lengths.bounds, tree.bounds.span(0, lengths.bounds).iter().map(|bounds| bounds.lanes));
     to.section(tree.nodes.span(usize::from(lengths.nodes > 0), lengths.nodes));
     let filled = if state.filled != 0 { lengths.leaves } else { 0 };

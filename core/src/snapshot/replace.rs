@@ -10,8 +10,8 @@ use crate::key::KeyBox;
 use crate::layout::FINER;
 use crate::state::State;
 use crate::storage::{BoxParts, Parts};
-use crate::tree::cells::{divide, frame};
-use crate::tree::{Cell, Front, Leaf, PARTS, Record};
+use crate::tree::cells::divide;
+use crate::tree::{Cell, Frame, Front, Leaf, PARTS, Record};
 
 /// Replaces a world. Nothing can go wrong any more. What is beyond the slots becomes as new.
 pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored: &Stored<'_, I>) {
@@ -97,12 +97,8 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     for (cell, far) in tree.cells.iter_mut().zip(stored.far.iter()) {
         *cell = Cell::new(cell.low(), cell.high(), far);
     }
-    // The axes that it also finds are found again before anybody sweeps along them.
-    let mut unused = [Leaf::default()];
-    for whole in 0..whole_leaves {
-        let mut frames = [Default::default()];
-        frame(&[tree.cells.at(whole)], &state.extent(), &mut frames, &mut unused);
-        tree.frames.put(whole, frames[0]);
+    for (frame, [origin, scale]) in tree.frames.iter_mut().zip(stored.frames.iter()) {
+        *frame = Frame::new(origin, scale);
     }
     if state.refined == 0 {
         return;

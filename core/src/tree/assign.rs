@@ -5,7 +5,9 @@
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
+use super::balance;
 use super::cells::{Extent, cut, frame};
+use super::sharpen::sharpen;
 use super::{Cell, Front, Leaf, leaf_of};
 use crate::access::Access;
 use crate::arch::claim::{Chunks, Claims};
@@ -64,11 +66,8 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
             fronts += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
             large += u64::from(rest.at(0));
         }
-        let live = u64::from(parts.state.live);
         let fits = fronts + large <= parts.tree.fronts.len() as u64;
-        // Each leaf looks at each large object; beyond this that costs more than larger leaves do.
-        let shared = large * leaves as u64 <= 8 * live;
-        if depth == 0 || (fits && shared) {
+        if depth == 0 || (fits && balance::are_few(large, depth, parts.state.live)) {
             return census;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
@@ -144,16 +143,19 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 continue;
             }
             let keys = simd.keys(bounds);
-            // Unbounded coordinates would only blur the frames.
-            low = simd.lower(low, simd.upper(keys, least));
-            high = simd.upper(high, simd.lower(keys, most));
             if simd.narrow(keys) {
                 census.examine(bounds);
             }
+            // Unbounded coordinates would only blur the frames, and so would large objects.
+            let mut include = || {
+                low = simd.lower(low, simd.upper(keys, least));
+                high = simd.upper(high, simd.lower(keys, most));
+            };
             let leaf = home.at();
             if let (Some(cell), Some([members, fronts])) = (cells.get(leaf), counts.get_mut(leaf)) {
                 let standing = cell.standing(simd, keys);
                 if standing.is_home() && !standing.is_large() {
+                    include();
                     *members += 1;
                     *fronts += u32::from(standing.leaves());
                     continue;
@@ -166,6 +168,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
             } else if let Some([members, fronts]) = counts.get_mut(leaf) {
+                include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
                 *fronts += u32::from(standing.leaves());
@@ -189,6 +192,7 @@ pub(crate) fn fill<I: Index>(
     frame(parts.tree.cells.span(0, leaves), &census.extent, parts.tree.frames, parts.tree.leaves);
     offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
+    sharpen(parts, kernels);
     enclose(parts, depth, executor);
     parts.state.filled = 1;
 }

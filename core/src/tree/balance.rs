@@ -1,6 +1,8 @@
 //! Keeps the leaves of one size: new planes for all, or for the part of the tree that has grown out of balance.
 
-use super::build::Build;
+use super::Record;
+use super::build::{Build, LEAF_SAMPLE, is_divisible};
+use super::cells::Sample;
 use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::key::KeyBox;
@@ -10,11 +12,22 @@ use crate::paths::Means;
 use crate::radix::{self, Sharing};
 use crate::state::State;
 use crate::storage::Parts;
-use crate::tree::Record;
 
-/// A world is out of balance when the sum of the squares of its leaves' counts is this many times what new planes
-/// can achieve: sweeps cost about that much.
-const OUT_OF_BALANCE: u64 = 4;
+/// A world is out of balance when the sum of the squares of its leaves' counts is this many quarters of what new planes can
+/// achieve: sweeps cost about that much. With few leaves it is less, as the sum cannot grow to that.
+const OUT_OF_BALANCE: u64 = 16;
+/// Planes are good if that sum is at most this many quarters of the least one that there is.
+const GOOD: u64 = 5;
+/// The fullest leaf is looked at if it has more than so many quarters of the mean.
+const FULL: u64 = 6;
+/// In place of what the planes of a leaf can achieve: more than they did, since they can divide it by now.
+const DIVISIBLE: u32 = 1;
+/// Sweeps are heavy that test so many times as many pairs in vain as when the planes were new, and so many in that many steps in
+/// a row are a reason for new planes: a single one may be an odd frame.
+const HEAVY: u64 = 4;
+const HEAVY_STEPS: u8 = 3;
+/// The most full steps from a try at better planes, or at more levels of them, to the next one.
+const PATIENCE: u8 = 64;
 /// One in this many objects may get new planes in one step, so that no step takes much longer than the others.
 const SHARE_PER_STEP: usize = 8;
 /// A leaf gets new planes when it has this many times the mean count.
@@ -37,21 +50,133 @@ pub(crate) fn depth_for(objects: usize, deepest: u32) -> u32 {
     (0..deepest).find(|&depth| objects <= LEAF_TARGET << depth).unwrap_or(deepest)
 }
 
-/// Whether there are no planes, or the number of objects has outgrown them.
+/// Whether there are no planes, or the number of objects has outgrown them, or new ones would be better.
 pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let (live, planted) = (parts.state.live, parts.state.planted);
-    planted == 0 || live / 2 > planted || live < planted / 4
+    let State { live, planted, divisible, .. } = *parts.state;
+    let depth = |objects| depth_for(objects as usize, parts.sizes.depth);
+    planted == 0 || divisible != 0 || depth(live) > depth(planted) || live < planted / 4
 }
 
 /// Whether the leaves that have just been counted are so uneven that the whole tree needs new planes now.
 pub(crate) fn is_out_of_balance<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let even = u64::from(parts.state.live).pow(2) >> parts.state.depth;
-    squares(parts) > OUT_OF_BALANCE * parts.state.settled.max(even)
+    let quarters = OUT_OF_BALANCE.min((1 << parts.state.depth) + 3);
+    4 * squares(parts) > quarters * parts.state.settled.max(even(parts.state))
+}
+
+/// The least sum of squares: of leaves that all have as many members.
+fn even(state: &State) -> u64 {
+    u64::from(state.live).pow(2) >> state.depth
 }
 
 /// Notes what the planes achieve, right after they were made and the leaves were counted.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
-    parts.state.settled = squares(parts);
+    let settled = squares(parts);
+    let state = &mut *parts.state;
+    state.settled = settled;
+    state.poor = u8::from(4 * settled > GOOD * even(state));
+    if state.poor == 0 {
+        (state.planes_in, state.planes_after) = (0, 1);
+    } else {
+        put_off_planes(state);
+    }
+}
+
+/// Waits for some full steps before new planes are tried again, and twice as many the next time.
+fn put_off_planes(state: &mut State) {
+    state.planes_in = state.planes_after.max(1);
+    state.planes_after = state.planes_in.saturating_mul(2).min(PATIENCE);
+}
+
+/// Looks at the leaves that have just been filled: how many are in use, how full is the fullest one; and, where the planes could
+/// not part its members when they were made, whether new ones could do so by now.
+pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
+    let Parts { state, tree, boxes, .. } = parts;
+    let (mut in_use, mut fullest, mut most) = (0, 0, 0);
+    for (index, leaf) in tree.leaves.span(0, 1 << state.depth).iter().enumerate() {
+        in_use += u32::from(leaf.len > 0);
+        if leaf.len > most {
+            (fullest, most) = (index, leaf.len);
+        }
+    }
+    (state.leaves_in_use, state.fullest_leaf) = (in_use, most);
+    state.divisible = 0;
+    let quarters = if state.poor != 0 { GOOD } else { FULL };
+    let is_full = (4 * u64::from(most)) << state.depth > quarters * u64::from(state.live);
+    if state.planes_in > 0 {
+        state.planes_in -= 1;
+    } else if !is_full {
+        state.planes_after = state.planes_after.saturating_sub(1).max(1);
+    } else {
+        let mut leaf = tree.leaves.at(fullest);
+        if is_leaf_divisible::<I>(boxes.swept(), tree.records.span(leaf.start as usize, most as usize)) {
+            if state.poor != 0 {
+                state.divisible = 1;
+            } else {
+                leaf.settled = DIVISIBLE;
+                tree.leaves.put(fullest, leaf);
+                put_off_planes(state);
+            }
+        }
+    }
+}
+
+fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
+    let mut sample = [I::default(); LEAF_SAMPLE];
+    let mut count = 0;
+    // An odd step, as every second object may be of another kind.
+    let step = (members.len() / LEAF_SAMPLE) | 1;
+    for (slot, record) in sample.iter_mut().zip(members.iter().step_by(step)) {
+        *slot = I::from_slot(record.slot());
+        count += 1;
+    }
+    is_divisible(boxes, sample.span(0, count))
+}
+
+/// Notes how many pairs a full step has tested in vain. Where that stays far more than it was with new planes, clusters have come
+/// into the same leaves from far apart, say, and their counts do not tell.
+pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
+    if planes_are_new {
+        (state.settled_work, state.heavy) = (in_vain, 0);
+        return;
+    }
+    let is_heavy = in_vain > HEAVY.saturating_mul(state.settled_work).saturating_add(u64::from(state.live));
+    state.heavy = if is_heavy { state.heavy.saturating_add(1) } else { 0 };
+    if state.heavy >= HEAVY_STEPS && state.planes_in == 0 {
+        state.divisible = 1;
+        put_off_planes(state);
+    }
+}
+
+/// Uses all levels of the planes again, where copies that were too many for that have become fewer. The leaves must be counted
+/// anew.
+pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
+    let State { live, planted, depth, large, large_start, deeper_in, deeper_after, .. } = *parts.state;
+    let whole = depth_for(live.min(planted) as usize, parts.sizes.depth);
+    if depth >= whole {
+        (parts.state.deeper_in, parts.state.deeper_after) = (0, 1);
+        return;
+    }
+    if deeper_in > 0 {
+        parts.state.deeper_in -= 1;
+        return;
+    }
+    // Each level has about as many more copies as there are, at most.
+    let (fronts, large) = (u64::from(large_start) << (whole - depth), u64::from(large));
+    let fits = fronts + large <= parts.tree.fronts.len() as u64;
+    if fits && are_few(large, whole, live) {
+        parts.state.deeper_in = deeper_after.max(1);
+        parts.state.deeper_after = parts.state.deeper_in.saturating_mul(2).min(PATIENCE);
+        parts.state.depth = whole;
+        for leaf in &mut *parts.tree.leaves {
+            leaf.settled = 0;
+        }
+        super::refine::descend(parts.home, whole - depth);
+    }
+}
+
+/// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.
+pub(crate) fn are_few(large: u64, depth: u32, live: u32) -> bool {
+    large << depth <= 8 * u64::from(live)
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
@@ -69,7 +194,10 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     links::list_all(parts);
     parts.state.depth = depth;
     parts.state.planted = parts.state.live;
-    let extent = super::assign::survey(parts.boxes.swept().iter()).extent;
+    parts.state.divisible = 0;
+    let boxes = parts.boxes.swept();
+    let slots = parts.order[0].span(0, live);
+    let extent = super::assign::survey(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
     parts.state.set_extent(&extent);
     for leaf in &mut *parts.tree.leaves {
         leaf.settled = 0;
@@ -128,7 +256,7 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) ->
         // A leaf that new planes could not divide is not tried again until it has grown by half.
         let overfull =
             leaf.len as usize > overfull(parts.state) && leaf.len > leaf.settled + leaf.settled / 2;
-        if !overfull {
+        if !overfull && leaf.settled != DIVISIBLE {
             index += 1;
             continue;
         }

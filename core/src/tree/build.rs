@@ -4,7 +4,7 @@
 //! of the axis that gains most; then every list is divided by side, keeping its order, so that the children's
 //! medians are there without another sort. Level by level, O(n log n) in all.
 
-use super::{UNSPLIT, axis_of, key_of, plane};
+use super::{AXIS, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, bits};
 use crate::arch::claim::{Chunks, Claims};
 use crate::exec;
@@ -12,11 +12,17 @@ use crate::id::Index;
 use crate::key::KeyBox;
 use crate::links;
 use crate::paths::Means;
+use crate::sort::heapsort;
 
 /// Objects whose boxes are looked at to choose an axis.
 const SAMPLE: usize = 512;
+/// Members of a leaf that are looked at to tell whether it can be split.
+pub(crate) const LEAF_SAMPLE: usize = 32;
 /// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
 const CROSSING: usize = 2;
+
+/// A plane is lopsided with less than one in this many of the objects on a side.
+const LOPSIDED: usize = 4;
 
 /// Below this level parts of the tree are made at once.
 const SHARED_BELOW: u32 = 3;
@@ -97,18 +103,31 @@ impl<I: Index> Build<'_, I> {
         }
     }
 
-    /// Splits the range and returns its plane and where the right side starts.
-    fn split(&mut self, start: usize, end: usize) -> (i32, usize) {
+    /// The plane that parts the range best and how many boxes of a sample cross it, more than the sample has where it is lopsided;
+    /// or [`UNSPLIT`].
+    fn best_plane(&self, start: usize, end: usize) -> (usize, i32) {
+        let count = end - start;
         let mut best = (usize::MAX, UNSPLIT);
-        for axis in 0..3 {
-            if let Some(plane) = self.median(axis, start, end) {
-                let crossing = self.crossing(plane, start, end);
-                if crossing < best.0 {
-                    best = (crossing, plane);
+        // Many minima may be the median, or too many boxes cross the planes there: then quarters, if they are better.
+        for position in [count / 2, count / 4, count - count / 4] {
+            for axis in 0..3 {
+                if let Some(plane) = self.plane_at(position, axis, start, end) {
+                    let crossing = self.crossing(plane, start, end);
+                    if crossing < best.0 {
+                        best = (crossing, plane);
+                    }
                 }
             }
+            if best.0 < sampled(count) {
+                break;
+            }
         }
-        let (_, plane) = best;
+        best
+    }
+
+    /// Splits the range and returns its plane and where the right side starts.
+    fn split(&mut self, start: usize, end: usize) -> (i32, usize) {
+        let (_, plane) = self.best_plane(start, end);
         if plane == UNSPLIT {
             return (UNSPLIT, end);
         }
@@ -123,18 +142,18 @@ impl<I: Index> Build<'_, I> {
         (plane, start + below)
     }
 
-    /// The plane at the median of an axis, if it leaves objects on both sides.
-    fn median(&self, axis: usize, start: usize, end: usize) -> Option<i32> {
+    /// The plane at a position in the list of an axis, if it leaves objects on both sides.
+    fn plane_at(&self, position: usize, axis: usize, start: usize, end: usize) -> Option<i32> {
         let list = self.lists[axis].span(start, end - start);
         let key = |at: usize| list.get(at).map(|slot| self.boxes.at(slot.at()).min[axis]);
-        let (first, middle) = (key(0)?, key(list.len() / 2)?);
-        let plane = plane(axis, middle);
+        let (first, here) = (key(0)?, key(position)?);
+        let plane = plane(axis, here);
         if key_of(plane) > first {
             return Some(plane);
         }
-        // The lower half is one value: the next value above it is the nearest plane that separates anything.
+        // All below are one value: the next value above it is the nearest plane that separates anything.
         let above =
-            list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(3));
+            list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(AXIS));
         let plane = super::plane(axis, key(above)?);
         (key_of(plane) > first).then_some(plane)
     }
@@ -143,7 +162,7 @@ impl<I: Index> Build<'_, I> {
     fn crossing(&self, plane: i32, start: usize, end: usize) -> usize {
         let axis = axis_of(plane);
         let list = self.lists[axis].span(start, end - start);
-        let step = list.len().div_ceil(SAMPLE).max(1);
+        let step = step(list.len());
         let (mut below, mut crossing) = (0, 0);
         for slot in list.iter().step_by(step) {
             let bounds = self.boxes.at(slot.at());
@@ -152,7 +171,13 @@ impl<I: Index> Build<'_, I> {
                 crossing += usize::from(bounds.max[axis] >= key_of(plane));
             }
         }
-        if crossing * CROSSING > below { usize::MAX } else { crossing }
+        let all = sampled(list.len());
+        match crossing {
+            _ if crossing * CROSSING > below => usize::MAX,
+            // Hardly a split: any other plane is better.
+            _ if below.min(all - below) < all / LOPSIDED => all + crossing,
+            _ => crossing,
+        }
     }
 
     /// Divides the range of every list: those before `middle` on `axis` come first.
@@ -180,6 +205,34 @@ impl<I: Index> Build<'_, I> {
             bits::clear(self.sides, slot.at());
         }
     }
+}
+
+/// Whether a plane would part some objects into halves or nearly so, no more than [`LEAF_SAMPLE`].
+pub(crate) fn is_divisible<I: Index>(boxes: &[KeyBox], slots: &[I]) -> bool {
+    let mut lists = [[I::default(); LEAF_SAMPLE]; 3];
+    let count = slots.len().min(LEAF_SAMPLE);
+    for (axis, list) in lists.iter_mut().enumerate() {
+        let list = list.span_mut(0, count);
+        list.copy_in(slots);
+        let key = |slot: I| (KeyBox::of(boxes, slot.at()).min[axis], slot.slot());
+        heapsort(list, |a, b| key(a) < key(b));
+    }
+    let [x, y, z] = &mut lists;
+    let lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
+    let build = Build { boxes, lists, planes: &mut [], sides: &mut [], spare: &mut [], starts: &mut [] };
+    let (_, plane) = build.best_plane(0, count);
+    let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min[axis_of(plane)] < key_of(plane);
+    let below = slots.iter().take(count).filter(is_below).count();
+    // Nearly half: of boxes that stand in one place by half, a plane parts the others only, again and again.
+    plane != UNSPLIT && 8 * below.min(count - below) >= 3 * count
+}
+
+/// The step from one object of a sample to the next, and how many there are.
+fn step(count: usize) -> usize {
+    count.div_ceil(SAMPLE).max(1)
+}
+fn sampled(count: usize) -> usize {
+    count.div_ceil(step(count))
 }
 
 /// Takes the first `count` items off a slice.

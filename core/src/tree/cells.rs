@@ -2,12 +2,13 @@
 
 use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
-use crate::key::{key, length, value};
+use crate::id::Index;
+use crate::key::{KeyBox, key, length, value};
 
 /// How many times its cell a box may reach beyond it before it is a large object.
 const FAR: f32 = 2.0;
 
-/// The bounds of the finite minimum corners in a world.
+/// The bounds of the finite minimum corners in a world, large objects left out where these are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Extent {
     pub(crate) low: [i32; 3],
@@ -40,6 +41,24 @@ impl Extent {
         }
     }
 
+    /// The part of it where most are, as a sample shows; the others are beyond it. As it is where that is not far less.
+    pub(crate) fn trimmed(&self, sample: &Sample) -> Self {
+        let (low, high) = sample.bounds();
+        let mut trimmed = *self;
+        for k in 0..3 {
+            if low[k] > high[k] {
+                continue;
+            }
+            let most = length(low[k], high[k]);
+            if length(self.low[k], self.high[k]) > SPARSE * most {
+                // A sample does not see all: as much again on either side.
+                trimmed.low[k] = self.low[k].max(key((value(low[k]) - most).max(f32::MIN)));
+                trimmed.high[k] = self.high[k].min(key((value(high[k]) + most).min(f32::MAX)));
+            }
+        }
+        trimmed
+    }
+
     pub(crate) fn union(&mut self, other: &Self) {
         for k in 0..3 {
             self.low[k] = self.low[k].min(other.low[k]);
@@ -48,13 +67,81 @@ impl Extent {
     }
 
     /// The part of a cell where minima can be.
-    fn clip(&self, cell: &Cell) -> ([i32; 3], [i32; 3]) {
+    pub(crate) fn clip(&self, cell: &Cell) -> ([i32; 3], [i32; 3]) {
         let (mut low, mut high) = (cell.low(), cell.high());
         for k in 0..3 {
             low[k] = low[k].max(self.low[k]).min(self.high[k]);
             high[k] = high[k].min(self.high[k]).max(low[k]);
         }
         (low, high)
+    }
+}
+
+/// How many minima a sample has.
+pub(crate) const SAMPLE: usize = 32;
+/// The least and the greatest numbers of a whole sample on an axis, which do not count: outliers.
+const OUTLIERS: usize = 2;
+/// An extent this many times as long as where most minima are is too long for the steps of a grid.
+pub(crate) const SPARSE: f32 = 8.0;
+
+/// Where most of some minima are: the least and the greatest few numbers on each axis.
+pub(crate) struct Sample {
+    low: [[i32; 3]; OUTLIERS + 1],
+    high: [[i32; 3]; OUTLIERS + 1],
+    count: usize,
+}
+
+impl Sample {
+    const NONE: Self =
+        Self { low: [[i32::MAX; 3]; OUTLIERS + 1], high: [[i32::MIN; 3]; OUTLIERS + 1], count: 0 };
+
+    /// Some of so many minima, as `minimum` has them, evenly.
+    #[inline(always)]
+    pub(crate) fn of(count: usize, minimum: impl Fn(usize) -> Option<[i32; 3]>) -> Self {
+        let mut sample = Self::NONE;
+        // An odd step, as every second object may be of another kind.
+        (0..count)
+            .step_by(count.div_ceil(SAMPLE) | 1)
+            .filter_map(minimum)
+            .for_each(|min| sample.include(min));
+        sample
+    }
+
+    /// Of some of the objects in a list, the same in whatever order it has them: a world that was loaded has no lists.
+    pub(crate) fn of_list<I: Index>(list: &[I], boxes: &[KeyBox]) -> Self {
+        let mut sample = Self::NONE;
+        for slot in list {
+            // Evenly, as multiples of the golden ratio fall.
+            let at = u64::from(slot.slot().wrapping_mul(0x9e37_79b9)) * list.len() as u64 >> 32;
+            if at < SAMPLE as u64 {
+                sample.include(KeyBox::of(boxes, slot.at()).min);
+            }
+        }
+        sample
+    }
+
+    #[inline(always)]
+    fn include(&mut self, min: [i32; 3]) {
+        self.count += 1;
+        let (mut low, mut high) = (min, min);
+        for row in &mut self.low {
+            for k in 0..3 {
+                (row[k], low[k]) = (row[k].min(low[k]), row[k].max(low[k]));
+            }
+        }
+        for row in &mut self.high {
+            for k in 0..3 {
+                (row[k], high[k]) = (row[k].max(high[k]), row[k].min(high[k]));
+            }
+        }
+    }
+
+    /// The least and the greatest of the numbers that count; the other way round where there are none.
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> ([i32; 3], [i32; 3]) {
+        // Of a few none is an outlier.
+        let left_out = (self.count * OUTLIERS / (SAMPLE * 3 / 4)).min(OUTLIERS);
+        (self.low[left_out], self.high[left_out])
     }
 }
 
@@ -67,9 +154,12 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
         let mut far = cell.high();
         for k in 0..3 {
             let reach = FAR * length(low[k], high[k]);
-            if reach > 0.0 && far[k] < i32::MAX {
-                far[k] = key((value(far[k]) + reach).min(f32::MAX)) + 1;
-            }
+            // A flat cell has no size that a box could be large against.
+            far[k] = match far[k] {
+                i32::MAX => i32::MAX,
+                _ if reach <= 0.0 => i32::MAX,
+                high => key((value(high) + reach).min(f32::MAX)) + 1,
+            };
         }
         *cell = Cell::new(cell.low(), cell.high(), far);
     }
@@ -101,11 +191,16 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
         let (low, high) = extent.clip(cell);
         *frame = Frame::over(low, high);
-        let side = |k: usize| length(low[k], high[k]);
-        // Any axis is correct (errata E16 and E17); along the longest side a box meets the fewest others.
-        let longest = if side(1) > side(0) { 1 } else { 0 };
-        leaf.axis = if side(2) > side(longest) { 2 } else { longest as u32 };
+        leaf.axis = longest(low, high) as u32;
     }
+}
+
+/// The axis on which two corners are farthest from each other. Any axis is correct to sweep along (errata E16 and E17); along
+/// the longest side a box meets the fewest others.
+pub(crate) fn longest(low: [i32; 3], high: [i32; 3]) -> usize {
+    let side = |k: usize| length(low[k], high[k]);
+    let longest = if side(1) > side(0) { 1 } else { 0 };
+    if side(2) > side(longest) { 2 } else { longest }
 }
 
 /// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that one is in

@@ -11,7 +11,9 @@ const NEIGHBOURS: usize = 16;
 /// Gives a full leaf half of the room that the nearest of its neighbours can spare; the records of the leaves between move
 /// along, in their order, so that the places of their objects stay. Tells whether there was any. A leaf that would be overfull
 /// then gets none: it wants new planes. O(neighbours and their members).
-pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize) -> bool {
+///
+/// No more records move than `budget` has left: to fill all leaves anew costs less then.
+pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize, budget: &mut usize) -> bool {
     let leaves = state.leaves() as usize;
     if tree.leaves.at(full).len as usize >= overfull(state) {
         return false;
@@ -22,6 +24,13 @@ pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize) -> bool
             let given = (bag.room - bag.len).div_ceil(2);
             if given == 0 {
                 continue;
+            }
+            // Those between the two move, and the one of them that is further back.
+            let moving = if lender > full { full + 1..lender + 1 } else { lender + 1..full + 1 };
+            let records = moving.map(|index| tree.leaves.at(index).len as usize).sum::<usize>();
+            match budget.checked_sub(records) {
+                Some(left) => *budget = left,
+                None => return false,
             }
             bag.room -= given;
             tree.leaves.put(lender, bag);

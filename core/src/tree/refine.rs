@@ -142,6 +142,15 @@ pub(crate) fn coarsen<I: Index>(parts: &mut Parts<'_, I>) -> bool {
     true
 }
 
+/// Makes homes of the first leaves of some levels below: whoever is not at home there finds out when the leaves are counted.
+pub(crate) fn descend<I: Index>(homes: &mut [I], levels: u32) {
+    for home in homes {
+        if *home < I::LARGE {
+            *home = I::from_slot(home.slot() << levels);
+        }
+    }
+}
+
 /// Makes homes of the leaves of some levels above.
 pub(crate) fn ascend<I: Index>(homes: &mut [I], levels: u32) {
     for home in homes {

@@ -12,6 +12,10 @@ use crate::storage::Parts;
 /// How many movers ahead leaves are asked for, and twice as many ahead what tells which leaves these are.
 const AHEAD: usize = 6;
 
+/// Records that may move in one step for leaves that lend each other room: one in so many, or so many.
+const LENT_SHARE: usize = 8;
+const LENT_AT_LEAST: usize = 16_384;
+
 /// Lists every moved object in the second of the sorted lists, and brings its record, or its place among the large objects,
 /// to its new box. Returns how many there are; `None` where a leaf and its neighbours or the large-object list are full: all
 /// leaves must be filled anew then, and nothing is lost.
@@ -25,10 +29,11 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
         let parts = self.0;
         let count = parts.moved.list(parts.order[1]);
         parts.state.stale_lists = 1;
+        let mut budget = (parts.state.live as usize / LENT_SHARE).max(LENT_AT_LEAST);
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
-            if !relocate(simd, parts, slot) {
+            if !relocate(simd, parts, slot, &mut budget) {
                 parts.state.filled = 0;
                 return None;
             }
@@ -53,28 +58,27 @@ fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
 }
 
 #[inline(always)]
-fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -> bool {
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, budget: &mut usize) -> bool {
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
         withdraw(parts, slot);
         return true;
     }
-    if home == I::LARGE {
-        // It stays in the list even if it has shrunk: that is correct, and the next fill puts it right.
-        let front = Front { bounds, slot: slot as u32, unused: 0 };
-        parts.tree.fronts.put(parts.state.large_start as usize + parts.place.at(slot).at(), front);
-        return true;
-    }
     let keys = simd.keys(&bounds);
     let mut leaf = home.at();
-    let mut cell = if home == I::NONE { Cell::NOWHERE } else { parts.tree.cells.at(leaf) };
+    let mut cell = if home < I::LARGE { parts.tree.cells.at(leaf) } else { Cell::NOWHERE };
     let stays = cell.standing(simd, keys).is_home();
     if !stays {
         leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
         cell = parts.tree.cells.at(leaf);
     }
     if cell.standing(simd, keys).is_large() {
+        if home == I::LARGE {
+            let front = Front { bounds, slot: slot as u32, unused: 0 };
+            parts.tree.fronts.put(parts.state.large_start as usize + parts.place.at(slot).at(), front);
+            return true;
+        }
         withdraw(parts, slot);
         return admit_large(parts, slot, &bounds);
     }
@@ -82,7 +86,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         withdraw(parts, slot);
         let mut bag = parts.tree.leaves.at(leaf);
         if bag.len == bag.room {
-            if !lend(&mut parts.tree, parts.state, leaf) {
+            if !lend(&mut parts.tree, parts.state, leaf, budget) {
                 return false;
             }
             bag = parts.tree.leaves.at(leaf);

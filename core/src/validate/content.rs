@@ -9,7 +9,7 @@ use crate::layout::Sizes;
 use crate::state::State;
 use crate::storage::Parts;
 use crate::sweep::strips::Planes;
-use crate::tree::Record;
+use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 
 /// What a snapshot has of a leaf. The rest follows from it.
@@ -63,6 +63,8 @@ pub(crate) trait Content<I: Index> {
     fn strips(&self) -> Option<Planes>;
     fn plane(&self, node: usize) -> i32;
     fn leaf(&self, index: usize) -> LeafCounts;
+    /// The frame of a leaf of the last full step.
+    fn frame(&self, whole: usize) -> Frame;
     fn bounds(&self, leaf: usize) -> Record;
     fn node(&self, node: usize) -> KeyBox;
     /// The slot of a record: its position among all records with room, and among all without.
@@ -151,6 +153,10 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 
     fn leaf(&self, index: usize) -> LeafCounts {
         leaf(self.0, index)
+    }
+
+    fn frame(&self, whole: usize) -> Frame {
+        self.0.tree.frames.at(whole)
     }
 
     fn bounds(&self, leaf: usize) -> Record {

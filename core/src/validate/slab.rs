@@ -13,9 +13,9 @@ use crate::recount::{self, Sum};
 use crate::state::Path;
 use crate::storage::Parts;
 use crate::sweep::strips;
-use crate::tree::cells::{cut, frame};
+use crate::tree::cells::cut;
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Leaf, first_of_eight, home_of};
+use crate::tree::{Cell, first_of_eight, home_of};
 
 /// Checks all of that.
 pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
@@ -135,13 +135,13 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(homes == standing, "an object has a place in the tree and is not there", homes)
 }
 
-/// The cells are those of the planes, and the frames those of the cells. Cut one by one, so that no room is needed.
+/// The cells are those of the planes. Cut one by one, so that no room is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let finer = parts.state.finer();
     let depth = parts.state.depth + finer;
     for index in 0..1usize << depth {
         let mut planes = [0; 2];
-        let (mut cell, mut whole) = (Cell::ALL, Cell::ALL);
+        let mut cell = Cell::ALL;
         let divided = finer == 0 || parts.state.is_refined(index >> finer);
         if !divided && index & ((1 << finer) - 1) != 0 {
             continue;
@@ -159,9 +159,6 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
                 high[k] = high[k].min(half.high()[k]);
             }
             cell = Cell::new(low, high, high);
-            if level < parts.state.depth {
-                whole = cell;
-            }
         }
         let known = parts.tree.cells.at(index);
         check(
@@ -169,9 +166,6 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             "a cell is not that of its planes",
             index,
         )?;
-        let (mut expected, mut leaf) = ([Frame::NONE], [Leaf::default()]);
-        frame(&[whole], &parts.state.extent(), &mut expected, &mut leaf);
-        check(expected == [parts.tree.frames.at(index >> finer)], "a frame is not that of its cell", index)?;
     }
     Ok(())
 }

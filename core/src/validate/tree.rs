@@ -9,8 +9,8 @@ use crate::key::KeyBox;
 use crate::layout::FINER;
 use crate::state::State;
 use crate::tree::balance::depth_for;
-use crate::tree::cells::{divide, frame};
-use crate::tree::{Cell, Frame, Leaf, axis_of, plane};
+use crate::tree::cells::divide;
+use crate::tree::{Cell, axis_of, plane};
 
 /// The nodes that have planes, and node zero, which is none.
 pub(crate) fn planes(state: &State, deepest: u32) -> usize {
@@ -90,9 +90,8 @@ impl<C> Filled<'_, C> {
     {
         let finer = self.content.state().finer();
         let cell = cell_of(self.content, depth, whole);
-        let extent = self.content.state().extent();
-        let (mut frames, mut leaf) = ([Frame::NONE], [Leaf::default()]);
-        frame(&[cell], &extent, &mut frames, &mut leaf);
+        let frame = self.content.frame(whole);
+        check(frame.is_sound(), "a frame does not keep the order of numbers", whole)?;
         let divided = self.content.state().is_refined(whole);
         let node = (1 << depth) + whole;
         let around = self.content.node(node);
@@ -116,7 +115,7 @@ impl<C> Filled<'_, C> {
             check(inside, "an object is not where the planes say", index)?;
             check(around.contains(&members.around), "the box of a node does not hold a member", node)?;
             // Lanes only fall as boxes grow, so those of the box around all are the least of all.
-            let record = Scalar.record(&frames[0], members.around, 0);
+            let record = Scalar.record(&frame, members.around, 0);
             let bounds = self.content.bounds(index);
             let mut both = bounds;
             both.include(&record);

@@ -1,8 +1,9 @@
 //! The command line.
 
+pub(crate) use crate::scene_name::{BroadmarkName, SceneName};
 use clap::{Args as Group, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use trisap::scene::{Kind, Objects};
+use trisap::scene::Objects;
 
 /// Finds all overlapping pairs of moving boxes, in recorded and synthetic scenes.
 ///
@@ -23,7 +24,7 @@ pub(crate) enum Command {
     /// The scene is a recording, a synthetic scene (--scene), or the recording that is built in. Synthetic scenes move
     /// boxes without a physics engine; for real motion, see `trisap record`.
     Run(RunArgs),
-    /// Print the overlapping pairs of one frame of a recording: `a b` a line, a < b, ascending.
+    /// Print the overlapping pairs of one frame of a scene: `a b` a line, a < b, ascending.
     Pairs(PairsArgs),
     /// Record a rigid-body simulation.
     Record(RecordArgs),
@@ -42,26 +43,33 @@ impl Command {
     }
 }
 
+/// Where boxes come from.
 #[derive(Debug, Default, Group)]
-pub(crate) struct RunArgs {
+pub(crate) struct SceneArgs {
     /// A recording; without it, and without --scene, the one that is built in.
     #[arg(value_name = "FILE.aabbs", conflicts_with = "scene")]
     pub(crate) file: Option<PathBuf>,
     /// A synthetic scene.
-    #[arg(long)]
+    #[arg(long, value_name = "KIND")]
     pub(crate) scene: Option<SceneName>,
-    /// The boxes of the synthetic scene [default: cubes].
+    /// The boxes of brownian, freefall and gravity [default: cubes].
     #[arg(long, requires = "scene")]
     pub(crate) objects: Option<ObjectsName>,
     /// The number of boxes of the synthetic scene [default: 1000].
     #[arg(short, value_name = "N", requires = "scene", value_parser = clap::value_parser!(u32).range(1..=MAX_COUNT))]
     pub(crate) n: Option<u32>,
-    /// The most frames to step [default: all of a recording, 100 of a synthetic scene].
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub(crate) frames: Option<u32>,
     /// The seed of the synthetic scene [default: 1].
     #[arg(long, requires = "scene")]
     pub(crate) seed: Option<u64>,
+}
+
+#[derive(Debug, Default, Group)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// The most frames to step [default: all of a recording, 100 of a synthetic scene].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) frames: Option<u32>,
     #[command(flatten)]
     pub(crate) engine: EngineArgs,
     /// Whether pairs are those of the boxes, or those of the boxes with their margins.
@@ -104,11 +112,10 @@ impl Default for EngineArgs {
 
 #[derive(Debug, Group)]
 pub(crate) struct PairsArgs {
-    /// A recording.
-    #[arg(value_name = "FILE.aabbs")]
-    pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
     /// The frame, counted from 0. All frames before it are stepped too.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..1 << 20))]
     pub(crate) frame: u32,
     #[command(flatten)]
     pub(crate) engine: EngineArgs,
@@ -118,7 +125,7 @@ pub(crate) struct PairsArgs {
 pub(crate) struct RecordArgs {
     /// What happens.
     #[arg(long)]
-    pub(crate) scene: SceneName,
+    pub(crate) scene: BroadmarkName,
     /// Which boxes there are.
     #[arg(long, default_value = "cubes")]
     pub(crate) objects: ObjectsName,
@@ -174,30 +181,11 @@ pub(crate) enum SectionName {
     Precision,
     Ties,
     HardCases,
+    RealScenes,
 }
 
 /// The most objects that a world can hold.
 const MAX_COUNT: i64 = 1 << 27;
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum SceneName {
-    /// No gravity; one box in a hundred gets a new speed in each frame.
-    Brownian,
-    /// Boxes fall and come to rest.
-    Freefall,
-    /// Strong gravity whose direction turns.
-    Gravity,
-}
-
-impl From<SceneName> for Kind {
-    fn from(name: SceneName) -> Self {
-        match name {
-            SceneName::Brownian => Self::Brownian,
-            SceneName::Freefall => Self::FreeFall,
-            SceneName::Gravity => Self::Gravity,
-        }
-    }
-}
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum ObjectsName {

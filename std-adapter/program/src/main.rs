@@ -11,6 +11,7 @@ mod progress;
 mod record;
 mod report;
 mod run;
+mod scene_name;
 mod setup;
 #[cfg(feature = "record")]
 mod simulate;

@@ -13,12 +13,12 @@ use trisap::{Capacity, Config, Pair};
 
 pub(crate) fn pairs(args: &PairsArgs) -> Result<Outcome> {
     let engine = Engine::new(&args.engine)?;
-    let mut source = Source::open(&args.file)?;
+    let mut source = Source::of(&args.scene, Some(args.frame.saturating_add(1)))?;
     let frames = source.frames();
     ensure!(
         args.frame < frames,
         "{}: there is no frame {}; there are frames 0 to {}",
-        args.file.display(),
+        source.name(),
         args.frame,
         frames - 1
     );

@@ -21,7 +21,7 @@ const FAT_MARGIN: f32 = 0.1;
 
 pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let engine = Engine::new(&args.engine)?;
-    let mut source = Source::of(args)?;
+    let mut source = Source::of(&args.scene, args.frames)?;
     let dump = args.dump_svg.as_deref().map(|values| Dump::new(values, source.frames())).transpose()?;
     let config = config(args, source.objects());
     let (mode, events) = (config.mode, config.events);

@@ -1,17 +1,20 @@
 //! Where boxes come from: a recording or a synthetic scene.
 
-use crate::args::RunArgs;
-use anyhow::{Context, Result};
+use crate::args::{SceneArgs, SceneName};
+use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 use trisap::recording::Reader;
-use trisap::scene::{Objects, Setup, Synthetic};
+use trisap::scene::{Objects, Setup, Synthetic, real};
 use trisap::{Aabb, Boxes};
 
 /// The recording that is built in, so that the program shows something wherever it is started.
 const SHIPPED_NAME: &str = "freefall_cubes_1000.aabbs";
 pub(crate) static SHIPPED: &[u8] = include_bytes!("../recordings/freefall_cubes_1000.aabbs");
+
+/// The frames of a synthetic scene where no other number is given.
+const SYNTHETIC_FRAMES: u32 = 100;
 
 /// The boxes of one frame after another.
 pub(crate) struct Source {
@@ -25,6 +28,7 @@ pub(crate) struct Source {
 enum Content {
     Recording(Reader<Box<dyn ReadSeek>>),
     Synthetic(Box<Synthetic>),
+    Real(Box<real::Scene>),
     Frames(Vec<Vec<Aabb>>),
 }
 
@@ -32,22 +36,29 @@ trait ReadSeek: Read + Seek {}
 impl<T: Read + Seek> ReadSeek for T {}
 
 impl Source {
-    /// What `trisap run` was told to step through.
-    pub(crate) fn of(args: &RunArgs) -> Result<Self> {
+    /// What the command line says, with so many frames at most; without a number, all of a recording and 100 of a synthetic
+    /// scene.
+    pub(crate) fn of(args: &SceneArgs, frames: Option<u32>) -> Result<Self> {
+        let (count, seed) = (args.n.unwrap_or(1000), args.seed.unwrap_or(1));
         let mut source = match (&args.file, args.scene) {
             (Some(file), _) => Self::open(file)?,
-            (None, Some(scene)) => Self::synthetic(Setup {
-                kind: scene.into(),
-                objects: args.objects.map_or(Objects::Cubes, Into::into),
-                count: args.n.unwrap_or(1000),
-                seed: args.seed.unwrap_or(1),
-            }),
+            (None, Some(SceneName::Broadmark(name))) => {
+                let objects = args.objects.map_or(Objects::Cubes, Into::into);
+                Self::synthetic(Setup { kind: name.into(), objects, count, seed })
+            }
+            (None, Some(SceneName::Real(kind))) => {
+                ensure!(
+                    args.objects.is_none(),
+                    "the scene '{kind}' has boxes of its own; leave out --objects"
+                );
+                Self::real(real::Setup { kind, count, seed })?
+            }
             (None, None) => {
                 Self::recording(SHIPPED_NAME, "the built-in recording", Box::new(Cursor::new(SHIPPED)))?
             }
         };
-        match (args.frames, &source.content) {
-            (Some(frames), Content::Synthetic(_)) => source.frames = frames,
+        match (frames, &source.content) {
+            (Some(frames), Content::Synthetic(_) | Content::Real(_)) => source.frames = frames,
             (Some(frames), _) => source.frames = source.frames.min(frames),
             (None, _) => {}
         }
@@ -82,10 +93,21 @@ impl Source {
                 setup.seed
             ),
             objects: setup.count,
-            frames: 100,
+            frames: SYNTHETIC_FRAMES,
             next: 0,
             content: Content::Synthetic(Box::new(Synthetic::new(setup))),
         }
+    }
+
+    fn real(setup: real::Setup) -> Result<Self> {
+        let scene = real::Scene::new(setup)?;
+        Ok(Self {
+            name: format!("synthetic scene {}, seed {}", setup.kind, setup.seed),
+            objects: setup.count,
+            frames: SYNTHETIC_FRAMES,
+            next: 0,
+            content: Content::Real(Box::new(scene)),
+        })
     }
 
     /// Boxes in memory: of at least one frame, and of the same number in each.
@@ -127,6 +149,12 @@ impl Source {
                 }
                 Ok(Some(Boxes::new(scene.boxes())))
             }
+            Content::Real(scene) => {
+                if self.next > 1 {
+                    scene.advance();
+                }
+                Ok(Some(Boxes::new(scene.boxes())))
+            }
             Content::Frames(frames) => Ok(frames.get(self.next as usize - 1).map(|boxes| Boxes::new(boxes))),
         }
     }
@@ -138,6 +166,10 @@ impl Source {
             Content::Recording(reader) => reader.rewind().context("cannot read again"),
             Content::Synthetic(scene) => {
                 **scene = Synthetic::new(*scene.setup());
+                Ok(())
+            }
+            Content::Real(scene) => {
+                **scene = real::Scene::new(*scene.setup())?;
                 Ok(())
             }
             Content::Frames(_) => Ok(()),

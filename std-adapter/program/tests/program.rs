@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 use std::{fs, str};
 use trisap::Boxes;
 use trisap::recording::{Reader, Recording};
+use trisap::scene::real::{Kind, Scene, Setup};
 
 type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
 
@@ -71,6 +72,9 @@ fn every_kind_of_run_passes_its_check() -> Result {
         [&scene[..], &["brownian", "--seed", "7"]].concat(),
         [&scene[..], &["freefall", "--objects", "assorted", "--mode", "fat"]].concat(),
         [&scene[..], &["gravity", "--events", "--objects", "cubes"]].concat(),
+        [&scene[..], &["ground", "--events"]].concat(),
+        [&scene[..], &["ground:inf", "--mode", "fat"]].concat(),
+        [&scene[..], &["town", "--threads", "2", "--seed", "7"]].concat(),
         // The independent sweep; more pairs than there is room for at first.
         vec!["run", "--check", "--frames", "2", "-n", "5000", "--scene", "gravity", "--objects", "assorted"],
     ] {
@@ -111,6 +115,34 @@ fn pairs_are_those_of_the_frame() -> Result {
         }
         let number = frame.to_string();
         assert_eq!(stdout(&[&["pairs", RECORDING, "--frame", &number], &extra[..]].concat())?, expected);
+    }
+    Ok(())
+}
+
+#[test]
+fn every_real_scene_can_be_run_and_printed() -> Result {
+    let help = stdout(&["run", "--help"])?;
+    for kind in Kind::ALL {
+        let name = kind.name();
+        let report = json(&["run", "--scene", name, "-n", "400", "--frames", "12", "--check", "--events"])?;
+        assert_eq!(report["check"]["passed"], true, "{name}: {report}");
+        assert_eq!((&report["objects"], &report["frames"]), (&400.into(), &12.into()), "{name}");
+        assert!(
+            help.contains(&format!("- {name}:")) && help.contains(kind.text()),
+            "{name} is not in the help"
+        );
+
+        let mut scene = Scene::new(Setup { kind, count: 400, seed: 3 })?;
+        (0..11).for_each(|_| scene.advance());
+        let boxes = scene.boxes();
+        let mut expected = String::new();
+        for (a, low) in boxes.iter().enumerate() {
+            for (b, _) in boxes.iter().enumerate().skip(a + 1).filter(|(_, high)| low.overlaps(high)) {
+                expected += &format!("{a} {b}\n");
+            }
+        }
+        let args = ["pairs", "--scene", name, "-n", "400", "--seed", "3", "--frame", "11"];
+        assert_eq!(stdout(&args)?, expected, "{name}");
     }
     Ok(())
 }
@@ -163,6 +195,11 @@ fn wrong_usage_is_refused() -> Result {
         (vec!["run", "-n", "10"], "--scene"),
         (vec!["run", "--scene", "tornado"], "brownian"),
         (vec!["run", "--scene", "brownian", "-n", "0"], "0 is not in"),
+        (vec!["run", "--scene", "ground:2e4"], "ground:inf"),
+        (vec!["run", "--scene", "town", "-n", "99"], "the scene 'town' has 100 to 134217728 boxes, not 99"),
+        (vec!["run", "--scene", "spawn", "-n", "65537"], "1 to 65536 boxes, not 65537"),
+        (vec!["run", "--scene", "town", "--objects", "cubes"], "boxes of its own"),
+        (vec!["record", "--scene", "town", "--out", "town.aabbs"], "gravity"),
         (vec!["run", "--threads", "0"], "0 is not in"),
         (vec!["run", "--threads", "33"], "33 is not in"),
         (vec!["run", "--frames", "0"], "0 is not in"),
@@ -170,6 +207,7 @@ fn wrong_usage_is_refused() -> Result {
         (vec!["run", "--margin", "NaN"], "0 or more"),
         (vec!["run", "--kernels", "mmx"], "auto, scalar"),
         (vec!["pairs", RECORDING], "--frame"),
+        (vec!["pairs", "--scene", "moon", "--frame", "0"], "lognormal"),
         (vec!["pairs", RECORDING, "--frame", "40"], "there are frames 0 to 39"),
         (vec!["record", "--scene", "gravity"], "--out"),
         (vec!["layout"], "<N>"),
@@ -216,18 +254,38 @@ fn a_report_is_a_page_and_its_data() -> Result {
         }
         ids.push(id);
     }
-    let all =
-        ["margins", "scaling", "paper", "movers", "parts", "threads", "precision", "ties", "hard_cases"];
+    let all = [
+        "margins",
+        "scaling",
+        "paper",
+        "movers",
+        "parts",
+        "threads",
+        "precision",
+        "ties",
+        "hard_cases",
+        "real_scenes",
+    ];
     assert_eq!(ids, all);
     // Something was compared in every section that measures on its own, and nothing was wrong.
     let frames = |id: &str| {
         let section = sections.iter().find(|section| section["id"] == id);
         section.and_then(|section| section["verdict"]["frames"].as_u64())
     };
-    for id in ["margins", "scaling", "movers", "parts", "precision", "hard_cases"] {
+    for id in ["margins", "scaling", "paper", "movers", "parts", "precision", "hard_cases", "real_scenes"] {
         assert!(frames(id) > Some(10), "{id}: {:?}", frames(id));
     }
     assert!(page.contains("ANOTHER MACHINE"), "printed figures are not marked");
+    // The paper's method stands beside trisap in every line of both tables.
+    for table in ["table_1", "table_2"] {
+        let csv = fs::read_to_string(out.join(format!("{table}.csv")))?;
+        let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let titles = lines.next().ok_or("no titles")?;
+        for title in ["trisap (ms)", "the paper's method (ms)"] {
+            let at = titles.iter().position(|of| *of == title).ok_or("no such column")?;
+            assert!(lines.clone().all(|line| line[at].parse().is_ok_and(|time: f64| time > 0.0)), "{title}");
+        }
+    }
     Ok(())
 }
 

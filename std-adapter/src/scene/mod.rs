@@ -8,10 +8,13 @@
 //! It is no rigid-body simulation: boxes pass through each other and do not spin. Each box has walls of its own,
 //! so that boxes that have fallen fill a pile instead of a plane. Pairs per object are of the order that a real
 //! simulation gives, their coherence is not; to measure on real motion, record a simulation.
+//!
+//! [`real`] has the scenes of games and simulations: a ground, a town, sizes over three decades, a spawn point and others.
 
 mod bodies;
 mod gravity;
 mod random;
+pub mod real;
 mod synthetic;
 
 pub use bodies::{Bodies, Body};

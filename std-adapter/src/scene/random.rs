@@ -19,6 +19,12 @@ impl Random {
         (self.0.next_u32() >> 8) as f32 / (1 << 24) as f32
     }
 
+    /// At least `low` and at most `high`.
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        // Rounding may put the sum a step above.
+        (low + (high - low) * self.unit()).min(high)
+    }
+
     /// An integer below `limit`; 0 where that is 0.
     pub fn below(&mut self, limit: u32) -> u32 {
         ((u64::from(self.0.next_u32()) * u64::from(limit)) >> 32) as u32
@@ -69,6 +75,7 @@ mod tests {
         for _ in 0..10_000 {
             assert!((0.0..1.0).contains(&random.unit()));
             assert!(random.below(3) < 3);
+            assert!((-0.3..=0.7).contains(&random.between(-0.3, 0.7)));
             assert!(random.in_ball(2.0).iter().map(|x| x * x).sum::<f32>() <= 4.0);
             assert!((random.rotation().iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5);
         }

@@ -1,6 +1,7 @@
 //! Runs trisap and its peers side by side: in one process, on the same recordings, frame by frame in turn, each
 //! pair set checked in every frame. See README.md.
 
+mod clock;
 mod options;
 mod oracle;
 mod ours;
@@ -9,6 +10,7 @@ mod queries;
 mod recording;
 mod report;
 mod run;
+mod scenes;
 
 use std::process::ExitCode;
 
@@ -27,7 +29,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let mut report = report::Report::new(kernels.name(), options.threads);
+    let mut report = report::Report::new(kernels.name(), &options);
     for scene in &options.scenes {
         match recording::Recording::open(scene) {
             Ok(recording) if options.queries => match queries::scene(&recording, &options) {
@@ -47,7 +49,7 @@ fn main() -> ExitCode {
     if options.queries {
         return ExitCode::SUCCESS;
     }
-    print!("{}", report.markdown());
+    print!("{}", if options.table { report.table() } else { report.markdown() });
     if let Some(path) = &options.json
         && let Err(error) = std::fs::write(path, report.json())
     {

@@ -1,18 +1,23 @@
 //! The command line.
 
-use crate::peers;
+use crate::{clock::Clock, peers, scenes};
 use std::path::PathBuf;
 
 pub(crate) const USAGE: &str = "\
 usage: trisap-peers [options] SCENE...
+       trisap-peers --table [options] [SCENE...]
 a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as in brownian:cubes:32000
-(kinds: brownian, freefall, gravity; objects: cubes, assorted)
+(kinds: brownian, freefall, gravity; objects: cubes, assorted), or SCENE:COUNT
+for one of those of games, as in town:28000 (`trisap run --help` lists them)
   --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
   --movers N            only N objects move, and only their boxes are handed over, to peers that can be told of few
   --threads 1|2         threads for trisap and for the peers; peers without threads are left out at 2
   --peers A,B           only peers whose names contain one of these
+  --table               a line for each scene, with nothing but ratios; all recordings of the repository and a synthetic
+                        scene of each kind, if no scene is given
   --queries             box queries and rays on the first frame instead of the race (trisap, parry3d, Embree)
+  --clock wall|cpu      cpu: the time that the process has had of the CPU, for machines where others run; one thread only
   --frames N            timed frames a peer; by default about two million boxes, 15 to 300 frames
   --json FILE           writes the results as JSON as well";
 
@@ -34,9 +39,12 @@ pub(crate) struct Options {
     /// How many objects move; `None`: all.
     pub(crate) movers: Option<usize>,
     pub(crate) threads: u32,
+    /// Ratios alone, with a line for each scene.
+    pub(crate) table: bool,
     /// Queries instead of frames.
     pub(crate) queries: bool,
     peers: Vec<String>,
+    pub(crate) clock: Clock,
     pub(crate) frames: Option<usize>,
     pub(crate) json: Option<PathBuf>,
 }
@@ -49,8 +57,10 @@ impl Options {
             events: Events::Auto,
             movers: None,
             threads: 1,
+            table: false,
             queries: false,
             peers: Vec::new(),
+            clock: Clock::Wall,
             frames: None,
             json: None,
         };
@@ -74,6 +84,14 @@ impl Options {
                         other => return Err(format!("--threads {other}: 1 or 2")),
                     }
                 }
+                "--clock" => {
+                    options.clock = match value()?.as_str() {
+                        "wall" => Clock::Wall,
+                        "cpu" => Clock::Cpu,
+                        other => return Err(format!("--clock {other}: wall or cpu")),
+                    }
+                }
+                "--table" => options.table = true,
                 "--queries" => options.queries = true,
                 "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
                 "--frames" => options.frames = Some(above_zero("--frames", &value()?)?),
@@ -82,6 +100,13 @@ impl Options {
                 flag if flag.starts_with('-') => return Err(format!("unknown option {flag}")),
                 _ => options.scenes.push(argument),
             }
+        }
+        if options.threads > 1 && options.clock == Clock::Cpu {
+            return Err("--clock cpu adds up the threads: it is for one".into());
+        }
+        if options.table && options.scenes.is_empty() {
+            options.scenes =
+                scenes::all().map_err(|error| format!("the recordings of the repository: {error}"))?;
         }
         if options.scenes.is_empty() {
             return Err("no scene given".into());

@@ -1,18 +1,14 @@
 //! Reading of `.aabbs` recordings (little endian): a header of 304 bytes, then one block of boxes a frame.
 //! Written apart from trisap's own reader, so that a fault there cannot hide here.
 
+use crate::scenes;
 use std::{fs, io, path::Path};
-use trisap::scene::{Kind, Objects, Setup, Synthetic};
 
 /// A box as recordings have it: minimum x, y, z, 0, maximum x, y, z, 0.
 pub(crate) type Padded = [f32; 8];
 
 const NAMES: usize = 128;
 const HEADER: usize = 2 * NAMES + 16 + 32;
-
-/// Frames of a synthetic scene before the first one used, and frames used.
-const SETTLE: usize = 40;
-const SYNTHETIC_FRAMES: usize = 12;
 
 pub(crate) struct Recording {
     /// Scene and objects, as the header names them.
@@ -24,7 +20,10 @@ pub(crate) struct Recording {
 impl Recording {
     /// A synthetic scene by name, or else a file.
     pub(crate) fn open(scene: &str) -> io::Result<Self> {
-        Self::synthetic(scene).map_or_else(|| Self::read(Path::new(scene)), Ok)
+        match scenes::frames(scene) {
+            Some(frames) => Ok(Self { name: scenes::name(scene), objects: frames[0].len(), frames }),
+            None => Self::read(Path::new(scene)),
+        }
     }
 
     fn read(path: &Path) -> io::Result<Self> {
@@ -51,29 +50,6 @@ impl Recording {
             .map(|frame| frame.chunks_exact(size_of::<Padded>()).map(padded).collect())
             .collect();
         Ok(Self { name: format!("{} {}", text(0), text(NAMES)), objects, frames })
-    }
-
-    /// A scene of trisap's generator, named `kind:objects:count`, as in `brownian:cubes:32000`.
-    fn synthetic(name: &str) -> Option<Self> {
-        let mut parts = name.split(':');
-        let (kind, mix, count) = (parts.next()?, parts.next()?, parts.next()?);
-        let kind = Kind::ALL.into_iter().find(|k| k.name().eq_ignore_ascii_case(kind))?;
-        let mix = Objects::ALL.into_iter().find(|o| o.name().eq_ignore_ascii_case(mix))?;
-        let count = count.parse().ok().filter(|&count| count > 0)?;
-        let mut scene = Synthetic::new(Setup { kind, objects: mix, count, seed: 1 });
-        // Falling boxes need some time to meet.
-        (0..SETTLE).for_each(|_| scene.advance());
-        let frame = |_| {
-            scene.advance();
-            scene
-                .boxes()
-                .iter()
-                .map(|b| [b.min[0], b.min[1], b.min[2], 0.0, b.max[0], b.max[1], b.max[2], 0.0])
-                .collect()
-        };
-        let frames = (0..SYNTHETIC_FRAMES).map(frame).collect();
-        let name = format!("synthetic {} {}", kind.name(), mix.name()).to_lowercase();
-        Some(Self { name, objects: count as usize, frames })
     }
 
     /// The boxes of `step`, for any step: the recording runs forwards and backwards in turn, so that a short one

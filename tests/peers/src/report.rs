@@ -1,6 +1,6 @@
 //! The results, as a Markdown table and as JSON.
 
-use crate::peers::Entry;
+use crate::{options::Options, peers::Entry};
 use std::{
     fmt::{self, Write},
     time::Duration,
@@ -71,13 +71,20 @@ struct Row {
 pub(crate) struct Report {
     kernels: &'static str,
     threads: u32,
+    clock: &'static str,
     pub(crate) scenes: Vec<Scene>,
     rows: Vec<Row>,
 }
 
 impl Report {
-    pub(crate) fn new(kernels: &'static str, threads: u32) -> Self {
-        Self { kernels, threads, scenes: Vec::new(), rows: Vec::new() }
+    pub(crate) fn new(kernels: &'static str, options: &Options) -> Self {
+        Self {
+            kernels,
+            threads: options.threads,
+            clock: options.clock.name(),
+            scenes: Vec::new(),
+            rows: Vec::new(),
+        }
     }
 
     /// What a peer did on the last scene.
@@ -98,8 +105,9 @@ impl Report {
 
     pub(crate) fn markdown(&self) -> String {
         let mut text = format!(
-            "Peer's median over trisap's (peer / trisap in ms a frame); trisap kernels: {}, threads: {}.\n\n| peer |",
-            self.kernels, self.threads
+            "Peer's median over trisap's (peer / trisap in ms a frame); trisap kernels: {}, threads: {}, {}.\n\n\
+             | peer |",
+            self.kernels, self.threads, self.clock
         );
         for scene in &self.scenes {
             _ = write!(text, " {} {}", scene.name, scene.objects);
@@ -131,8 +139,47 @@ impl Report {
         text + "\n"
     }
 
+    /// The ratios alone, with a line for each scene, of the peers that took part in any.
+    pub(crate) fn table(&self) -> String {
+        let raced = |row: &&Row| row.outcomes.iter().any(|outcome| !matches!(outcome, Outcome::LeftOut(_)));
+        let rows: Vec<&Row> = self.rows.iter().filter(raced).collect();
+        let mut text = format!(
+            "Peer's median over trisap's; trisap kernels: {}, threads: {}, {}.\n\n| scene | objects | pairs | trisap, ms |",
+            self.kernels, self.threads, self.clock
+        );
+        rows.iter().for_each(|row| _ = write!(text, " {} |", row.name));
+        text += "\n|---|---:|---:|---:|";
+        text += &"---:|".repeat(rows.len());
+        for (at, scene) in self.scenes.iter().enumerate() {
+            _ = write!(text, "\n| {} | {} | {} |", scene.name, scene.objects, scene.pairs);
+            let outcomes = || rows.iter().filter_map(|row| row.outcomes.get(at));
+            // Of all races in which trisap told pairs, as most peers do.
+            let mut ours = Vec::new();
+            for outcome in outcomes() {
+                if let Outcome::Raced(race) = outcome
+                    && !race.events
+                {
+                    ours.extend_from_slice(&race.ours);
+                }
+            }
+            _ = if ours.is_empty() { write!(text, " |") } else { write!(text, " {:.3} |", median(&ours)) };
+            for outcome in outcomes() {
+                _ = match outcome {
+                    Outcome::Raced(race) if race.ratio() < 0.95 => write!(text, " {:.2} |", race.ratio()),
+                    Outcome::Raced(race) => write!(text, " {:.1} |", race.ratio()),
+                    Outcome::LeftOut(_) => write!(text, " |"),
+                    Outcome::Wrong(_) => write!(text, " wrong |"),
+                };
+            }
+        }
+        text + "\n"
+    }
+
     pub(crate) fn json(&self) -> String {
-        let mut text = format!("{{\"kernels\":{:?},\"threads\":{},\"races\":[", self.kernels, self.threads);
+        let mut text = format!(
+            "{{\"kernels\":{:?},\"threads\":{},\"clock\":{:?},\"races\":[",
+            self.kernels, self.threads, self.clock
+        );
         let mut separator = "";
         for row in &self.rows {
             for (scene, outcome) in self.scenes.iter().zip(&row.outcomes) {

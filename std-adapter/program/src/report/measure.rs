@@ -24,6 +24,7 @@ pub(super) struct Contender<'c> {
 }
 
 /// What has come of it.
+#[derive(Default)]
 pub(super) struct Measured {
     pub(super) name: String,
     /// Of a step, in milliseconds, the intake of all boxes included.
@@ -54,35 +55,47 @@ const MOST_PASSES: u32 = 200;
 
 /// Measures contenders in turns for about `budget` each.
 pub(super) fn in_turns(contenders: &[Contender<'_>], budget: Duration) -> Result<Vec<Measured>> {
+    Ok(in_turns_with(contenders, Vec::new(), budget)?.0)
+}
+
+/// The same with others than trisap in the turns, which come second in the result.
+pub(super) fn in_turns_with<'c>(
+    contenders: &[Contender<'c>],
+    others: Vec<Started<'c>>,
+    budget: Duration,
+) -> Result<(Vec<Measured>, Vec<Measured>)> {
     let mut runners = Vec::new();
     for contender in contenders {
         runners.push(runner(contender, contender.config)?);
     }
+    runners.extend(others);
     let start = Instant::now();
     for pass in 0..MOST_PASSES {
         // Nobody comes first always.
         for turn in 0..runners.len() {
             let at = (turn + pass as usize) % runners.len();
-            if let Some(roomier) = runners[at].0.pass()? {
-                runners[at] = runner(&contenders[at], roomier)?;
+            if let (Some(roomier), Some(contender)) = (runners[at].0.pass()?, contenders.get(at)) {
+                runners[at] = runner(contender, roomier)?;
             }
         }
         if start.elapsed() > budget * runners.len() as u32 {
             break;
         }
     }
-    let measured = runners.into_iter().zip(contenders).map(|((runner, mut measured), contender)| {
+    let mut measured = runners.into_iter().map(|(runner, mut measured)| {
         let milliseconds = runner.milliseconds();
-        measured.name.clone_from(&contender.name);
         measured.median = median(milliseconds);
         measured.p95 = quantile(milliseconds, 0.95);
         measured
     });
-    Ok(measured.collect())
+    Ok((measured.by_ref().take(contenders.len()).collect(), measured.collect()))
 }
 
+/// What has been played through once and compared, and what has come of that.
+pub(super) type Started<'c> = (Box<dyn Runner + 'c>, Measured);
+
 /// Plays a clip forwards and backwards.
-trait Runner {
+pub(super) trait Runner {
     /// Plays it to its other end. Where there was no room for all pairs, tells the configuration that has more: fat boxes
     /// on the way back are not those of the way there.
     fn pass(&mut self) -> Result<Option<Config>>;
@@ -99,7 +112,7 @@ struct Played<'c, I: Index> {
 }
 
 /// A world with room for all pairs that has been played through once and compared.
-fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<(Box<dyn Runner + 'c>, Measured)> {
+fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<Started<'c>> {
     let narrow = fits_u16(contender.clip.objects());
     loop {
         let made =
@@ -114,30 +127,19 @@ fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<(Box<dyn 
 }
 
 /// The same world with room for as many pairs as there were, and some more.
-fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
+pub(super) fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
     let Some(Error::PairsFull { needed }) = error.downcast_ref() else { return None };
     let pairs = u32::try_from(needed + needed / 4).ok()?;
     Some(Config { capacity: Capacity { pairs, ..config.capacity }, ..*config })
 }
 
 /// Plays the clip once and compares what can be compared.
-fn checked<'c, I: Index>(
-    contender: &Contender<'c>,
-    config: &Config,
-) -> Result<(Box<dyn Runner + 'c>, Measured)> {
+fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<Started<'c>> {
     let Contender { clip, kernels, .. } = *contender;
     let mut owned = OwnedWorld::<I>::new(config)?;
     let mut world = owned.world();
     world.insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
-    let mut measured = Measured {
-        name: String::new(),
-        median: 0.0,
-        p95: 0.0,
-        stats: Vec::new(),
-        surplus: 0,
-        world_bytes: 0,
-        verdict: Verdict::default(),
-    };
+    let mut measured = Measured { name: contender.name.clone(), ..Measured::default() };
     let mut last = Vec::new();
     for (frame, boxes) in clip.frames.iter().enumerate() {
         let step = world.step_over(Boxes::new(boxes), kernels, &Serial)?;

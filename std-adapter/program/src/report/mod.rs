@@ -2,6 +2,7 @@
 //!
 //! Each experiment is a file that turns the [`Lab`] into a [`Section`]; nothing but [`measure`] takes the time of a step.
 
+mod as_printed;
 mod chart;
 mod clip;
 mod files;
@@ -17,6 +18,7 @@ mod parts;
 mod plan;
 mod precision;
 mod printed;
+mod real_scenes;
 #[cfg(feature = "record")]
 mod recordings;
 mod result;
@@ -84,6 +86,7 @@ fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
         SectionName::Precision => precision::precision(lab),
         SectionName::Ties => Ok(ties::ties(&sizes)),
         SectionName::HardCases => hard_cases::hard_cases(lab),
+        SectionName::RealScenes => real_scenes::real_scenes(lab),
     };
     names.into_iter().map(section).collect()
 }

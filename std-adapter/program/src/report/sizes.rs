@@ -1,10 +1,11 @@
 //! All scenes at all sizes on all kernels: what several sections are made of.
 
+use super::as_printed;
 use super::clip::Clip;
 use super::lab::{Lab, exact};
-use super::measure::{Contender, Measured, copy_milliseconds};
+use super::measure::{Contender, Measured, copy_milliseconds, in_turns_with};
 use super::result::Verdict;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use trisap::Kernels;
 use trisap::scene::{Kind, Objects};
 
@@ -15,6 +16,8 @@ pub(super) struct Size {
     pub(super) count: u32,
     /// On each of the kernels, in the order of [`Kernels::all`].
     pub(super) measured: Vec<Measured>,
+    /// The paper's method, in turns with these.
+    pub(super) as_printed: Measured,
     /// The time in which the machine's memory can be read and written as much as a step has to at least.
     pub(super) limit: f64,
 }
@@ -52,11 +55,20 @@ pub(super) fn sizes(lab: &Lab) -> Result<Vec<Size>> {
 fn size(lab: &Lab, kind: Kind, objects: Objects, clip: &Clip) -> Result<Size> {
     let contender =
         |kernels: Kernels| Contender { name: kernels.name().into(), clip, config: exact(clip), kernels };
-    let measured = lab.measure(&Kernels::all().map(contender).collect::<Vec<_>>())?;
+    let contenders: Vec<_> = Kernels::all().map(contender).collect();
+    let (measured, others) = in_turns_with(&contenders, vec![as_printed::start(clip)], lab.plan.budget)?;
+    let as_printed = others.into_iter().next().context("the paper's method was not measured")?;
     let count = clip.objects();
     let pairs = measured[0].sum(|stats| stats.pairs) / measured[0].stats.len() as f64;
     let bytes = u64::from(count) * BOX_BYTES + pairs as u64 * PAIR_BYTES;
-    Ok(Size { kind, objects, count, measured, limit: copy_milliseconds(bytes, lab.plan.budget / 4) })
+    Ok(Size {
+        kind,
+        objects,
+        count,
+        measured,
+        as_printed,
+        limit: copy_milliseconds(bytes, lab.plan.budget / 4),
+    })
 }
 
 /// What the checks of all of them say.

@@ -2,9 +2,15 @@
 
 use crate::recording::Padded;
 
+mod obvhs;
+mod paper;
 mod parry;
 mod physx;
 mod rapier;
+#[cfg_attr(
+    not(any(feature = "embree", feature = "cgal", feature = "bullet", feature = "jolt", feature = "box3d")),
+    expect(dead_code, reason = "no C++ peer is built")
+)]
 mod shim;
 mod sweep;
 
@@ -106,6 +112,8 @@ pub(crate) fn all() -> Vec<Entry> {
         physx::entry(),
         parry::refit(),
         parry::rebuild(),
+        obvhs::rebuild(),
+        obvhs::avian(),
         rapier::entry(),
         shim::embree(),
         shim::cgal(),
@@ -113,5 +121,6 @@ pub(crate) fn all() -> Vec<Entry> {
         shim::jolt(),
         shim::box3d(),
         sweep::entry(),
+        paper::entry(),
     ]
 }

@@ -73,14 +73,21 @@ impl Rapier {
     }
 }
 
+/// Where a cuboid ends whose box may be endless.
+fn end(x: f32) -> f32 {
+    x.clamp(-1e9, 1e9)
+}
+
 impl Peer for Rapier {
     fn prepare(&mut self, boxes: &[Padded]) {
         let movers = if self.started { &self.movers } else { &self.handles };
         for &handle in movers {
             let b = boxes[handle.into_raw_parts().0 as usize];
-            let half = Vector::new(b[4] - b[0], b[5] - b[1], b[6] - b[2]) * 0.5;
+            let [low, high] = [0, 4].map(|at| Vector::new(end(b[at]), end(b[at + 1]), end(b[at + 2])));
+            // A centre and half extents round: the cuboid must not be smaller than the box.
+            let half = (high - low) * 0.5 + (low.abs() + high.abs()) * f32::EPSILON;
             let collider = self.colliders.get_mut(handle).expect("the collider lives");
-            collider.set_translation(Vector::new(b[0], b[1], b[2]) + half);
+            collider.set_translation((low + high) * 0.5);
             collider.shape_mut().as_cuboid_mut().expect("a cuboid").half_extents = half;
         }
     }

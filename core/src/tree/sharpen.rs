@@ -1,0 +1,73 @@
+//! Makes the frames of leaves narrower whose grid is far wider than where their members are: a few objects far from the others,
+//! in a cell at the rim, stretch it until all others share a few steps. Outliers then stand on the first or the last step,
+//! which loses no pair.
+
+use super::cells::{Extent, SPARSE, Sample, longest};
+use super::{Cell, Frame, GRID_MAX, Leaf, Record};
+use crate::access::Access;
+use crate::arch::{Phase, Simd};
+use crate::id::Index;
+use crate::kernels::Kernels;
+use crate::key::KeyBox;
+use crate::storage::Parts;
+
+/// Makes the frames narrower, and the records of their leaves anew. O(leaves), and the members of those leaves.
+pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
+    let leaves = 1usize << parts.state.depth;
+    let extent = parts.state.extent();
+    let boxes = parts.boxes.swept();
+    let tree = &mut parts.tree;
+    for ((cell, frame), leaf) in
+        tree.cells.span(0, leaves).iter().zip(&mut *tree.frames).zip(&mut *tree.leaves)
+    {
+        let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
+        if is_open(cell) && is_sparse(members) {
+            kernels.run(Sharpen { boxes, extent: &extent, cell, frame, leaf, members });
+        }
+    }
+}
+
+/// Whether a side of the cell reaches to infinity: the other cells are as wide as the planes left them.
+fn is_open(cell: &Cell) -> bool {
+    cell.low().contains(&i32::MIN) || cell.high().contains(&i32::MAX)
+}
+
+/// Whether most members use a small part of their grid on some axis.
+fn is_sparse(members: &[Record]) -> bool {
+    let lanes = |at| members.get(at).map(|record: &Record| [0, 1, 2].map(|k| i32::from(record.lanes[k])));
+    let (low, high) = Sample::of(members.len(), lanes).bounds();
+    (0..3).any(|k| low[k] <= high[k] && SPARSE * ((high[k] - low[k]) as f32) < GRID_MAX)
+}
+
+/// Makes one leaf's frame from where most of its members are.
+struct Sharpen<'l> {
+    boxes: &'l [KeyBox],
+    extent: &'l Extent,
+    cell: &'l Cell,
+    frame: &'l mut Frame,
+    leaf: &'l mut Leaf,
+    members: &'l mut [Record],
+}
+
+impl Phase for Sharpen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { boxes, extent, cell, frame, leaf, members } = self;
+        let minimum =
+            |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
+        let sample = Sample::of(members.len(), minimum);
+        let (low, high) = extent.clip(cell);
+        let narrow = Extent { low, high }.trimmed(&sample);
+        if (narrow.low, narrow.high) == (low, high) {
+            return;
+        }
+        *frame = Frame::over(narrow.low, narrow.high);
+        leaf.axis = longest(narrow.low, narrow.high) as u32;
+        for record in members {
+            let slot = record.slot();
+            *record = simd.record(frame, simd.keys(KeyBox::of(boxes, slot as usize)), slot);
+        }
+    }
+}

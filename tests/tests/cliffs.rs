@@ -1,0 +1,339 @@
+//! What makes a scene hard costs no more than it must: counters of a world that went through it beside those of a world without
+//! it, or of a fresh one on the same frame. Counters repeat exactly, so that no time is needed; and all steps but those of the
+//! largest worlds are checked against brute force.
+
+use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Serial, Stats};
+use trisap_tests::checked::Checked;
+use trisap_tests::jobs::Jobs;
+use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
+use trisap_tests::worlds::{Setup, Slab, ample};
+
+const SETUP: Setup = Setup { kernels: Kernels::BASELINE, jobs: Jobs::Serial };
+/// How many times as much a counter may be.
+const AT_MOST: f64 = 1.5;
+/// Steps after which a world must be as a fresh one.
+const RECOVERY: usize = 8;
+
+/// The counters must be at most so many times those of another world; a few more are no cliff.
+#[track_caller]
+fn assert_near(what: &str, stats: &Stats, fresh: &Stats) {
+    let within = |a: u64, b: u64| a as f64 <= AT_MOST * b as f64 + 64.0;
+    assert!(within(stats.candidates, fresh.candidates), "{what}: candidates\n{stats:?}\n{fresh:?}");
+    assert!(within(stats.copies, fresh.copies), "{what}: copies\n{stats:?}\n{fresh:?}");
+    let [full, even] = [stats.fullest_leaf, fresh.fullest_leaf].map(u64::from);
+    assert!(within(full, even), "{what}: the fullest leaf\n{stats:?}\n{fresh:?}");
+    assert!(2 * stats.leaves_in_use >= fresh.leaves_in_use, "{what}: leaves in use\n{stats:?}\n{fresh:?}");
+}
+
+/// What the second step of a fresh world over these boxes counts.
+fn fresh(boxes: &[Aabb]) -> Stats {
+    let config = Config::new(ample(boxes.len(), 40 * boxes.len())).with_movers_only(Choice::Never);
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    world.insert_many(Boxes::new(boxes), &mut vec![None; boxes.len()]).expect("room and good boxes");
+    for _ in 0..2 {
+        world.step(Kernels::detect(), &Serial).expect("room for the pairs");
+    }
+    world.stats()
+}
+
+/// Cubes on a plane, about two edges apart.
+fn layer(count: usize, seed: u64) -> Vec<Aabb> {
+    let mut rng = Rng::new(seed);
+    let side = 2.0 * (count as f32).sqrt();
+    let mut place = || rng.between(0.0, side);
+    (0..count).map(|_| cube(place(), 0.0, place())).collect()
+}
+
+/// Planes, slabs, half-spaces and lines of all sizes beside a layer of cubes: the layer costs what it does without them.
+#[test]
+fn grounds_cost_only_their_own_pairs() {
+    const INFINITE: f32 = f32::INFINITY;
+    let flat = |reach: f32, low: f32| Aabb::new([-reach, low, -reach], [reach, 0.0, reach]);
+    for count in [60, 400, 1000, 8000, 32_000, 128_000] {
+        let layer = layer(count, 7);
+        let side = 2.0 * (count as f32).sqrt();
+        let plain = fresh(&layer);
+        let grounds: [(&str, Vec<Aabb>); 9] = [
+            ("as large as the layer", vec![Aabb::new([0.0, -1.0, 0.0], [side, 0.0, side])]),
+            ("1e4", vec![flat(1e4, -1.0)]),
+            ("1e9", vec![flat(1e9, -1.0)]),
+            ("infinite", vec![flat(INFINITE, -1.0)]),
+            ("a half-space", vec![flat(INFINITE, -INFINITE)]),
+            (
+                "two half-spaces",
+                vec![flat(INFINITE, -INFINITE), Aabb::new([-INFINITE; 3], [0.0, INFINITE, INFINITE])],
+            ),
+            ("a line", vec![Aabb::new([-INFINITE, 0.0, 5.0], [INFINITE, 0.5, 5.5])]),
+            (
+                "four walls",
+                vec![
+                    Aabb::new([-1e4; 3], [0.0, 1e4, 1e4]),
+                    Aabb::new([side, -1e4, -1e4], [1e4; 3]),
+                    Aabb::new([-1e4; 3], [1e4, 1e4, 0.0]),
+                    Aabb::new([-1e4, -1e4, side], [1e4; 3]),
+                ],
+            ),
+            ("a few far away", (1..4).map(|k| cube(1e5 * k as f32, -1e5, 1e6)).collect()),
+        ];
+        for (name, ground) in grounds {
+            for first in [false, true] {
+                let boxes =
+                    if first { [&ground[..], &layer].concat() } else { [&layer[..], &ground].concat() };
+                let with = fresh(&boxes);
+                let own = (with.pairs - plain.pairs) as f64;
+                let most = AT_MOST * (plain.candidates as f64 + own) + 64.0;
+                let what = format!("{name}, {count} cubes");
+                assert!(with.candidates as f64 <= most, "{what}\n{with:?}\n{plain:?}");
+                assert!(
+                    with.copies <= 2 * plain.copies + 64 * ground.len() as u64,
+                    "{what}\n{with:?}\n{plain:?}"
+                );
+                assert!(
+                    f64::from(with.fullest_leaf) <= AT_MOST * f64::from(plain.fullest_leaf),
+                    "{what}\n{with:?}\n{plain:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A world that steps over frames, all checked, and then over one frame until it must be as a fresh world.
+fn recovers(what: &str, frames: &[Vec<Aabb>], then: impl Fn(usize) -> Vec<Aabb>) {
+    let count = frames[0].len();
+    let config = Config::new(ample(count, 150 * count)).with_events().with_movers_only(Choice::Never);
+    let mut slab = Slab::new::<u32>(&config);
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    checked.insert_many(&frames[0]);
+    for frame in frames {
+        let crowded = frame.iter().filter(|b| b.overlaps(&frame[0])).count() > 400;
+        if crowded {
+            // More pairs than there is room for; the step is one all the same.
+            let _ = checked.try_step_over(frame, SETUP);
+        } else {
+            checked.step_over(frame, SETUP);
+        }
+    }
+    for step in 0..RECOVERY {
+        checked.step_over(&then(step), SETUP);
+    }
+    let last = then(RECOVERY);
+    checked.step_over(&last, SETUP);
+    let fresh = fresh(&last);
+    assert_near(what, &checked.world().stats(), &fresh);
+    // And it stays so, without a rebuild in each step.
+    let mut rebuilt = 0;
+    for step in 0..RECOVERY {
+        checked.step_over(&then(RECOVERY + step), SETUP);
+        rebuilt += usize::from(checked.world().stats().path == Path::Rebuilt);
+    }
+    assert!(rebuilt <= 1, "{what}: new planes {rebuilt} times in {RECOVERY} steps");
+}
+
+/// The frames of Brownian cubes.
+fn motion(count: usize, seed: u64) -> Vec<Vec<Aabb>> {
+    let mut scene = Brownian::new(count, seed);
+    (0..4 * RECOVERY).map(|_| scene.advance().to_vec()).collect()
+}
+
+#[test]
+fn a_bad_first_frame_is_forgotten() {
+    for count in [600, 1000, 3000] {
+        let frames = motion(count, 3);
+        let in_one_place: Vec<Aabb> = vec![cube(3.0, 4.0, 5.0); count];
+        let nearly: Vec<Aabb> = frames[0].iter().map(|b| shrunk(b, 1e-3)).collect();
+        let half: Vec<Aabb> = frames[0]
+            .iter()
+            .enumerate()
+            .map(|(k, b)| if k % 2 == 0 { in_one_place[0] } else { *b })
+            .collect();
+        for (name, first) in
+            [("one place", &in_one_place), ("nearly one place", &nearly), ("one place by half", &half)]
+        {
+            for steps in [1, 3, 20] {
+                recovers(&format!("{name}, {count}, {steps} steps"), &vec![first.clone(); steps], |step| {
+                    frames[step].clone()
+                });
+            }
+        }
+    }
+}
+
+/// A cube at a place shrunk towards the origin.
+fn shrunk(aabb: &Aabb, by: f32) -> Aabb {
+    let [x, y, z] = aabb.min.map(|x| x * by);
+    cube(x, y, z)
+}
+
+#[test]
+fn a_spread_that_takes_some_frames_is_followed() {
+    for count in [1000, 3000] {
+        let frames = motion(count, 5);
+        let spreading: Vec<Vec<Aabb>> =
+            (0..10).map(|k| frames[0].iter().map(|b| shrunk(b, (k + 1) as f32 / 10.0)).collect()).collect();
+        recovers(&format!("a spread of {count}"), &spreading, |step| frames[step].clone());
+    }
+}
+
+#[test]
+fn a_hitch_is_forgotten() {
+    for count in [1000, 3000, 8000] {
+        let frames = motion(count, 7);
+        let large = |b: &Aabb, by: f32| Aabb::new(b.min.map(|x| x - by), b.max.map(|x| x + by));
+        for by in [1.0, 3.0] {
+            let hitch: Vec<Aabb> = frames[1].iter().map(|b| large(b, by)).collect();
+            let swept: Vec<Aabb> = frames[1]
+                .iter()
+                .map(|b| Aabb::new(b.min, [b.max[0] + 10.0 * by, b.max[1], b.max[2]]))
+                .collect();
+            for (name, bad) in [("hitch", hitch), ("swept", swept)] {
+                // In the middle, and as the first frame.
+                recovers(&format!("{name} {by} of {count}"), &[frames[0].clone(), bad.clone()], |step| {
+                    frames[2 + step].clone()
+                });
+                recovers(&format!("first {name} {by} of {count}"), &[bad], |step| frames[2 + step].clone());
+            }
+        }
+    }
+}
+
+#[test]
+fn teleports_are_followed() {
+    for (count, share) in [(1000, 1), (1000, 2), (3000, 1), (3000, 2), (3000, 4)] {
+        let frames = motion(count, 9);
+        {
+            let moved = |boxes: &[Aabb], by: f32| -> Vec<Aabb> {
+                let far = |(k, b): (usize, &Aabb)| {
+                    if k % share == 0 { shifted(b, [by, -by, 2.0 * by]) } else { *b }
+                };
+                boxes.iter().enumerate().map(far).collect()
+            };
+            let first = [frames[0].clone(), frames[1].clone()];
+            recovers(&format!("one in {share} of {count} far away"), &first, |step| {
+                moved(&frames[2 + step], 1e4)
+            });
+        }
+    }
+}
+
+/// Objects come at one side, until there are twenty times as many.
+#[test]
+fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
+    let boxes = {
+        let mut boxes = uniform(8000, 11);
+        boxes.sort_by(|a, b| a.min[0].total_cmp(&b.min[0]));
+        boxes
+    };
+    let config = Config::new(ample(8000, 80_000));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    let mut count = 400;
+    checked.insert_many(&boxes[..count]);
+    checked.step(SETUP);
+    while count < boxes.len() {
+        let more = (count / 3).min(boxes.len() - count);
+        checked.insert_many(&boxes[count..count + more]);
+        count += more;
+        checked.step(SETUP);
+    }
+    for _ in 0..RECOVERY {
+        let all: Vec<Aabb> = boxes.iter().map(|b| shifted(b, [0.0; 3])).collect();
+        let mut wobbling = all;
+        wobbling.iter_mut().step_by(2).for_each(|b| *b = shifted(b, [1e-3; 3]));
+        checked.step_over(&wobbling, SETUP);
+        checked.step_over(&boxes, SETUP);
+    }
+    assert_near("grown", &checked.world().stats(), &fresh(&boxes));
+}
+
+/// Another object is large in each of many steps with few movers: none is taken for large afterwards.
+#[test]
+fn objects_that_were_large_for_a_while_leave_no_trace() {
+    let boxes = uniform(2000, 13);
+    let config = Config::new(ample(2000, 80_000)).with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    let ids = checked.insert_many(&boxes);
+    checked.step(SETUP);
+    let mut was_large = 0;
+    for k in 0..200 {
+        checked.set(ids[k], Aabb::new([-1e3; 3], [1e3; 3]));
+        if k > 0 {
+            checked.set(ids[k - 1], boxes[k - 1]);
+        }
+        checked.step(SETUP);
+        let stats = checked.world().stats();
+        was_large += stats.large;
+        assert!(stats.large <= 1, "{stats:?}");
+    }
+    assert!(was_large > 100, "none was taken for large");
+    checked.set(ids[199], boxes[199]);
+    checked.step(SETUP);
+    assert_eq!(checked.world().stats().large, 0);
+}
+
+/// A thousand steps of a few movers alone leave the tree as it was.
+#[test]
+fn few_movers_for_long_leave_no_trace() {
+    let boxes = uniform(2000, 17);
+    let config = Config::new(ample(2000, 20_000));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let mut ids = vec![None; boxes.len()];
+    world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+    let ids: Vec<Id> = ids.into_iter().flatten().collect();
+    let mut rng = Rng::new(19);
+    let mut after = Vec::new();
+    for round in 0..2 {
+        world.step(Kernels::detect(), &Serial).expect("room");
+        for _ in 0..1000 * round {
+            let movers: Vec<usize> = (0..20).map(|_| rng.below(ids.len())).collect();
+            for &k in &movers {
+                world.set_aabb(ids[k], at(rng.point(0.0, 30.0), [2.0; 3])).expect("alive");
+            }
+            world.step(Kernels::detect(), &Serial).expect("room");
+            assert_ne!(world.stats().path, Path::Rebuilt);
+            for &k in &movers {
+                world.set_aabb(ids[k], boxes[k]).expect("alive");
+            }
+        }
+        // The cost of the same few movers.
+        for _ in 0..2 {
+            for k in 0..40 {
+                world.set_aabb(ids[k], shifted(&boxes[k], [0.01; 3])).expect("alive");
+            }
+            world.step(Kernels::detect(), &Serial).expect("room");
+            for k in 0..40 {
+                world.set_aabb(ids[k], boxes[k]).expect("alive");
+            }
+            world.step(Kernels::detect(), &Serial).expect("room");
+        }
+        after.push(world.stats());
+    }
+    assert!(after.iter().all(|stats| stats.path == Path::Movers), "{after:?}");
+    assert_near("after a thousand steps", &after[1], &after[0]);
+}
+
+/// The margin of what is unbounded or flat has no surplus with what its box does not come near.
+#[test]
+fn huge_boxes_have_no_huge_margins() {
+    let layer = layer(1000, 23);
+    let raised: Vec<Aabb> = layer.iter().map(|b| shifted(b, [0.0, 20.0, 0.0])).collect();
+    let infinite = f32::INFINITY;
+    for ground in [
+        Aabb::new([-infinite, -1.0, -infinite], [infinite, 0.0, infinite]),
+        Aabb::new([-1e4, -1.0, -1e4], [1e4, 0.0, 1e4]),
+        Aabb::new([-infinite; 3], [infinite, 0.0, infinite]),
+    ] {
+        let config = Config::new(ample(1001, 20_000)).with_margin(Margin::share(0.1));
+        let mut slab = Slab::new::<u32>(&config);
+        let mut checked = Checked::<u32>::new(slab.world(&config));
+        checked.insert_many(&raised);
+        checked.step(SETUP);
+        let without = checked.world().stats().surplus;
+        checked.insert(ground);
+        checked.step(SETUP);
+        let stats = checked.world().stats();
+        assert!(stats.surplus <= without + 1, "{ground:?}\n{stats:?}");
+    }
+}
