@@ -382,6 +382,12 @@ impl State {
         Self { workers: 1, magic: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
     }
 
+    /// Whether it is such a state.
+    pub(crate) const fn is_portable(&self) -> bool {
+        let Self { workers, magic, listed, stale_lists, unproven, .. } = *self;
+        workers == 1 && magic == 0 && listed == 0 && stale_lists == 1 && unproven == 0
+    }
+
     /// Whether the statistics of the last step are such as a step leaves, and nothing stands where nothing should.
     pub(crate) fn has_known_statistics(&self) -> bool {
         let (path, reason) = (self.chosen as usize & 0xff, (self.chosen >> 8) as usize & 0xff);

@@ -104,8 +104,11 @@ fn setups() -> [Setup; 2] {
     [Setup::REFERENCE, Setup { kernels: Kernels::detect(), jobs: Jobs::Threads(2) }]
 }
 
+/// What is forged, and how.
+type Forgery<'f> = (&'f str, &'f dyn Fn(&mut Vec<u8>));
+
 /// Loads each forgery into a world with a life of its own. Returns the names of those that were loaded.
-fn loaded<'n>(snapshot: &[u8], forgeries: &[(&'n str, &dyn Fn(&mut Vec<u8>))], setup: Setup) -> Vec<&'n str> {
+fn loaded<'n>(snapshot: &[u8], forgeries: &[Forgery<'n>], setup: Setup) -> Vec<&'n str> {
     let config = setup.configure(PLAIN);
     let (mut slab, mut room) = (Slab::new::<u32>(&config), Slab::new::<u32>(&config));
     let (mut world, mut twin) = (lived::<u32>(&mut slab, &config, 640, 4), room.world::<u32>(&config));
@@ -174,7 +177,7 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             put(bytes, set + slot / 32 * 4, word);
         };
         let beyond = get(snapshot, SLOTS);
-        let forgeries: &[(&str, &dyn Fn(&mut Vec<u8>))] = &[
+        let forgeries: &[Forgery<'_>] = &[
             ("a number of objects", &|b| put(b, LIVE, get(snapshot, LIVE) - 1)),
             ("a free slot", &|b| put(b, FREE, 1 + slot as u32)),
             ("lists", &|b| b[STALE_LISTS] = 0),
@@ -261,7 +264,7 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         let apart = apart.expect("two that do not touch");
         let free = 9;
         // The other one has nothing of this.
-        let divided: &[(&str, &dyn Fn(&mut Vec<u8>))] = &[
+        let divided: &[Forgery<'_>] = &[
             ("a pair that does not overlap", &|b| put(b, pair + 4, apart)),
             ("who has moved and is not touched", &|b| b[TOUCHED] = 0),
             ("who is no more has not moved", &|b| bit(b, p.moved, free)),
@@ -296,8 +299,7 @@ fn pairs_that_are_not_all_are_found_anew() {
             let last = p.pairs + 8 * (p.pair_count - 1);
             b.copy_within(last - 8..last, last);
         };
-        let forgeries: [(&str, &dyn Fn(&mut Vec<u8>)); 2] =
-            [("a pair less", &less), ("a pair twice", &twice)];
+        let forgeries: [Forgery<'_>; 2] = [("a pair less", &less), ("a pair twice", &twice)];
         let names = loaded(snapshot, &forgeries, setup);
         assert_eq!(names, ["a pair less", "a pair twice"]);
     }

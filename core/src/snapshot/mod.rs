@@ -78,8 +78,7 @@ impl<I: Index> World<'_, I> {
         let state: State = bytemuck::try_pod_read_unaligned(state).map_err(|_| Error::BadSnapshot)?;
         let parts = &mut self.parts;
         // A snapshot says nothing of what depends on the world alone.
-        let portable = bytemuck::bytes_of(&state) == bytemuck::bytes_of(&state.portable());
-        if !portable || !state.is_like(parts.state) || numbers(&state, &parts.sizes).is_err() {
+        if !state.is_portable() || !state.is_like(parts.state) || numbers(&state, &parts.sizes).is_err() {
             return Err(Error::BadSnapshot);
         }
         let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;

@@ -112,7 +112,8 @@ impl Sample {
         let mut sample = Self::NONE;
         for slot in list {
             // Evenly, as multiples of the golden ratio fall.
-            let at = u64::from(slot.slot().wrapping_mul(0x9e37_79b9)) * list.len() as u64 >> 32;
+            let turn = u64::from(slot.slot().wrapping_mul(0x9e37_79b9));
+            let at = (turn * list.len() as u64) >> 32;
             if at < SAMPLE as u64 {
                 sample.include(KeyBox::of(boxes, slot.at()).min);
             }
