@@ -63,7 +63,7 @@ pub unsafe extern "C" fn trisap_world_save(
 ///
 /// All that can be refused is refused before anything changes: after `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before,
 /// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
-/// would keep pairs without looking at them looks once whether they are all, which takes about as long as to find them anew.
+/// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_load(

@@ -66,7 +66,7 @@ impl<I: Index> World<'_, I> {
     /// All that can be refused is refused before anything changes, also of bytes that were forged with a right checksum. What is
     /// loaded is [valid](Self::validate), and its steps find what brute force finds: only what the last result was, what events
     /// compare the next one with, and the statistics are as the bytes say. So the first step that would keep pairs without
-    /// looking at them, as nothing or little moves, looks once whether they are all, and takes about as long as one that finds
+    /// looking at them, as nothing or little moves, looks once whether they are all, and takes several times as long as one that finds
     /// them anew.
     ///
     /// # Errors
