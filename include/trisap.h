@@ -110,7 +110,7 @@
 #define TRISAP_VERSION_PATCH 0
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
-/// was before the call, but for what `trisap_world_load` says.
+/// was before the call.
 enum trisap_status
 #ifdef __cplusplus
   : int32_t
@@ -728,10 +728,11 @@ TRISAP_NOEXCEPT;
 
 /// Replaces the world by the one that a snapshot was taken of. The configuration must be the same, but for the number of
 /// workers. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
-/// any more. O(n log n + pairs): all invariants are checked.
+/// any more. O(n + pairs).
 ///
-/// After `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before; but bytes that were forged so well that the checksum is
-/// right may leave an empty world. No bytes do harm.
+/// All that can be refused is refused before anything changes: after `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before,
+/// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
+/// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
 TRISAP_NODISCARD
 trisap_status trisap_world_load(struct trisap_world *world,
                                 const void *snapshot,

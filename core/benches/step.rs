@@ -261,6 +261,13 @@ fn snapshot(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("load", &name), |bencher| {
         bencher.iter(|| world.load(&bytes).expect("a snapshot of this world"));
     });
+    // The first step after it sees whether the pairs that it keeps are all.
+    group.bench_function(BenchmarkId::new("load and an idle step", &name), |bencher| {
+        bencher.iter(|| {
+            world.load(&bytes).expect("a snapshot of this world");
+            world.step(kernels, &Serial).expect("room for the pairs");
+        });
+    });
 }
 
 fn small(criterion: &mut Criterion) {

@@ -145,13 +145,17 @@ impl<'g> Gate<'g> {
         let (Some(a), Some(b)) = (self.filters.get(pair[0].at()), self.filters.get(pair[1].at())) else {
             return true;
         };
-        let class =
-            |a: &Filter, b: &Filter| self.classes.at(a.class as usize % CLASSES) >> (b.class % 32) & 1;
-        let groups = a.group & b.mask != 0 && b.group & a.mask != 0;
-        groups
-            && class(a, b) & class(b, a) != 0
+        meet(a, b, |class| self.classes.at(class))
             && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
     }
+}
+
+/// Whether two objects make a pair by their filters and the rows of the class matrix.
+#[inline(always)]
+pub(crate) fn meet(a: &Filter, b: &Filter, row: impl Fn(usize) -> u32) -> bool {
+    let class = |a: &Filter, b: &Filter| row(a.class as usize % CLASSES) >> (b.class % 32) & 1;
+    let groups = a.group & b.mask != 0 && b.group & a.mask != 0;
+    groups && class(a, b) & class(b, a) != 0
 }
 
 /// Passes on the pairs that a gate lets through.

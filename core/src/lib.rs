@@ -65,6 +65,7 @@ mod objects;
 mod paths;
 mod query;
 mod radix;
+mod recount;
 mod resting;
 mod results;
 mod shift;

@@ -247,8 +247,7 @@ fn sort_list<'o, I: Index>(
 /// Looks at all boxes and chooses the axis of the list: by where most of them are.
 fn survey<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> (Census, Extent) {
     let census = assign::survey(slots.iter().filter_map(|slot| boxes.get(slot.at())));
-    let minimum = |at| slots.get(at).map(|slot: &I| KeyBox::of(boxes, slot.at()).min);
-    let extent = census.extent.trimmed(&Sample::of(slots.len(), minimum));
+    let extent = census.extent.trimmed(&Sample::of_list(slots, boxes));
     state.list_axis = longest_axis(&extent, state.list_axis as usize) as u8;
     (census, extent)
 }

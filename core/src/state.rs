@@ -247,7 +247,8 @@ pub(crate) struct State {
     pub(crate) deeper_after: u8,
     /// Full steps in a row with far more such candidates.
     pub(crate) heavy: u8,
-    unused: [u8; 1],
+    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    pub(crate) unproven: u8,
 }
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
@@ -378,9 +379,21 @@ impl State {
     }
 
     /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
-    /// was built for about the slab alone.
+    /// was built for about the slab alone. A snapshot has no lists.
     pub(crate) fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, faults: 0, ..*self }
+        Self { workers: 1, magic: 0, faults: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
+    }
+
+    /// Whether it is such a state.
+    pub(crate) const fn is_portable(&self) -> bool {
+        let Self { workers, magic, faults, listed, stale_lists, unproven, .. } = *self;
+        workers == 1 && magic == 0 && faults == 0 && listed == 0 && stale_lists == 1 && unproven == 0
+    }
+
+    /// Whether the statistics of the last step are such as a step leaves, and nothing stands where nothing should.
+    pub(crate) fn has_known_statistics(&self) -> bool {
+        let (path, reason) = (self.chosen as usize & 0xff, (self.chosen >> 8) as usize & 0xff);
+        path < Path::ALL.len() && reason < Reason::ALL.len() && self.chosen >> 16 <= 1 && self.coarse <= 1
     }
 
     /// Takes over what a snapshot does not have.

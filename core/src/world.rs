@@ -13,6 +13,7 @@ use crate::key::KeyBox;
 use crate::links;
 use crate::objects::margin_length;
 use crate::paths::{self, Means};
+use crate::recount;
 use crate::results;
 use crate::state::{Path, Route, Stats};
 use crate::storage::Parts;
@@ -58,7 +59,10 @@ impl<I: Index> World<'_, I> {
     fn find(parts: &mut Parts<'_, I>, shared: bool, means: Means<'_>) -> Result<(), Error> {
         let moved = parts.moved.count();
 
-        let route = paths::choose(parts, moved);
+        let mut route = paths::choose(parts, moved);
+        if parts.state.unproven != 0 {
+            route = recount::prove(parts, route, moved, means);
+        }
         paths::refine_when_calm(parts, route.path, moved, means);
         if route.path == Path::Unchanged && parts.state.crept == 0 {
             Self::keep(parts, shared);

@@ -1,4 +1,5 @@
 //! Steps against brute force, in one program: `cargo test -p trisap-core shift::` runs one file.
 
 mod shift;
+mod snapshot;
 mod step;

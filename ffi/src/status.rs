@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use trisap_core::Error;
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
-/// was before the call, but for what `trisap_world_load` says.
+/// was before the call.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum trisap_status {

@@ -400,6 +400,35 @@ static void fixed_and_shifted(void) {
     free(world);
 }
 
+// With planes and without leaves, as after a shift of the origin, a world comes back too.
+static void saved_after_a_shift(void) {
+    enum { OBJECTS = 600 };
+    trisap_config config = trisap_default_config(OBJECTS);
+    trisap_world *world = make(&config);
+    static trisap_aabb aabbs[OBJECTS];
+    static trisap_id ids[OBJECTS];
+    for (int i = 0; i < OBJECTS; i++) {
+        aabbs[i] = cube(0.75f * (float)i);
+    }
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, OBJECTS);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    const double by[3] = {1.0, 2.0, 3.0};
+    CHECK_OK(trisap_world_shift_origin(world, by, NULL));
+    const size_t room = trisap_world_snapshot_size(world);
+    void *snapshot = malloc(room);
+    size_t size = 0;
+    CHECK_OK(trisap_world_save(world, snapshot, room, &size));
+    CHECK_OK(trisap_world_load(world, snapshot, size));
+    CHECK_OK(trisap_world_validate(world));
+    CHECK(trisap_world_len(world) == OBJECTS);
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == OBJECTS - 1);
+    free(snapshot);
+    free(world);
+}
+
 // A world comes back as it was, and goes on as it would have.
 static void saved(void) {
     trisap_config config = trisap_default_config(16);
@@ -487,6 +516,7 @@ int main(void) {
     doubles();
     fixed_and_shifted();
     saved();
+    saved_after_a_shift();
     copies();
     statics();
     puts("life: all checks passed");

@@ -553,6 +553,30 @@ static void views(void) {
     CHECK(count == 0);
 }
 
+static uint64_t mixed(uint64_t sum, uint64_t word) {
+    sum = (sum ^ word) * UINT64_C(0x9e3779b97f4a7c15);
+    return sum << 29 | sum >> 35;
+}
+
+// Gives a snapshot the checksum that it should have: of what follows its header of 24 bytes, the last eight of the header.
+static void seal(unsigned char *snapshot, size_t size) {
+    const unsigned char *body = snapshot + 24;
+    const size_t count = size - 24, whole = count / 32 * 32;
+    uint64_t sums[4] = {1, 2, 3, 4}, sum = count;
+    for (size_t i = 0; i < whole; i += 8) {
+        uint64_t word;
+        memcpy(&word, body + i, sizeof word);
+        sums[i / 8 % 4] = mixed(sums[i / 8 % 4], word);
+    }
+    for (size_t i = whole; i < count; i++) {
+        sum = mixed(sum, body[i]);
+    }
+    for (int i = 0; i < 4; i++) {
+        sum = mixed(sum, sums[i]);
+    }
+    memcpy(snapshot + 16, &sum, sizeof sum);
+}
+
 // Bytes that are no snapshot of this world, each by itself.
 static void snapshots(void) {
     const size_t size = trisap_world_snapshot_size(world);
@@ -581,6 +605,18 @@ static void snapshots(void) {
     }
     memset(broken, 0, size);
     REFUSED(trisap_world_load(world, broken, size), TRISAP_STATUS_BAD_SNAPSHOT);
+
+    // Forged with a right checksum: another number of objects, another box, and what stands last.
+    memcpy(broken, snapshot, size);
+    seal(broken, size);
+    CHECK(memcmp(broken, snapshot, size) == 0);
+    const size_t forged[3] = {24 + 40, 24 + 256 + 3, size - 1};
+    for (int i = 0; i < 3; i++) {
+        memcpy(broken, snapshot, size);
+        broken[forged[i]] ^= 0x7f;
+        seal(broken, size);
+        REFUSED(trisap_world_load(world, broken, size), TRISAP_STATUS_BAD_SNAPSHOT);
+    }
 
     // Of another capacity.
     trisap_config config;

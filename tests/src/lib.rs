@@ -5,7 +5,9 @@
 
 pub mod checked;
 pub mod denormals;
+pub mod forging;
 pub mod jobs;
+pub mod lives;
 pub mod model;
 pub mod oracle;
 pub mod play;

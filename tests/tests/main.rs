@@ -10,6 +10,7 @@ mod cliffs;
 mod errata;
 mod executors;
 mod filters;
+mod forged;
 mod golden;
 mod large;
 mod numerics;

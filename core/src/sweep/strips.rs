@@ -90,14 +90,16 @@ pub(crate) fn place(bounds: &KeyBox, slot: u32, axes: [usize; 2], planes: &Plane
 }
 
 impl<I: Index> Striped<'_, I> {
-    /// Keeps the planes where they divide the minima well, and puts them at the quantiles of some where not. O(1).
+    /// Keeps the planes where they divide the minima well, and puts them at the quantiles of some where not. Looks at objects by
+    /// their slots, not by the list, which a world that was loaded does not have. O(n).
     #[inline(never)]
     pub(crate) fn divide(&mut self) {
         let mut sample = [i32::MAX; SAMPLE];
         let mut counts = [0usize; STRIPS];
         let mut count = 0;
-        for slot in self.order.iter().step_by(self.order.len().div_ceil(SAMPLE).max(1)) {
-            let key = KeyBox::of(self.boxes, slot.at()).min.at(self.axes[1]);
+        let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
+        for bounds in boxes.step_by(self.order.len().div_ceil(SAMPLE).max(1)) {
+            let key = bounds.min.at(self.axes[1]);
             let strip = strip_of(self.planes, key);
             let known = counts.at(strip);
             counts.put(strip, known + 1);

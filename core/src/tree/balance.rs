@@ -197,8 +197,7 @@ pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
     parts.state.divisible = 0;
     let boxes = parts.boxes.swept();
     let slots = parts.order[0].span(0, live);
-    let minimum = |at| slots.get(at).map(|slot: &I| KeyBox::of(boxes, slot.at()).min);
-    let extent = super::assign::survey(boxes.iter()).extent.trimmed(&Sample::of(live, minimum));
+    let extent = super::assign::survey(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
     parts.state.set_extent(&extent);
     for leaf in &mut *parts.tree.leaves {
         leaf.settled = 0;

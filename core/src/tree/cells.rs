@@ -2,7 +2,8 @@
 
 use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
-use crate::key::{key, length, value};
+use crate::id::Index;
+use crate::key::{KeyBox, key, length, value};
 
 /// How many times its cell a box may reach beyond it before it is a large object.
 const FAR: f32 = 2.0;
@@ -91,16 +92,32 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
+    const NONE: Self =
+        Self { low: [[i32::MAX; 3]; OUTLIERS + 1], high: [[i32::MIN; 3]; OUTLIERS + 1], count: 0 };
+
     /// Some of so many minima, as `minimum` has them, evenly.
     #[inline(always)]
     pub(crate) fn of(count: usize, minimum: impl Fn(usize) -> Option<[i32; 3]>) -> Self {
-        let mut sample =
-            Self { low: [[i32::MAX; 3]; OUTLIERS + 1], high: [[i32::MIN; 3]; OUTLIERS + 1], count: 0 };
+        let mut sample = Self::NONE;
         // An odd step, as every second object may be of another kind.
         (0..count)
             .step_by(count.div_ceil(SAMPLE) | 1)
             .filter_map(minimum)
             .for_each(|min| sample.include(min));
+        sample
+    }
+
+    /// Of some of the objects in a list, the same in whatever order it has them: a world that was loaded has no lists.
+    pub(crate) fn of_list<I: Index>(list: &[I], boxes: &[KeyBox]) -> Self {
+        let mut sample = Self::NONE;
+        for slot in list {
+            // Evenly, as multiples of the golden ratio fall.
+            let turn = u64::from(slot.slot().wrapping_mul(0x9e37_79b9));
+            let at = (turn * list.len() as u64) >> 32;
+            if at < SAMPLE as u64 {
+                sample.include(KeyBox::of(boxes, slot.at()).min);
+            }
+        }
         sample
     }
 

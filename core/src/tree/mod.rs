@@ -297,6 +297,20 @@ impl Frame {
     /// Of no leaf.
     pub(crate) const NONE: Self = Self { origin: [0.0; 8], scale: [0.0; 8] };
 
+    /// A frame of an origin and of steps a unit of length.
+    pub(crate) const fn new(origin: [f32; 3], scale: [f32; 3]) -> Self {
+        const fn twice([x, y, z]: [f32; 3]) -> [f32; 8] {
+            [x, y, z, x, y, z, 0.0, 0.0]
+        }
+        Self { origin: twice(origin), scale: twice(scale) }
+    }
+
+    /// What [`new`](Self::new) makes it of.
+    pub(crate) const fn parts(&self) -> [[f32; 3]; 2] {
+        let ([a, b, c, ..], [d, e, f, ..]) = (self.origin, self.scale);
+        [[a, b, c], [d, e, f]]
+    }
+
     /// Whether it maps coordinates to steps in their order, as sweeps need it: wherever its grid lies then, no pair is lost.
     pub(crate) fn is_sound(&self) -> bool {
         let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];
@@ -320,8 +334,7 @@ impl Frame {
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
             GRID_MAX / (high - low).max(floor).min(f32::MAX)
         };
-        let twice = |[x, y, z]: [f32; 3]| [x, y, z, x, y, z, 0.0, 0.0];
-        Self { origin: twice(origin), scale: twice([scale(0), scale(1), scale(2)]) }
+        Self::new(origin, [scale(0), scale(1), scale(2)])
     }
 }
 

@@ -1,0 +1,303 @@
+//! A snapshot as it stands in the caller's bytes: read where it is, unaligned, so that all of it can be checked before anything of
+//! a world changes.
+
+use crate::access::{Access, bits};
+use crate::filter::Filter;
+use crate::id::{Index, Pair};
+use crate::key::KeyBox;
+use crate::layout::Sizes;
+use crate::state::State;
+use crate::sweep::strips::Planes;
+use crate::tree::{Frame, Record};
+use crate::validate::content::{Content, LeafCounts, Set, Stand};
+use crate::validate::{pairs, tree};
+use bytemuck::Pod;
+use core::marker::PhantomData;
+
+/// Items in bytes of any alignment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packed<'b, T> {
+    bytes: &'b [u8],
+    items: PhantomData<T>,
+}
+
+impl<'b, T: Pod + Default> Packed<'b, T> {
+    /// The items in order.
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl Iterator<Item = T> + use<'b, T> {
+        // All of them are as long as that.
+        let item = |bytes| bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default();
+        self.bytes.chunks_exact(size_of::<T>()).map(item)
+    }
+
+    /// The item, or the default: see [`Access`].
+    #[inline(always)]
+    pub(super) fn at(&self, index: usize) -> T {
+        debug_assert!(index < self.len(), "read {index} of {}", self.len());
+        self.get(index).unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn get(&self, index: usize) -> Option<T> {
+        let bytes = self.bytes.chunks_exact(size_of::<T>()).nth(index)?;
+        bytemuck::try_pod_read_unaligned(bytes).ok()
+    }
+
+    const fn len(&self) -> usize {
+        self.bytes.len() / size_of::<T>()
+    }
+
+    /// Copies the items to the front of a slice and gives the rest of it another value.
+    pub(super) fn copy_to(&self, to: &mut [T], rest: T) {
+        let (to, behind) = to.split_at_mut_checked(self.len()).unwrap_or_default();
+        bytemuck::try_cast_slice_mut::<T, u8>(to).unwrap_or_default().copy_in(self.bytes);
+        behind.fill(rest);
+    }
+}
+
+/// Cuts sections off the bytes.
+struct Cutter<'b> {
+    rest: &'b [u8],
+}
+
+impl<'b> Cutter<'b> {
+    fn cut<T: Pod>(&mut self, count: usize) -> Option<Packed<'b, T>> {
+        let (bytes, rest) = self.rest.split_at_checked(count.checked_mul(size_of::<T>())?)?;
+        self.rest = rest;
+        Some(Packed { bytes, items: PhantomData })
+    }
+}
+
+/// The sections of a snapshot, in this order; the state stands before them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stored<'b, I> {
+    pub(super) now: Packed<'b, KeyBox>,
+    pub(super) fat: Packed<'b, KeyBox>,
+    pub(super) margins: Packed<'b, f32>,
+    pub(super) filters: Packed<'b, Filter>,
+    pub(super) classes: Packed<'b, u32>,
+    pub(super) refiltered: Packed<'b, u32>,
+    pub(super) generations: Packed<'b, u32>,
+    pub(super) moved: Packed<'b, u32>,
+    pub(super) resting: Packed<'b, u32>,
+    pub(super) changed: Packed<'b, u32>,
+    pub(super) awake: Packed<'b, u32>,
+    pub(super) strips: Packed<'b, Planes>,
+    pub(super) planes: Packed<'b, i32>,
+    pub(super) leaves: Packed<'b, LeafCounts>,
+    /// Of each leaf of the last full step: from where on boxes are large objects.
+    pub(super) far: Packed<'b, [i32; 3]>,
+    /// The origin and the scale of its frame.
+    pub(super) frames: Packed<'b, [[f32; 3]; 2]>,
+    /// The lanes of [`TreeParts::bounds`](crate::storage::TreeParts::bounds).
+    pub(super) bounds: Packed<'b, [u16; 6]>,
+    /// From the root on.
+    pub(super) nodes: Packed<'b, KeyBox>,
+    /// The slots of all records, and those of the large objects.
+    pub(super) members: Packed<'b, I>,
+    pub(super) large: Packed<'b, I>,
+    pub(super) pairs: Packed<'b, Pair<I>>,
+    pub(super) previous: Packed<'b, Pair<I>>,
+    pub(super) before: Packed<'b, KeyBox>,
+}
+
+/// How long the sections are that do not depend on other sections.
+pub(super) struct Lengths {
+    pub(super) slots: usize,
+    pub(super) words: usize,
+    pub(super) planes: usize,
+    pub(super) leaves: usize,
+    pub(super) whole_leaves: usize,
+    pub(super) bounds: usize,
+    pub(super) nodes: usize,
+    pub(super) large: usize,
+    pub(super) pairs: usize,
+    pub(super) previous: usize,
+}
+
+impl Lengths {
+    /// By the numbers of a state, which have been checked.
+    pub(super) fn of(state: &State, sizes: &Sizes) -> Self {
+        let filled = |count: usize| if state.filled != 0 { count } else { 0 };
+        let slots = state.slots as usize;
+        Self {
+            slots,
+            words: bits::words(slots),
+            planes: tree::planes(state, sizes.depth),
+            leaves: tree::leaves(state),
+            whole_leaves: filled(1 << state.depth),
+            bounds: if state.refined != 0 { filled(tree::leaves(state)) } else { 0 },
+            nodes: filled((2 << state.depth) - 1),
+            large: filled(state.large as usize),
+            pairs: state.swept_pairs as usize,
+            previous: pairs::previous(state) as usize,
+        }
+    }
+}
+
+impl<'b, I: Index> Stored<'b, I> {
+    /// Cuts the bytes behind a state, whose numbers have been checked; `None` where there are too few of them, or too many.
+    pub(super) fn cut(state: &State, sizes: &Sizes, body: &'b [u8]) -> Option<Self> {
+        let mut body = Cutter { rest: body };
+        let lengths = Lengths::of(state, sizes);
+        let Lengths { slots, words, .. } = lengths;
+        let kept = |room: usize, count: usize| if room > 0 { count } else { 0 };
+        let now = body.cut(slots)?;
+        let fat = body.cut(kept(sizes.fat, slots))?;
+        let margins = body.cut(kept(sizes.fat, slots))?;
+        let filters = body.cut(kept(sizes.filters, slots))?;
+        let classes = body.cut(sizes.classes)?;
+        let refiltered = body.cut(kept(sizes.filters, words))?;
+        let generations = body.cut(slots)?;
+        let moved = body.cut(words)?;
+        let resting = body.cut(words)?;
+        let changed: Packed<'b, u32> = body.cut(kept(sizes.changed, words))?;
+        let awake = body.cut(kept(sizes.tree, words))?;
+        let strips = body.cut(sizes.striped())?;
+        let planes = body.cut(lengths.planes)?;
+        let leaves: Packed<'b, LeafCounts> = body.cut(lengths.leaves)?;
+        let far = body.cut(lengths.whole_leaves)?;
+        let frames = body.cut(lengths.whole_leaves)?;
+        let bounds = body.cut(lengths.bounds)?;
+        let nodes = body.cut(lengths.nodes)?;
+        let members = leaves.iter().map(|leaf| u64::from(leaf.len)).sum::<u64>();
+        // No slot stands twice.
+        let members = usize::try_from(members).ok().filter(|members| *members <= slots)?;
+        let stored = Self {
+            now,
+            fat,
+            margins,
+            filters,
+            classes,
+            refiltered,
+            generations,
+            moved,
+            resting,
+            changed,
+            awake,
+            strips,
+            planes,
+            leaves,
+            far,
+            frames,
+            bounds,
+            nodes,
+            members: body.cut(members)?,
+            large: body.cut(lengths.large)?,
+            pairs: body.cut(lengths.pairs)?,
+            previous: body.cut(kept(sizes.previous, lengths.previous))?,
+            before: body
+                .cut(kept(sizes.before, changed.iter().map(|word| word.count_ones() as usize).sum()))?,
+        };
+        body.rest.is_empty().then_some(stored)
+    }
+}
+
+/// A snapshot that is checked.
+pub(super) struct Image<'b, 'm, I> {
+    pub(super) sizes: &'b Sizes,
+    pub(super) state: &'b State,
+    pub(super) stored: Stored<'b, I>,
+    /// Which slots have a place in the tree, as far as that is known: one bit for each that there can be.
+    pub(super) standing: &'m mut [u32],
+}
+
+impl<I: Index> Content<I> for Image<'_, '_, I> {
+    fn sizes(&self) -> &Sizes {
+        self.sizes
+    }
+
+    fn state(&self) -> &State {
+        self.state
+    }
+
+    #[inline(always)]
+    fn now(&self, slot: usize) -> KeyBox {
+        self.stored.now.at(slot)
+    }
+
+    #[inline(always)]
+    fn fat(&self, slot: usize) -> KeyBox {
+        self.stored.fat.at(slot)
+    }
+
+    fn margin(&self, slot: usize) -> f32 {
+        self.stored.margins.at(slot)
+    }
+
+    fn before(&self, _: usize, rank: usize) -> KeyBox {
+        self.stored.before.at(rank)
+    }
+
+    fn filter(&self, slot: usize) -> Filter {
+        self.stored.filters.at(slot)
+    }
+
+    fn class(&self, class: usize) -> u32 {
+        self.stored.classes.at(class)
+    }
+
+    fn generation(&self, slot: usize) -> u32 {
+        self.stored.generations.at(slot)
+    }
+
+    #[inline(always)]
+    fn word(&self, set: Set, index: usize) -> Option<u32> {
+        match set {
+            Set::Moved => &self.stored.moved,
+            Set::Resting => &self.stored.resting,
+            Set::Changed => &self.stored.changed,
+            Set::Awake => &self.stored.awake,
+            Set::Refiltered => &self.stored.refiltered,
+        }
+        .get(index)
+    }
+
+    fn strips(&self) -> Option<Planes> {
+        self.stored.strips.get(0)
+    }
+
+    fn plane(&self, node: usize) -> i32 {
+        self.stored.planes.at(node)
+    }
+
+    fn leaf(&self, index: usize) -> LeafCounts {
+        self.stored.leaves.at(index)
+    }
+
+    fn frame(&self, whole: usize) -> Frame {
+        let [origin, scale] = self.stored.frames.at(whole);
+        Frame::new(origin, scale)
+    }
+
+    fn bounds(&self, leaf: usize) -> Record {
+        Record { lanes: self.stored.bounds.get(leaf).unwrap_or_default(), tag: 0 }
+    }
+
+    fn node(&self, node: usize) -> KeyBox {
+        self.stored.nodes.at(node - 1)
+    }
+
+    #[inline(always)]
+    fn member(&self, _: usize, packed: usize) -> usize {
+        self.stored.members.at(packed).at()
+    }
+
+    fn large(&self, at: usize) -> usize {
+        self.stored.large.at(at).at()
+    }
+
+    #[inline(always)]
+    fn pair(&self, at: usize) -> Pair<I> {
+        self.stored.pairs.at(at)
+    }
+
+    fn previous(&self, at: usize) -> Pair<I> {
+        self.stored.previous.at(at)
+    }
+
+    #[inline(always)]
+    fn stands(&mut self, slot: usize, _: Stand) -> bool {
+        bits::set(self.standing, slot)
+    }
+}

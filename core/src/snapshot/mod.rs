@@ -1,0 +1,209 @@
+//! Saves a world to plain bytes and brings it back, for rollback and for files.
+//!
+//! A snapshot has what the next step needs and nothing that it can work out: no scratch memory, no lists, no cells and records
+//! of the tree, no boxes of the last step that are still the boxes of this one. What is not there cannot be wrong. It
+//! holds positions, never addresses, so it can be loaded into any world of the same configuration on any machine of the same
+//! byte order.
+
+mod image;
+mod replace;
+
+use crate::access::{Access, bits};
+use crate::error::Error;
+use crate::id::Index;
+use crate::state::State;
+use crate::storage::Parts;
+use crate::tree::Frame;
+use crate::validate::content::leaf;
+use crate::validate::{content, numbers};
+use crate::world::World;
+use bytemuck::{Pod, Zeroable};
+use image::{Image, Lengths, Stored};
+use replace::replace;
+
+/// What a snapshot starts with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Header {
+    magic: u64,
+    /// Bytes behind the header.
+    len: u64,
+    /// Of these bytes.
+    checksum: u64,
+}
+
+/// Also tells the version and the byte order.
+const MAGIC: u64 = 0x7472_6973_6170_0007;
+
+impl<I: Index> World<'_, I> {
+    /// The bytes of a snapshot of the world as it is now. O(n / 32).
+    #[must_use]
+    pub fn snapshot_size(&self) -> usize {
+        let mut count = Count(0);
+        saved(&self.parts, &mut count);
+        size_of::<Header>() + count.0
+    }
+
+    /// Writes a snapshot to the front of `out` and returns its length. The world that is loaded from it goes on as this one,
+    /// byte for byte: pairs, their order, events, statistics. O(n + pairs).
+    ///
+    /// # Errors
+    /// [`Error::OutputFull`]; nothing is written then.
+    pub fn save(&self, out: &mut [u8]) -> Result<usize, Error> {
+        let needed = self.snapshot_size();
+        let full = Error::OutputFull { needed: needed as u64 };
+        let out = out.get_mut(..needed).ok_or(full)?;
+        let (header, body) = out.split_at_mut_checked(size_of::<Header>()).ok_or(full)?;
+        saved(&self.parts, &mut Write(&mut *body));
+        let len = body.len() as u64;
+        header.copy_in(bytemuck::bytes_of(&Header { magic: MAGIC, len, checksum: checksum(body) }));
+        Ok(needed)
+    }
+
+    /// Replaces the world by the one that a snapshot was taken of; its last result comes with it. The configuration must be
+    /// the same, but for the number of workers; builds with and without the feature `large` read each other's. O(n + pairs).
+    ///
+    /// All that can be refused is refused before anything changes, also of bytes that were forged with a right checksum. What is
+    /// loaded is [valid](Self::validate), and its steps find what brute force finds: only what the last result was, what events
+    /// compare the next one with, and the statistics are as the bytes say. So the first step that would keep pairs without
+    /// looking at them, as nothing or little moves, looks once whether they are all, and takes several times as long as one that finds
+    /// them anew.
+    ///
+    /// # Errors
+    /// [`Error::BadSnapshot`] where the bytes are no snapshot of a world of this configuration, or have changed since: the world
+    /// stays as it is.
+    pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
+        let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
+        let (state, sections) = body.split_at_checked(size_of::<State>()).ok_or(Error::BadSnapshot)?;
+        let state: State = bytemuck::try_pod_read_unaligned(state).map_err(|_| Error::BadSnapshot)?;
+        let parts = &mut self.parts;
+        // A snapshot says nothing of what depends on the world alone.
+        if !state.is_portable() || !state.is_like(parts.state) || numbers(&state, &parts.sizes).is_err() {
+            return Err(Error::BadSnapshot);
+        }
+        let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;
+        // Scratch memory, as far as the world is concerned.
+        let standing = &mut *parts.tree.tally;
+        standing.fill(0);
+        let mut image = Image { sizes: &parts.sizes, state: &state, stored, standing };
+        content(&mut image).map_err(|_| Error::BadSnapshot)?;
+        replace(parts, &state, &stored);
+        Ok(())
+    }
+}
+
+/// The bytes behind the header, if that is right.
+fn opened(snapshot: &[u8]) -> Option<&[u8]> {
+    let (header, body) = snapshot.split_at_checked(size_of::<Header>())?;
+    let header: Header = bytemuck::try_pod_read_unaligned(header).ok()?;
+    let body = body.get(..usize::try_from(header.len).ok()?)?;
+    (header.magic == MAGIC && header.checksum == checksum(body)).then_some(body)
+}
+
+/// What sections are given to, one after another.
+trait Sections {
+    fn section<T: Pod>(&mut self, items: &[T]);
+    /// So many items.
+    fn each<T: Pod>(&mut self, count: usize, items: impl Iterator<Item = T>);
+}
+
+/// Adds up their bytes.
+struct Count(usize);
+
+impl Sections for Count {
+    fn section<T: Pod>(&mut self, items: &[T]) {
+        self.0 += size_of_val(items);
+    }
+
+    fn each<T: Pod>(&mut self, count: usize, _: impl Iterator<Item = T>) {
+        self.0 += count * size_of::<T>();
+    }
+}
+
+/// Writes them to bytes of any alignment.
+struct Write<'o>(&'o mut [u8]);
+
+impl Write<'_> {
+    #[inline(always)]
+    fn write(&mut self, bytes: &[u8]) {
+        let out = core::mem::take(&mut self.0);
+        let (to, rest) = out.split_at_mut_checked(bytes.len()).unwrap_or_default();
+        to.copy_in(bytes);
+        self.0 = rest;
+    }
+}
+
+impl Sections for Write<'_> {
+    fn section<T: Pod>(&mut self, items: &[T]) {
+        self.write(bytemuck::try_cast_slice(items).unwrap_or_default());
+    }
+
+    #[inline(always)]
+    fn each<T: Pod>(&mut self, count: usize, items: impl Iterator<Item = T>) {
+        let out = core::mem::take(&mut self.0);
+        let (to, rest) = out.split_at_mut_checked(count * size_of::<T>()).unwrap_or_default();
+        for (to, item) in to.chunks_exact_mut(size_of::<T>()).zip(items) {
+            to.copy_in(bytemuck::bytes_of(&item));
+        }
+        self.0 = rest;
+    }
+}
+
+/// Gives the sections of a world to `to`, in the order of [`Image`].
+fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
+    let (state, sizes, tree) = (&*parts.state, &parts.sizes, &parts.tree);
+    let lengths = Lengths::of(state, sizes);
+    let Lengths { slots, words, .. } = lengths;
+    let kept = |room: usize, count: usize| if room > 0 { count } else { 0 };
+    to.section(&[state.portable()]);
+    to.section(parts.boxes.now.span(0, slots));
+    to.section(parts.boxes.fat.span(0, kept(sizes.fat, slots)));
+    to.section(parts.boxes.margins.span(0, kept(sizes.fat, slots)));
+    to.section(parts.filters.of.span(0, kept(sizes.filters, slots)));
+    to.section(parts.filters.classes);
+    to.section(parts.filters.changed.words.span(0, kept(sizes.filters, words)));
+    to.section(parts.generations.span(0, slots));
+    to.section(parts.moved.words.span(0, words));
+    to.section(parts.resting.span(0, words));
+    to.section(parts.changed.words.span(0, kept(sizes.changed, words)));
+    to.section(parts.awake.span(0, kept(sizes.tree, words)));
+    to.section(parts.output.planes);
+    to.section(tree.planes.span(0, lengths.planes));
+    to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
+    let far = |whole: usize| tree.cells.at(whole << state.finer()).far();
+    to.each(lengths.whole_leaves, (0..lengths.whole_leaves).map(far));
+    let frames = tree.frames.span(0, lengths.whole_leaves).iter().map(Frame::parts);
+    to.each(lengths.whole_leaves, frames);
+    to.each(lengths.bounds, tree.bounds.span(0, lengths.bounds).iter().map(|bounds| bounds.lanes));
+    to.section(tree.nodes.span(usize::from(lengths.nodes > 0), lengths.nodes));
+    let filled = if state.filled != 0 { lengths.leaves } else { 0 };
+    for leaf in tree.leaves.span(0, filled) {
+        let members = tree.records.span(leaf.start as usize, leaf.len as usize);
+        to.each(members.len(), members.iter().map(|record| I::from_slot(record.slot())));
+    }
+    let large = tree.fronts.span(kept(lengths.large, state.large_start as usize), lengths.large);
+    to.each(large.len(), large.iter().map(|front| I::from_slot(front.slot)));
+    to.section(parts.output.pairs.span(0, lengths.pairs));
+    to.section(parts.output.previous.span(0, kept(sizes.previous, lengths.previous)));
+    // Of the boxes that the last step reported only those that differ from what it would report now.
+    let changed = parts.changed.words.span(0, kept(sizes.before, words));
+    to.each(bits::count(changed) as usize, bits::ones(changed).map(|slot| parts.boxes.before.at(slot)));
+}
+
+/// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.
+fn checksum(bytes: &[u8]) -> u64 {
+    const PRIME: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mut sums = [1u64, 2, 3, 4];
+    let (lines, rest) = bytes.as_chunks::<32>();
+    for line in lines {
+        let (words, _) = line.as_chunks::<8>();
+        for (sum, word) in sums.iter_mut().zip(words) {
+            *sum = (*sum ^ u64::from_ne_bytes(*word)).wrapping_mul(PRIME).rotate_left(29);
+        }
+    }
+    let mut sum = bytes.len() as u64;
+    for byte in rest {
+        sum = (sum ^ u64::from(*byte)).wrapping_mul(PRIME).rotate_left(29);
+    }
+    sums.iter().fold(sum, |sum, part| (sum ^ part).wrapping_mul(PRIME).rotate_left(29))
+}

@@ -1,0 +1,150 @@
+//! Puts what a snapshot has, which was checked, in the place of a world, and works out the rest.
+
+use super::image::Stored;
+use crate::access::{Access, bits};
+use crate::arch::{Phase, Simd};
+use crate::config::Mode;
+use crate::id::Index;
+use crate::kernels::Kernels;
+use crate::key::KeyBox;
+use crate::layout::FINER;
+use crate::state::State;
+use crate::storage::{BoxParts, Parts};
+use crate::tree::cells::divide;
+use crate::tree::{Cell, Frame, Front, Leaf, PARTS, Record};
+
+/// Replaces a world. Nothing can go wrong any more. What is beyond the slots becomes as new.
+pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored: &Stored<'_, I>) {
+    let mut state = *state;
+    state.adopt(parts.state);
+    state.unproven = 1;
+    *parts.state = state;
+    stored.now.copy_to(parts.boxes.now, KeyBox::EMPTY);
+    stored.fat.copy_to(parts.boxes.fat, KeyBox::EMPTY);
+    stored.margins.copy_to(parts.boxes.margins, 0.0);
+    stored.filters.copy_to(parts.filters.of, Default::default());
+    stored.classes.copy_to(parts.filters.classes, 0);
+    stored.generations.copy_to(parts.generations, 0);
+    stored.resting.copy_to(parts.resting, 0);
+    stored.awake.copy_to(parts.awake, 0);
+    let mut marks = [
+        (parts.moved.lend(), &stored.moved),
+        (parts.changed.lend(), &stored.changed),
+        (parts.filters.changed.lend(), &stored.refiltered),
+    ];
+    for (marks, words) in &mut marks {
+        words.copy_to(marks.words, 0);
+        marks.regroup();
+    }
+    stored.strips.copy_to(parts.output.planes, Default::default());
+    // Of pairs, nobody looks at more than there are.
+    for (at, pair) in stored.pairs.iter().enumerate() {
+        parts.output.pairs.put(at, pair);
+    }
+    for (at, pair) in stored.previous.iter().enumerate() {
+        parts.output.previous.put(at, pair);
+    }
+    last_boxes(parts, stored);
+    parts.listed.fill(0);
+    parts.home.fill(I::NONE);
+    if !parts.sizes.is_small() && state.planted > 0 {
+        planes(parts, stored);
+        if state.filled != 0 {
+            leaves(parts, stored);
+            Kernels::BASELINE.run(Records { parts, stored });
+        }
+    }
+}
+
+/// The boxes that the last step reported: those that have not changed since, and the others.
+fn last_boxes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
+    if parts.boxes.before.is_empty() {
+        return;
+    }
+    let BoxParts { now, fat, before, .. } = &mut parts.boxes;
+    let is_fat = parts.state.mode() == Mode::Fat && !fat.is_empty();
+    before.copy_in(if is_fat { fat } else { now });
+    for (slot, before) in bits::ones(parts.changed.words).zip(stored.before.iter()) {
+        parts.boxes.before.put(slot, before);
+    }
+}
+
+/// Planes, and what leaves know even where they are not filled.
+fn planes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
+    stored.planes.copy_to(parts.tree.planes, 0);
+    parts.tree.leaves.fill(Leaf::default());
+    let mut start = 0;
+    for (leaf, counts) in parts.tree.leaves.iter_mut().zip(stored.leaves.iter()) {
+        (leaf.start, leaf.len, leaf.room) = (start, counts.len, counts.room);
+        leaf.settled = counts.settled;
+        start += counts.room;
+    }
+}
+
+/// Nodes, frames and cells.
+fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
+    let (state, tree) = (&*parts.state, &mut parts.tree);
+    let whole_leaves = 1usize << state.depth;
+    tree.nodes.put(0, KeyBox::NOTHING);
+    for (node, around) in (1..).zip(stored.nodes.iter()) {
+        tree.nodes.put(node, around);
+    }
+    for (bounds, lanes) in tree.bounds.iter_mut().zip(stored.bounds.iter()) {
+        *bounds = Record { lanes, tag: 0 };
+    }
+    tree.cells.put(0, Cell::ALL);
+    divide(tree.planes, 1, state.depth, tree.cells);
+    for (cell, far) in tree.cells.iter_mut().zip(stored.far.iter()) {
+        *cell = Cell::new(cell.low(), cell.high(), far);
+    }
+    for (frame, [origin, scale]) in tree.frames.iter_mut().zip(stored.frames.iter()) {
+        *frame = Frame::new(origin, scale);
+    }
+    if state.refined == 0 {
+        return;
+    }
+    // From the back, so that each is read before its place is taken.
+    for whole in (0..whole_leaves).rev() {
+        let cell = tree.cells.at(whole);
+        let cells = tree.cells.span_mut(whole * PARTS, PARTS);
+        cells.fill(Cell::NOWHERE);
+        cells.put(0, cell);
+        if state.is_refined(whole) {
+            divide(tree.planes, whole_leaves + whole, FINER, cells);
+        }
+    }
+}
+
+/// The records of the leaves, the large objects, and who stands where.
+struct Records<'p, 'm, 'b, I> {
+    parts: &'p mut Parts<'m, I>,
+    stored: &'p Stored<'b, I>,
+}
+
+impl<I: Index> Phase for Records<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { parts, stored } = self;
+        let swept = parts.boxes.swept();
+        let mut members = stored.members.iter();
+        for (index, leaf) in parts.tree.leaves.iter().enumerate() {
+            let Leaf { start, len, .. } = *leaf;
+            let frame = parts.tree.frames.get(index >> parts.state.finer());
+            let records = parts.tree.records.span_mut(start as usize, len as usize);
+            let (Some(frame), false) = (frame, records.is_empty()) else { continue };
+            for (place, (record, slot)) in records.iter_mut().zip(members.by_ref()).enumerate() {
+                *record = simd.record(frame, simd.keys(KeyBox::of(swept, slot.at())), slot.slot());
+                parts.home.put(slot.at(), I::from_slot(index as u32));
+                parts.place.put(slot.at(), I::from_slot(place as u32));
+            }
+        }
+        for (place, slot) in stored.large.iter().enumerate() {
+            let front = Front { bounds: swept.at(slot.at()), slot: slot.slot(), unused: 0 };
+            parts.tree.fronts.put(parts.state.large_start as usize + place, front);
+            parts.home.put(slot.at(), I::LARGE);
+            parts.place.put(slot.at(), I::from_slot(place as u32));
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What there is to check, wherever it stands: in a world's slab, or in the bytes of a snapshot. The checks are written once, for
+//! both.
+
+use crate::access::{Access, bits};
+use crate::filter::Filter;
+use crate::id::{Index, Pair};
+use crate::key::KeyBox;
+use crate::layout::Sizes;
+use crate::state::State;
+use crate::storage::Parts;
+use crate::sweep::strips::Planes;
+use crate::tree::{Frame, Record};
+use bytemuck::{Pod, Zeroable};
+
+/// What a snapshot has of a leaf. The rest follows from it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct LeafCounts {
+    /// Records, and records that would fit; zero where the leaves are not filled.
+    pub(crate) len: u32,
+    pub(crate) room: u32,
+    /// See [`Leaf::settled`](crate::tree::Leaf::settled).
+    pub(crate) settled: u32,
+}
+
+/// The sets of slots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Set {
+    Moved,
+    Resting,
+    Changed,
+    Awake,
+    /// Whose filter has changed.
+    Refiltered,
+}
+
+/// Where an object stands in the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stand {
+    /// A leaf, and the place in it.
+    Leaf(usize, usize),
+    /// The place in the list of large objects.
+    Large(usize),
+}
+
+/// See the module. Indices are within what the state says.
+pub(crate) trait Content<I: Index> {
+    /// What the world was made for.
+    fn sizes(&self) -> &Sizes;
+    fn state(&self) -> &State;
+    fn now(&self, slot: usize) -> KeyBox;
+    fn fat(&self, slot: usize) -> KeyBox;
+    fn margin(&self, slot: usize) -> f32;
+    /// The box of the last complete step, of an object that may have another one since: the slot, and how many such slots there
+    /// are below it.
+    fn before(&self, slot: usize, rank: usize) -> KeyBox;
+    fn filter(&self, slot: usize) -> Filter;
+    /// A row of the class matrix.
+    fn class(&self, class: usize) -> u32;
+    fn generation(&self, slot: usize) -> u32;
+    /// A word of a set. None of a set that the world does not keep.
+    fn word(&self, set: Set, index: usize) -> Option<u32>;
+    fn strips(&self) -> Option<Planes>;
+    fn plane(&self, node: usize) -> i32;
+    fn leaf(&self, index: usize) -> LeafCounts;
+    /// The frame of a leaf of the last full step.
+    fn frame(&self, whole: usize) -> Frame;
+    fn bounds(&self, leaf: usize) -> Record;
+    fn node(&self, node: usize) -> KeyBox;
+    /// The slot of a record: its position among all records with room, and among all without.
+    fn member(&self, position: usize, packed: usize) -> usize;
+    fn large(&self, at: usize) -> usize;
+    fn pair(&self, at: usize) -> Pair<I>;
+    fn previous(&self, at: usize) -> Pair<I>;
+    /// Notes where an object stands; false if it stands anywhere else. Asked of every record and large object.
+    fn stands(&mut self, slot: usize, at: Stand) -> bool;
+
+    /// Whether a slot is in a set. False of a set that the world does not keep.
+    #[inline(always)]
+    fn is_in(&self, set: Set, slot: usize) -> bool {
+        self.word(set, slot / 32).is_some_and(|word| word >> (slot % 32) & 1 != 0)
+    }
+
+    /// The box that is swept.
+    #[inline(always)]
+    fn swept(&self, slot: usize) -> KeyBox {
+        if self.sizes().fat > 0 { self.fat(slot) } else { self.now(slot) }
+    }
+}
+
+/// The slab of a world.
+pub(super) struct InSlab<'p, 'm, I>(pub(super) &'p Parts<'m, I>);
+
+impl<I: Index> Content<I> for InSlab<'_, '_, I> {
+    fn sizes(&self) -> &Sizes {
+        &self.0.sizes
+    }
+
+    fn state(&self) -> &State {
+        self.0.state
+    }
+
+    #[inline(always)]
+    fn now(&self, slot: usize) -> KeyBox {
+        self.0.boxes.now.at(slot)
+    }
+
+    #[inline(always)]
+    fn fat(&self, slot: usize) -> KeyBox {
+        self.0.boxes.fat.at(slot)
+    }
+
+    fn margin(&self, slot: usize) -> f32 {
+        self.0.boxes.margins.at(slot)
+    }
+
+    fn before(&self, slot: usize, _: usize) -> KeyBox {
+        self.0.boxes.before.at(slot)
+    }
+
+    fn filter(&self, slot: usize) -> Filter {
+        self.0.filters.of.at(slot)
+    }
+
+    fn class(&self, class: usize) -> u32 {
+        self.0.filters.classes.at(class)
+    }
+
+    fn generation(&self, slot: usize) -> u32 {
+        self.0.generations.at(slot)
+    }
+
+    #[inline(always)]
+    fn word(&self, set: Set, index: usize) -> Option<u32> {
+        let parts = self.0;
+        let words = match set {
+            Set::Moved => &*parts.moved.words,
+            Set::Resting => parts.resting,
+            Set::Changed => parts.changed.words,
+            Set::Awake => parts.awake,
+            Set::Refiltered => parts.filters.changed.words,
+        };
+        words.get(index).copied()
+    }
+
+    fn strips(&self) -> Option<Planes> {
+        self.0.output.planes.first().copied()
+    }
+
+    fn plane(&self, node: usize) -> i32 {
+        self.0.tree.planes.at(node)
+    }
+
+    fn leaf(&self, index: usize) -> LeafCounts {
+        leaf(self.0, index)
+    }
+
+    fn frame(&self, whole: usize) -> Frame {
+        self.0.tree.frames.at(whole)
+    }
+
+    fn bounds(&self, leaf: usize) -> Record {
+        self.0.tree.bounds.at(leaf)
+    }
+
+    fn node(&self, node: usize) -> KeyBox {
+        self.0.tree.nodes.at(node)
+    }
+
+    fn member(&self, position: usize, _: usize) -> usize {
+        self.0.tree.records.at(position).slot() as usize
+    }
+
+    fn large(&self, at: usize) -> usize {
+        self.0.tree.fronts.at(self.0.state.large_start as usize + at).slot as usize
+    }
+
+    #[inline(always)]
+    fn pair(&self, at: usize) -> Pair<I> {
+        self.0.output.pairs.at(at)
+    }
+
+    fn previous(&self, at: usize) -> Pair<I> {
+        self.0.output.previous.at(at)
+    }
+
+    fn stands(&mut self, slot: usize, at: Stand) -> bool {
+        let (home, place) = match at {
+            Stand::Leaf(leaf, place) => (I::from_slot(leaf as u32), place),
+            Stand::Large(place) => (I::LARGE, place),
+        };
+        self.0.home.at(slot) == home && self.0.place.at(slot).at() == place
+    }
+}
+
+/// What a snapshot has of a leaf of a world.
+pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
+    let leaf = parts.tree.leaves.at(index);
+    let filled = parts.state.filled != 0;
+    let [len, room] = [leaf.len, leaf.room].map(|count| if filled { count } else { 0 });
+    LeafCounts { len, room, settled: leaf.settled }
+}
+
+/// How many slots of a set are below a number of slots; all of them, where none may be beyond.
+pub(super) fn count<I: Index>(content: &impl Content<I>, set: Set, slots: usize) -> usize {
+    (0..bits::words(slots))
+        .filter_map(|index| content.word(set, index))
+        .map(|w| w.count_ones() as usize)
+        .sum()
+}

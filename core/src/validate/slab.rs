@@ -1,0 +1,243 @@
+//! What a slab has and a snapshot has not: lists, and what the tree keeps though it could be worked out.
+
+use super::tree::leaves;
+use super::{Invalid, check};
+use crate::access::{Access, bits};
+use crate::arch::{Phase, Simd, limit, scalar::Scalar};
+use crate::id::Index;
+use crate::kernels::Kernels;
+use crate::key::KeyBox;
+use crate::layout::ONE_LEAF;
+use crate::links;
+use crate::recount::{self, Sum};
+use crate::state::Path;
+use crate::storage::Parts;
+use crate::sweep::strips;
+use crate::tree::cells::cut;
+use crate::tree::visit::Visit;
+use crate::tree::{Cell, first_of_eight, home_of};
+
+/// Checks all of that.
+pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    unused(parts)?;
+    lists(parts)?;
+    if !parts.sizes.is_small() && parts.state.filled != 0 {
+        tree(parts)?;
+        cells(parts)?;
+    }
+    carried(parts)
+}
+
+/// What is beyond the slots is as new.
+fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let slots = parts.state.slots as usize;
+    for marks in
+        [&*parts.moved.words, parts.changed.words, parts.filters.changed.words, parts.resting, parts.awake]
+    {
+        let words = marks.get(bits::words(slots)..).unwrap_or_default();
+        check(words.iter().all(|word| *word == 0), "a set has slots that there are not", slots)?;
+    }
+    for boxes in [&*parts.boxes.now, parts.boxes.fat, parts.boxes.before] {
+        let unused = boxes.get(slots..).unwrap_or_default();
+        check(
+            unused.iter().all(|bounds| *bounds == KeyBox::EMPTY),
+            "a slot without an object has a box",
+            slots,
+        )?;
+    }
+    let generations = parts.generations.get(slots..).unwrap_or_default();
+    check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
+}
+
+/// Slots that are looked for at a time.
+const WINDOW: usize = 1 << 15;
+
+/// Each list has every living object once, and the list that a step has swept is in order.
+fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    if parts.state.stale_lists != 0 {
+        return Ok(());
+    }
+    let (listed, slots) = (parts.state.listed as usize, parts.state.slots as usize);
+    for slot in 0..slots {
+        let lives = !parts.boxes.now.at(slot).is_empty();
+        check(!lives || bits::test(parts.listed, slot), "a living object is not marked as listed", slot)?;
+    }
+    check(
+        bits::count(parts.listed) as usize == listed,
+        "the marks of the lists are not counted right",
+        listed,
+    )?;
+    for order in &parts.order {
+        let order = order.span(0, listed);
+        for first in (0..slots).step_by(WINDOW) {
+            let mut met = [0; WINDOW / 32];
+            for slot in order {
+                let marked = slot.at() < slots && bits::test(parts.listed, slot.at());
+                check(marked, "a list holds a slot that is not marked", slot.at())?;
+                if let Some(bit) = slot.at().checked_sub(first).filter(|bit| *bit < WINDOW) {
+                    check(bits::set(&mut met, bit), "a list holds a slot twice", slot.at())?;
+                }
+            }
+        }
+    }
+    let swept = parts.state.stats().path == Path::Lists
+        && parts.state.without_surplus == 0
+        && parts.moved.count() == 0;
+    if swept && listed == parts.state.live as usize {
+        let axis = parts.state.list_axis as usize;
+        let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
+        for (at, two) in order.windows(2).enumerate() {
+            let boxes = parts.boxes.swept();
+            let ascends = match parts.output.planes.first() {
+                Some(planes) => {
+                    let axes = [axis, parts.state.strip_axis as usize];
+                    let place = |slot: I| strips::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
+                    place(two.at(0)) < place(two.at(1))
+                }
+                None => links::precedes(boxes, axis, two.at(0), two.at(1)),
+            };
+            check(ascends, "the swept list is not in order", at)?;
+        }
+    }
+    Ok(())
+}
+
+/// Records are those of their boxes, leaf by leaf without gaps; nobody else has a place in the tree.
+fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let finer = parts.state.finer();
+    let swept = parts.boxes.swept();
+    check(parts.tree.nodes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
+    let (mut end, mut standing) = (0, parts.state.large as usize);
+    for index in 0..leaves(parts.state) {
+        let leaf = parts.tree.leaves.at(index);
+        check(leaf.start == end, "a leaf does not start where the last one ends", index)?;
+        end += leaf.room;
+        standing += leaf.len as usize;
+        for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
+            let slot = record.slot() as usize;
+            if bits::test(parts.moved.words, slot) {
+                continue;
+            }
+            let bounds = swept.at(slot);
+            let home = home_of(parts.tree.planes, parts.state, &bounds.min);
+            check(home == index, "an object is not where the planes say", slot)?;
+            let expected = Scalar.record(&parts.tree.frames.at(index >> finer), bounds, slot as u32);
+            check(*record == expected, "a record is not that of its box", slot)?;
+        }
+    }
+    let large = parts.tree.fronts.span(parts.state.large_start as usize, parts.state.large as usize);
+    for front in large {
+        let slot = front.slot as usize;
+        let current = bits::test(parts.moved.words, slot) || front.bounds == swept.at(slot);
+        check(current, "a large object's box is not its own", slot)?;
+    }
+    let homes = parts.home.iter().filter(|home| **home != I::NONE).count();
+    check(homes == standing, "an object has a place in the tree and is not there", homes)
+}
+
+/// The cells are those of the planes. Cut one by one, so that no room is needed.
+fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let finer = parts.state.finer();
+    let depth = parts.state.depth + finer;
+    for index in 0..1usize << depth {
+        let mut planes = [0; 2];
+        let mut cell = Cell::ALL;
+        let divided = finer == 0 || parts.state.is_refined(index >> finer);
+        if !divided && index & ((1 << finer) - 1) != 0 {
+            continue;
+        }
+        for level in 0..if divided { depth } else { depth - finer } {
+            let node = ((1 << depth) + index) >> (depth - level);
+            let right = ((1 << depth) + index) >> (depth - level - 1) & 1;
+            planes.put(1, parts.tree.planes.at(node));
+            let mut halves = [cell, cell];
+            cut(&planes, 1, &parts.state.extent(), &mut halves);
+            let half = halves.at(right);
+            let (mut low, mut high) = (cell.low(), cell.high());
+            for k in 0..3 {
+                low[k] = low[k].max(half.low()[k]);
+                high[k] = high[k].min(half.high()[k]);
+            }
+            cell = Cell::new(low, high, high);
+        }
+        let known = parts.tree.cells.at(index);
+        check(
+            (cell.low(), cell.high()) == (known.low(), known.high()),
+            "a cell is not that of its planes",
+            index,
+        )?;
+    }
+    Ok(())
+}
+
+/// The pairs that the next step would keep are all that there are. Not asked where it looks itself, or where a rule may have
+/// said no.
+fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let state = &*parts.state;
+    let known = state.complete != 0 && state.without_surplus == 0 && state.unproven == 0;
+    let filled = !parts.sizes.is_small() && state.filled != 0;
+    let few = state.live as usize <= ONE_LEAF && parts.moved.count() == 0;
+    if !known || !parts.filters.of.is_empty() || !filled && !few {
+        return Ok(());
+    }
+    let all = if filled { Kernels::detect().run(InTree(parts)) } else { one_by_one(parts) };
+    check(all == recount::carried(parts), "pairs are missing, or there twice", 0)
+}
+
+/// Whether an object lives and has not moved.
+fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
+    !KeyBox::of(parts.boxes.now, slot).is_empty() && !bits::test(parts.moved.words, slot)
+}
+
+/// All overlaps of objects that have not moved.
+fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
+    let (boxes, mut all) = (parts.boxes.swept(), Sum::default());
+    let slots = 0..parts.state.slots as usize;
+    for a in slots.clone().filter(|slot| stays(parts, *slot)) {
+        for b in a + 1..slots.end {
+            if stays(parts, b) && KeyBox::of(boxes, a).overlaps(KeyBox::of(boxes, b)) {
+                all.add([a as u32, b as u32]);
+            }
+        }
+    }
+    all
+}
+
+/// As [`one_by_one`], in a tree.
+struct InTree<'p, 'm, I>(&'p Parts<'m, I>);
+
+impl<I: Index> Phase for InTree<'_, '_, I> {
+    type Output = Sum;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Sum {
+        let Self(parts) = self;
+        let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
+        let (mut all, finer) = (Sum::default(), state.finer());
+        for slot in (0..state.slots as usize).filter(|slot| stays(parts, *slot)) {
+            let bounds = KeyBox::of(boxes, slot);
+            let mut meet = |other: usize| {
+                if other > slot && stays(parts, other) && simd.overlap(KeyBox::of(boxes, other), bounds) {
+                    all.add([slot as u32, other as u32]);
+                }
+            };
+            let mut visit = Visit::new(simd, tree.nodes, state.depth, 0, *bounds);
+            while let Some(whole) = visit.next(simd) {
+                let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
+                for part in whole << finer..(whole + 1) << finer {
+                    for (eight, left) in tree.leaves.at(part).eights(tree.records) {
+                        let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
+                        while mask != 0 {
+                            meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
+                            mask &= mask - 1;
+                        }
+                    }
+                }
+            }
+            for front in tree.fronts.span(state.large_start as usize, state.large as usize) {
+                meet(front.slot as usize);
+            }
+        }
+        all
+    }
+}

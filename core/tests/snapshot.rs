@@ -1,0 +1,69 @@
+//! What snapshots and slabs have to do with the build that made them.
+
+use std::vec;
+use std::vec::Vec;
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Kernels, Margin, Serial, World, layout};
+
+#[repr(C, align(64))]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Line([u8; 64]);
+
+fn slab(config: &Config) -> Vec<Line> {
+    vec![Line([0; 64]); layout::<u16>(config).expect("a small world").bytes.div_ceil(64)]
+}
+
+fn config(objects: u32) -> Config {
+    let config = Config::new(Capacity { objects, leaf_refs: 0, pairs: 600 });
+    config.with_lean().with_events().with_margin(Margin::length(0.25))
+}
+
+/// A world that any build can have, in the middle of its life.
+fn lived(slab: &mut [Line], config: &Config) -> Vec<u8> {
+    let mut world = World::<u16>::new_in(bytemuck::cast_slice_mut(slab), config).expect("room");
+    let place = |k: u16| [f32::from(k % 7), f32::from(k * 5 % 11), f32::from(k * 3 % 5)];
+    let boxes: Vec<Aabb> =
+        (0..config.capacity.objects as u16).map(place).map(|at| Aabb::new(at, at.map(|x| x + 1.0))).collect();
+    let mut ids = vec![None; boxes.len()];
+    world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+    for step in 0..3 {
+        let id = ids[step].expect("an id");
+        world.set_aabb(id, boxes[step + 9]).expect("alive");
+        world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+    }
+    world.remove(ids[4].expect("an id")).expect("alive");
+    let mut bytes = vec![0; world.snapshot_size()];
+    assert_eq!(world.save(&mut bytes), Ok(bytes.len()));
+    assert_eq!(world.load(&bytes), Ok(()));
+    bytes
+}
+
+/// Builds with and without the feature `large` write the same bytes, so that they read each other's: these tests run in both.
+#[test]
+fn a_snapshot_is_the_same_in_any_build() {
+    let hashes = [50, 70].map(|objects| {
+        let config = config(objects);
+        let bytes = lived(&mut slab(&config), &config);
+        bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| {
+            (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+    });
+    if cfg!(target_endian = "little") {
+        // Where the format changes, or what a step leaves, so do these.
+        assert_eq!(hashes, [14_299_774_690_823_185_560, 14_442_655_246_064_374_519]);
+    }
+}
+
+/// A slab is laid out otherwise in a build with another choice, and refused there.
+#[test]
+fn a_slab_of_another_build_is_refused() {
+    let config = config(50);
+    let mut slab = slab(&config);
+    lived(&mut slab, &config);
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut slab);
+    assert_eq!(World::<u16>::open(bytes).map(|world| world.len()), Ok(49));
+    // The first number of the state: the version, and a bit for the feature.
+    let magic = u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    assert_eq!(magic >> 15 & 1 != 0, cfg!(feature = "large"));
+    bytes[..4].copy_from_slice(&(magic ^ 1 << 15).to_ne_bytes());
+    assert_eq!(World::<u16>::open(bytes).map(|world| world.len()), Err(Error::NotAWorld));
+}
