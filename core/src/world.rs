@@ -60,7 +60,7 @@ impl<I: Index> World<'_, I> {
         let moved = parts.moved.count();
 
         let mut route = paths::choose(parts, moved);
-        if parts.state.unproven != 0 {
+        if cfg!(feature = "large") && parts.state.unproven != 0 {
             route = recount::prove(parts, route, moved, means);
         }
         paths::refine_when_calm(parts, route.path, moved, means);

@@ -8,6 +8,7 @@ use crate::id::Index;
 use crate::kernels::Kernels;
 use crate::key::KeyBox;
 use crate::layout::FINER;
+use crate::recount::prove_at_once;
 use crate::state::State;
 use crate::storage::{BoxParts, Parts};
 use crate::tree::cells::divide;
@@ -53,6 +54,9 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
             leaves(parts, stored);
             Kernels::BASELINE.run(Records { parts, stored });
         }
+    }
+    if !cfg!(feature = "large") {
+        prove_at_once(parts);
     }
 }
 
