@@ -58,7 +58,12 @@ export function writeConfig(view, at, config) {
 /** The whole configuration of a world. */
 export function readConfig(view, at) {
   const config = {};
+  const margins = view.getUint32(at + HAS_MARGIN, true) === 1;
   for (const [field, [offset, kind]] of Object.entries(FIELDS)) {
+    // Margins that were set, even to nothing, are not the same as none.
+    if (MARGINS.includes(field) && !margins) {
+      continue;
+    }
     const raw = kind === "length" ? view.getFloat32(at + offset, true) : view.getUint32(at + offset, true);
     config[field] = Array.isArray(kind) ? kind[raw] : kind === "flag" ? raw === 1 : raw;
   }

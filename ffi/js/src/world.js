@@ -55,7 +55,8 @@ export class World {
     calls.trisap_default_config(structs + CONFIG, objects);
     writeConfig(memory.view, structs + CONFIG, config);
     const bytes = calls.trisap_world_size(structs + CONFIG) >>> 0;
-    memory.lay(objects, bytes);
+    // Where there can be no such world, the call below says why.
+    memory.lay(bytes === 0 ? 0 : objects, bytes);
     this.#check(calls.trisap_world_init(memory.world, bytes, structs + CONFIG, structs + OUT), "config");
     this.#world = memory.world;
     this.#objects = objects;
