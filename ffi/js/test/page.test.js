@@ -163,7 +163,7 @@ test("the picture of the page", { skip: skip || (!process.env.TRISAP_SCREENSHOT 
   const folder = await mkdtemp(join(tmpdir(), "trisap-page-"));
   const server = await serve(0);
   const address = `http://127.0.0.1:${server.address().port}/page/index.html`;
-  const child = browser(folder, ["--window-size=800,600", "--virtual-time-budget=3000", `--screenshot=${target}`, address]);
+  const child = browser(folder, ["--window-size=800,600", "--timeout=4000", `--screenshot=${target}`, address]);
   await new Promise((resolve) => child.on("exit", resolve));
   server.closeAllConnections();
   server.close();
