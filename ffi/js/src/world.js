@@ -260,13 +260,10 @@ export class World {
     const at = this.#memory.temporary(snapshot.length);
     new Uint8Array(this.#memory.buffer, at, snapshot.length).set(snapshot);
     this.#results.clear();
-    const status = calls.trisap_world_load(this.#world, at, snapshot.length);
-    // Also after a refusal, which may have emptied the world.
-    const told = calls.trisap_world_result(this.#world, structs + RESULT);
+    this.#check(calls.trisap_world_load(this.#world, at, snapshot.length), "load");
+    this.#check(calls.trisap_world_result(this.#world, structs + RESULT), "load");
     this.#slots = this.#objects;
     this.#reread();
-    this.#check(status, "load");
-    this.#check(told, "load");
   }
 
   validate() {
