@@ -11,8 +11,11 @@ fn panic(_: &PanicInfo<'_>) -> ! {
         }
         abort()
     }
+    // The host sees an exception, not a page that hangs.
+    #[cfg(target_family = "wasm")]
+    core::arch::wasm32::unreachable();
     // Where there is nobody to tell, the watchdog will notice.
-    #[cfg(not(any(unix, windows)))]
+    #[cfg(not(any(unix, windows, target_family = "wasm")))]
     loop {
         core::hint::spin_loop();
     }

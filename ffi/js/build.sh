@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Builds the WebAssembly modules of the package: `ffi/js/build.sh`, from anywhere. They go to ffi/js/wasm: trisap.wasm, and
+# trisap-simd128.wasm for hosts with 128-bit vectors.
+#
+# Needs node with npm, and a Rust that can build core for wasm32-unknown-unknown: Debian's packages rustc-web, cargo-web and
+# rust-web-src, or rustup's with its component rust-src.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+target=wasm32-unknown-unknown
+if [[ -x /usr/bin/cargo && -d /usr/lib/rustlib/src/rust/library/core ]]; then
+    export RUSTC=/usr/bin/rustc
+    cargo=/usr/bin/cargo
+elif [[ -d "$(cd ../.. && rustc --print sysroot 2>/dev/null)/lib/rustlib/src/rust/library/core" ]]; then
+    cargo=cargo
+else
+    echo "no source of Rust's core: apt install rustc-web cargo-web rust-web-src, or rustup component add rust-src" >&2
+    exit 1
+fi
+export RUSTC_BOOTSTRAP=1
+[[ -d node_modules/binaryen ]] || npm ci --no-audit --no-fund --loglevel=error
+
+# A panic ends in a trap, without a text. The stack comes first in memory, so that an overflow traps, too; steps need less
+# than 16 KiB of it. Less inlining saves much of the file and costs little time.
+export CARGO_PROFILE_RELEASE_PANIC=immediate-abort CARGO_PROFILE_RELEASE_STRIP=true CARGO_PROFILE_RELEASE_DEBUG=none
+flags="-C link-arg=-zstack-size=131072 -C llvm-args=-inline-threshold=40"
+folder=${CARGO_TARGET_DIR:-$(cd ../.. && pwd)/target}
+mkdir -p wasm
+# They belong to what is packed.
+cp ../../LICENSE-* .
+
+# One folder each: other flags make everything anew.
+one() {
+    RUSTFLAGS="$flags $3" CARGO_TARGET_DIR="$folder/web/$1" "$cargo" rustc -Zbuild-std=core -Zpanic-immediate-abort \
+        --quiet --release --locked -p trisap-ffi --target $target --no-default-features --features panic-handler \
+        --crate-type cdylib
+    cp "$folder/web/$1/$target/release/trisap_ffi.wasm" "wasm/$1.wasm"
+    node optimise.js "wasm/$1.wasm" "$2"
+}
+# So does less unrolling; but with vectors, loops that are not unrolled get none.
+one trisap scalar "-C llvm-args=-unroll-threshold=30 -C llvm-args=-unroll-runtime=false"
+one trisap-simd128 simd128 "-C target-feature=+simd128"
+
+for file in wasm/*.wasm; do
+    bytes=$(wc -c <"$file") packed=$(gzip -9nc "$file" | wc -c)
+    echo "$file: $bytes bytes, $packed with gzip"
+    # Growth does not go unnoticed.
+    if ((bytes > 256 * 1024 || packed > 104 * 1024)); then
+        echo "$file: more than 256 KiB, or 104 with gzip" >&2
+        exit 1
+    fi
+done

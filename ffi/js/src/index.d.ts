@@ -1,0 +1,226 @@
+// Types of the package trisap.
+
+/** Names an object for as long as it lives. The id of a removed object stays stale when its slot is used again. */
+export type Id = bigint;
+
+/** Six numbers: minimum x, y, z, maximum x, y, z. Closed: boxes that touch overlap. */
+export type Box = ArrayLike<number>;
+
+/** Three numbers. */
+export type Point = ArrayLike<number>;
+
+export type Choice = "automatic" | "never" | "always";
+
+/** What a world is made for. Everything but `objects` has a default that suits most scenes. */
+export interface Config {
+  /** Objects that can live at once. */
+  objects: number;
+  /** Pairs that a step can return. By default eight an object. */
+  pairs?: number;
+  /** Boxes that may reach beyond their leaf of the tree. By default half of `objects`. */
+  leafRefs?: number;
+  /** Steps tell the found and the lost pairs. By default false. */
+  events?: boolean;
+  /** Objects have a filter. By default false. */
+  filters?: boolean;
+  /** `exact`, the default: the overlaps of the boxes as given. `fat`: those of the boxes with their margins. */
+  mode?: "exact" | "fat";
+  /** Up to 256 objects are swept without vectors and their memory. By default false. */
+  lean?: boolean;
+  /** The margin as a share of an object's largest extent. Any of the three margins turns margins on. */
+  marginPerExtent?: number;
+  /** The least margin, a length. */
+  marginMin?: number;
+  /** The largest margin, a length. */
+  marginMax?: number;
+  /** Objects have their margin however fast they are. By default false. */
+  fixedMargins?: boolean;
+  /** Whether steps test only what has moved. By default automatic. */
+  moversOnly?: Choice;
+  /** Whether the leaves become smaller in such steps. By default automatic. */
+  fineLeaves?: Choice;
+}
+
+export interface Options {
+  /** The module with 128-bit vectors, or the one without. By default what this host can run. */
+  simd?: boolean;
+  /** The module, if it does not stand where the package has put it. */
+  wasm?: WasmSource | PromiseLike<WasmSource>;
+}
+
+export type WasmSource = BufferSource | WebAssembly.Module | Response;
+
+/** Whom an object meets: two objects make a pair if each one's group is in the other one's mask, and their classes meet. */
+export interface Filter {
+  /** The groups that the object is in, one bit each. By default all. */
+  group?: number;
+  /** The groups that it meets. By default all. */
+  mask?: number;
+  /** Its class, below 32. By default 0. */
+  objectClass?: number;
+}
+
+/** A closed part of space. */
+export type Region = { min: Point; max: Point } | { center: Point; radius: number };
+
+/** A point, or a box, that moves along a line. */
+export type Ray = ({ origin: Point } | { box: Box }) & {
+  direction: Point;
+  /** How far it moves, in units of `direction`. By default without end. */
+  distance?: number;
+};
+
+export interface Hit {
+  id: Id;
+  /** For rays in units of the direction, for the nearest objects a length. */
+  distance: number;
+}
+
+/** What the last step did. */
+export interface Stats {
+  path: "unchanged" | "lists" | "movers" | "full" | "rebuilt";
+  reason: string;
+  objects: number;
+  moved: number;
+  leaves: number;
+  leavesInUse: number;
+  fullestLeaf: number;
+  large: number;
+  rebalanced: number;
+  coarseResolution: boolean;
+  fineLeaves: boolean;
+  outran: number;
+  copies: number;
+  candidates: number;
+  tied: number;
+  pairs: number;
+  found: number;
+  lost: number;
+  surplus: number;
+}
+
+/**
+ * Objects with boxes, and the pairs of those that overlap.
+ *
+ * Arrays that a world hands out as properties are views of its memory: they cost nothing, and hold until the memory grows
+ * or, of pairs, until the next step. `insertMany`, `removeMany`, `setResting`, `wake`, `overlaps`, `nearest`, `save` and
+ * `load` may grow it. Then old views have no elements any more, and the properties give new ones.
+ */
+export class World {
+  private constructor();
+  /** What the world was made for, the defaults included. Margins are there if it has any. */
+  readonly config: Readonly<Config & Required<Omit<Config, "marginPerExtent" | "marginMin" | "marginMax">>>;
+  /** Which module it runs in. */
+  readonly variant: "simd128" | "scalar" | "given";
+  /** The instructions that its kernels use. */
+  readonly instructionSet: string;
+  /** Bytes of its memory. */
+  readonly memoryBytes: number;
+  /** Living objects. */
+  readonly size: number;
+  /** The boxes that `step` reads, six numbers a slot. Write to them what moves. */
+  readonly boxes: Float32Array;
+  /** The overlapping pairs of the last step, two slots each, the lower one first; each pair once. */
+  readonly pairs: Uint32Array;
+  /** With events: pairs that the last step has and the one before had not. */
+  readonly found: Uint32Array;
+  /** With events: pairs that the step before had and the last one has not. */
+  readonly lost: Uint32Array;
+
+  /** Adds an object. In a world that has not lost any, slots are given out from 0 upwards. */
+  insert(box: Box): Id;
+  /** Adds objects, all or none. Ids in the order of the boxes. */
+  insertMany(boxes: Float32Array): BigUint64Array;
+  /** Gives an object another box, checked at once. */
+  update(id: Id, box: Box): void;
+  remove(id: Id): void;
+  /** Removes objects, all or none. */
+  removeMany(ids: ArrayLike<Id>): void;
+  has(id: Id): boolean;
+  /** The object in a slot, if one lives there. */
+  idAt(slot: number): Id | null;
+  /** The box of an object as the world knows it: what was written to `boxes` counts from the next step on. A copy. */
+  box(id: Id): Float32Array;
+  /**
+   * Finds all pairs of the boxes as they are now. Returns the world, whose `pairs`, `found` and `lost` are those of this step.
+   *
+   * @throws BadBoxError after the step: objects whose box is refused have kept theirs.
+   * @throws PairsFullError after the step: `pairs` holds those that fit.
+   */
+  step(): this;
+  stats(): Stats;
+  setFilter(id: Id, filter?: Filter): void;
+  /** Which classes meet: bit `b` of number `a`, and bit `a` of number `b`. 32 numbers. */
+  setClasses(meets: ArrayLike<number>): void;
+  /** Puts objects to rest: steps do not read their boxes until they wake. */
+  setResting(ids: ArrayLike<Id>): void;
+  wake(ids: ArrayLike<Id>): void;
+  /** The objects whose boxes overlap a region, by ascending slot. */
+  overlaps(region: Region): BigUint64Array;
+  /** The first object that a ray meets. */
+  firstHit(ray: Ray): Hit | null;
+  /** The nearest objects, the nearest first. */
+  nearest(position: Point, count: number): Hit[];
+  /** Subtracts a point from all boxes. How many of them had to be rounded outward. */
+  shiftOrigin(by: readonly [number, number, number]): number;
+  /** A snapshot: bytes that any world of the same configuration can load. */
+  save(): Uint8Array;
+  load(snapshot: Uint8Array): void;
+  /** Checks every invariant, for debugging. */
+  validate(): void;
+}
+
+/** An empty world. */
+export function createWorld(config: Config, options?: Options): Promise<World>;
+/** The index under which an object stands in pairs and in `World.boxes`. */
+export function slotOf(id: Id): number;
+/** Whether this host has 128-bit vectors. */
+export function hasVectors(): boolean;
+
+/** What every exception of this package is. */
+export class TrisapError extends Error {}
+/** A field of a configuration, or an argument, is out of its range. */
+export class InvalidArgumentError extends TrisapError {
+  readonly field: string;
+}
+/** A box has NaN in it or a minimum above its maximum. */
+export class BadBoxError extends TrisapError {
+  /** Its place in the batch, if it was a batch. */
+  readonly index: number | null;
+  /** Whose it is, if it is an object's. */
+  readonly id: Id | null;
+  readonly slot: number | null;
+  /** How many boxes were refused. */
+  readonly count: number;
+}
+/** An id names no living object, or comes twice in a batch. */
+export class StaleIdError extends TrisapError {
+  readonly id: Id;
+  readonly slot: number;
+}
+/** More objects than the capacity. */
+export class ObjectsFullError extends TrisapError {
+  readonly needed: number;
+  readonly capacity: number;
+}
+/** More pairs than the capacity. */
+export class PairsFullError extends TrisapError {
+  readonly needed: number;
+  readonly capacity: number;
+}
+/** The world was made without `filters`. */
+export class NoFiltersError extends TrisapError {}
+/** A class is 32 or more. */
+export class BadClassError extends TrisapError {
+  readonly objectClass: number;
+}
+/** A query has NaN, infinities or negative lengths where they make no sense. */
+export class BadQueryError extends TrisapError {}
+/** The bytes are no snapshot of a world of this configuration. */
+export class BadSnapshotError extends TrisapError {}
+/** The host has not given the memory. */
+export class OutOfMemoryError extends TrisapError {
+  readonly bytes: number;
+}
+/** Somebody else has written to the memory of the world. */
+export class CorruptError extends TrisapError {}

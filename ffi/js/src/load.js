@@ -1,0 +1,54 @@
+// From bytes to a compiled module.
+
+/** A function that uses 128-bit vectors: hosts without them refuse it. */
+const VECTORS = new Uint8Array([
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+]);
+
+/** Whether this host has 128-bit vectors. */
+export function hasVectors() {
+  return WebAssembly.validate(VECTORS);
+}
+
+/** Compiled once for all worlds. */
+const compiled = new Map();
+
+/**
+ * The module for this host, or the one asked for.
+ * @param {(variant: string) => Promise<WebAssembly.Module>} read how this host gets at the files of the package
+ */
+export async function moduleFor(read, { simd = hasVectors(), wasm } = {}) {
+  if (wasm !== undefined) {
+    return { module: await compile(await wasm), variant: "given" };
+  }
+  const variant = simd ? "simd128" : "scalar";
+  if (!compiled.has(variant)) {
+    compiled.set(variant, read(variant));
+  }
+  try {
+    return { module: await compiled.get(variant), variant };
+  } catch (error) {
+    // A file that did not come may come the next time.
+    compiled.delete(variant);
+    throw error;
+  }
+}
+
+/** Of a module, an answer to a request, or bytes. */
+export async function compile(source) {
+  if (source instanceof WebAssembly.Module) {
+    return source;
+  }
+  if (typeof Response !== "undefined" && source instanceof Response) {
+    if (!source.ok) {
+      throw new Error(`${source.url}: ${source.status} ${source.statusText}`);
+    }
+    const type = source.headers.get("content-type") ?? "";
+    // Other servers' types are refused by the streaming compiler.
+    if (type.startsWith("application/wasm") && WebAssembly.compileStreaming) {
+      return WebAssembly.compileStreaming(source);
+    }
+    return WebAssembly.compile(await source.arrayBuffer());
+  }
+  return WebAssembly.compile(source);
+}

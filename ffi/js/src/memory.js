@@ -1,0 +1,92 @@
+// The memory of one world: an instance of the module, with nothing else in it.
+//
+// From the bottom: the stack and the constants of the module; structs that calls take and give; the boxes; the world; what
+// a call needs for a moment. Only the last part grows later.
+
+import { OutOfMemoryError, TrisapError } from "./errors.js";
+
+/** The version of the C ABI whose structs this package knows. */
+const ABI_VERSION = 4;
+const PAGE = 65536;
+/** What the structs of a call take at most. */
+const STRUCTS = 1024;
+const NO_MEMORY = 0xffff_ffff;
+
+export class Memory {
+  #temporary = 0;
+  #view = null;
+
+  constructor(instance) {
+    this.calls = instance.exports;
+    if (this.calls.trisap_abi_version() !== ABI_VERSION) {
+      throw new TrisapError(`the module has ABI version ${this.calls.trisap_abi_version()}, not ${ABI_VERSION}`);
+    }
+    this.structs = align(this.calls.__heap_base?.value ?? this.buffer.byteLength, 64);
+    this.boxes = this.structs + STRUCTS;
+    this.world = 0;
+    this.#reach(this.boxes);
+  }
+
+  get buffer() {
+    return this.calls.memory.buffer;
+  }
+
+  /** Bytes that the host has given. */
+  get bytes() {
+    return this.buffer.byteLength;
+  }
+
+  /** For structs. Valid until the next call of `lay` or `temporary`. */
+  get view() {
+    if (this.#view?.buffer !== this.buffer) {
+      this.#view = new DataView(this.buffer);
+    }
+    return this.#view;
+  }
+
+  /** Sets memory aside for the boxes of so many objects and a world of so many bytes. */
+  lay(objects, worldBytes) {
+    this.world = align(this.boxes + 24 * objects, this.calls.trisap_world_align());
+    this.#temporary = align(this.world + worldBytes, 8);
+    this.#reach(this.#temporary);
+  }
+
+  /** Where so many bytes are free until the next call of this. */
+  temporary(bytes) {
+    this.#reach(this.#temporary + bytes);
+    return this.#temporary;
+  }
+
+  /** The text at an address, which ends with a zero. */
+  text(at) {
+    const bytes = new Uint8Array(this.buffer);
+    let text = "";
+    for (let i = at; bytes[i] !== 0; i++) {
+      text += String.fromCharCode(bytes[i]);
+    }
+    return text;
+  }
+
+  #reach(end) {
+    const missing = end - this.buffer.byteLength;
+    if (missing <= 0) {
+      return;
+    }
+    if (end >= NO_MEMORY) {
+      throw new OutOfMemoryError(end);
+    }
+    try {
+      this.calls.memory.grow(Math.ceil(missing / PAGE));
+    } catch (error) {
+      if (error instanceof RangeError) {
+        throw new OutOfMemoryError(end);
+      }
+      throw error;
+    }
+  }
+}
+
+function align(at, to) {
+  return Math.ceil(at / to) * to;
+}
+

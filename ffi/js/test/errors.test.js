@@ -1,0 +1,137 @@
+// Refusals are exceptions that say what they are about; the world is as it was before, or the step has happened.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import * as trisap from "trisap";
+import { random, scatter } from "./brute.js";
+
+const { createWorld, slotOf } = trisap;
+
+/** The exception, which is of a class and has these fields. */
+function refused(call, type, fields = {}) {
+  let caught = null;
+  try {
+    call();
+  } catch (error) {
+    caught = error;
+  }
+  assert.ok(caught instanceof type, `${type.name}, not ${caught}`);
+  assert.ok(caught instanceof trisap.TrisapError);
+  assert.equal(caught.name, type.name);
+  for (const [field, value] of Object.entries(fields)) {
+    assert.deepEqual(caught[field], value, `${type.name}.${field}`);
+  }
+  return caught;
+}
+
+test("boxes that are none", async () => {
+  const world = await createWorld({ objects: 4 });
+  const id = world.insert([0, 0, 0, 1, 1, 1]);
+  refused(() => world.insert([0, 0, NaN, 1, 1, 1]), trisap.BadBoxError);
+  const boxes = new Float32Array([0, 0, 0, 1, 1, 1, 0, 2, 0, 1, 1, 1]);
+  const error = refused(() => world.insertMany(boxes), trisap.BadBoxError, { index: 1, id: null });
+  assert.match(error.message, /box 1/);
+  const bad = refused(() => world.update(id, [2, 0, 0, 1, 1, 1]), trisap.BadBoxError, { id, slot: 0 });
+  assert.match(bad.message, new RegExp(`object ${id}`));
+  refused(() => world.insert([1, 2, 3]), trisap.InvalidArgumentError);
+  refused(() => world.insertMany([1, 2, 3]), trisap.InvalidArgumentError, { field: "boxes" });
+  assert.equal(world.size, 1);
+  assert.deepEqual([...world.box(id)], [0, 0, 0, 1, 1, 1]);
+});
+
+test("a step names the object whose box is bad, and has happened", async () => {
+  const world = await createWorld({ objects: 4 });
+  const ids = world.insertMany(scatter(3, random(1), 0));
+  world.step();
+  world.boxes[6 * 1] = NaN;
+  world.boxes[6 * 2 + 1] = Infinity;
+  world.boxes.set([50, 50, 50, 51, 51, 51], 0);
+  const error = refused(() => world.step(), trisap.BadBoxError, { id: ids[1], slot: 1, count: 2 });
+  assert.match(error.message, /slot 1/);
+  assert.deepEqual([...world.pairs], [1, 2]);
+});
+
+test("ids of objects that are gone", async () => {
+  const world = await createWorld({ objects: 4, filters: true });
+  const old = world.insert([0, 0, 0, 1, 1, 1]);
+  world.remove(old);
+  const other = world.insert([0, 0, 0, 1, 1, 1]);
+  assert.equal(slotOf(old), slotOf(other));
+  const box = [0, 0, 0, 1, 1, 1];
+  const calls = [
+    () => world.remove(old), () => world.update(old, box), () => world.box(old), () => world.setFilter(old, {}),
+    () => world.removeMany([other, old]), () => world.setResting([old]), () => world.wake(BigUint64Array.of(old)),
+  ];
+  for (const call of calls) {
+    const error = refused(call, trisap.StaleIdError, { id: old, slot: 0 });
+    assert.match(error.message, new RegExp(`object ${old}`));
+  }
+  refused(() => world.removeMany([other, other]), trisap.StaleIdError, { id: other });
+  assert.ok(world.has(other) && !world.has(old));
+  assert.equal(world.idAt(0), other);
+  assert.equal(world.idAt(1), null);
+});
+
+test("capacities", async () => {
+  const world = await createWorld({ objects: 8, pairs: 5 });
+  world.insertMany(scatter(8, random(1), 0));
+  refused(() => world.insert([0, 0, 0, 1, 1, 1]), trisap.ObjectsFullError, { needed: 9, capacity: 8 });
+  refused(() => world.insertMany(scatter(3, random(1))), trisap.ObjectsFullError, { needed: 11, capacity: 8 });
+  refused(() => world.step(), trisap.PairsFullError, { needed: 28, capacity: 5 });
+  assert.equal(world.pairs.length, 10);
+});
+
+test("configurations", async () => {
+  const bad = [
+    [{}, "objects"], [{ objects: -1 }, "objects"], [{ objects: 1.5 }, "objects"], [{ objects: 1, event: true }, "event"],
+    [{ objects: 1, mode: "loose" }, "mode"], [{ objects: 1, events: 1 }, "events"], [{ objects: 1, marginMin: -1 }, "marginMin"],
+    [undefined, "config"],
+  ];
+  for (const [config, field] of bad) {
+    const error = await createWorld(config).catch((error) => error);
+    assert.ok(error instanceof trisap.InvalidArgumentError, `${JSON.stringify(config)}: ${error}`);
+    assert.equal(error.field, field);
+  }
+  for (const config of [{ objects: 1, marginMin: 2, marginMax: 1 }, { objects: 2 ** 28 }]) {
+    const error = await createWorld(config).catch((error) => error);
+    assert.ok(error instanceof trisap.TrisapError, `${JSON.stringify(config)}: ${error}`);
+    assert.match(error.message, /^config: /);
+  }
+});
+
+test("filters, queries and snapshots", async () => {
+  const world = await createWorld({ objects: 4 });
+  const id = world.insert([0, 0, 0, 1, 1, 1]);
+  refused(() => world.setFilter(id, {}), trisap.NoFiltersError);
+  const filtered = await createWorld({ objects: 4, filters: true });
+  const other = filtered.insert([0, 0, 0, 1, 1, 1]);
+  refused(() => filtered.setFilter(other, { objectClass: 32 }), trisap.BadClassError, { objectClass: 32 });
+  refused(() => filtered.setClasses([1, 2]), trisap.InvalidArgumentError, { field: "meets" });
+  refused(() => world.overlaps({ center: [0, 0, 0], radius: -1 }), trisap.BadQueryError);
+  refused(() => world.overlaps({ min: [0, 0], max: [1, 1] }), trisap.InvalidArgumentError);
+  refused(() => world.firstHit({ origin: [0, NaN, 0], direction: [1, 0, 0] }), trisap.BadQueryError);
+  refused(() => world.nearest([0, 0, 0], -1), trisap.InvalidArgumentError, { field: "count" });
+  const snapshot = world.save();
+  snapshot[40] ^= 1;
+  refused(() => world.load(snapshot), trisap.BadSnapshotError);
+  assert.equal(world.size, 1);
+});
+
+test("a host that gives no memory", async () => {
+  const { grow } = WebAssembly.Memory.prototype;
+  const world = await createWorld({ objects: 1000 });
+  try {
+    WebAssembly.Memory.prototype.grow = () => {
+      throw new RangeError("no memory");
+    };
+    const error = await createWorld({ objects: 100_000 }).catch((error) => error);
+    assert.ok(error instanceof trisap.OutOfMemoryError, `${error}`);
+    assert.ok(error.bytes > 24 * 100_000);
+    refused(() => world.insertMany(new Float32Array(6_000_000)), trisap.OutOfMemoryError);
+  } finally {
+    WebAssembly.Memory.prototype.grow = grow;
+  }
+  // The world goes on.
+  world.insertMany(scatter(1000, random(1), 3));
+  assert.equal(world.size, 1000);
+});

@@ -1,0 +1,35 @@
+// The types as a program uses them. `tsc -p test` checks this file; nothing runs it.
+
+import { BadBoxError, createWorld, hasVectors, slotOf, StaleIdError, TrisapError, World } from "trisap";
+import type { Config, Filter, Hit, Id, Region, Stats } from "trisap";
+
+const config: Config = { objects: 100, events: true, moversOnly: "never" };
+const world: World = await createWorld(config, { simd: hasVectors(), wasm: fetch("trisap.wasm") });
+const id: Id = world.insert([0, 0, 0, 1, 1, 1]);
+const ids: BigUint64Array = world.insertMany(new Float32Array(12));
+world.boxes[6 * slotOf(id)] = 2;
+const { pairs, found, lost }: { pairs: Uint32Array; found: Uint32Array; lost: Uint32Array } = world.step();
+const regions: Region[] = [{ min: [0, 0, 0], max: [1, 1, 1] }, { center: [0, 0, 0], radius: 1 }];
+const hit: Hit | null = world.firstHit({ origin: [0, 0, 0], direction: [1, 0, 0] });
+const filter: Filter = { group: 1 };
+const stats: Stats = world.stats();
+try {
+  world.update(id, new Float64Array(6));
+} catch (error) {
+  if (error instanceof StaleIdError || error instanceof BadBoxError) {
+    const slot: number | null = error.slot;
+    console.log(slot);
+  } else if (error instanceof TrisapError) {
+    console.log(error.message);
+  }
+}
+console.log(ids, pairs, found, lost, regions.map((region) => world.overlaps(region)), hit, filter, stats.path);
+
+// @ts-expect-error: no such field
+await createWorld({ objects: 1, event: true });
+// @ts-expect-error: made by createWorld alone
+new World();
+// @ts-expect-error: an id is a bigint
+world.remove(1);
+// @ts-expect-error: a view can be written to, not replaced
+world.boxes = new Float32Array(6);
