@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
-# a million objects, more pairs than 32 bits can count, the folder of recordings that TRISAP_RECORDINGS names, the
-# package for the web, and Miri where it is installed.
+# a million objects, more pairs than 32 bits can count, other targets, the folder of recordings that TRISAP_RECORDINGS
+# names, the package for the web, and Miri where it is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -31,6 +31,7 @@ if $all; then
     cargo run --release -p trisap-tests --example overflow
     tests/instructions.sh
     tests/web.sh
+    tests/targets.sh
     if cargo +nightly miri --version >/dev/null 2>&1; then
         MIRIFLAGS=-Zmiri-many-seeds=0..32 cargo +nightly miri test -p trisap-core --lib threads_
         cargo +nightly miri test -p trisap-tests --test conformance executors::a_small_tree

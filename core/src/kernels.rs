@@ -115,6 +115,7 @@ mod tests {
 
     #[test]
     fn the_best_level_of_the_cpu_is_detected() {
+        #[allow(unused_mut, reason = "other targets have one level")]
         let (mut levels, mut best) = (std::vec!["scalar"], "scalar");
         #[cfg(target_arch = "x86_64")]
         {

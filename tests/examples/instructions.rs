@@ -1,12 +1,18 @@
-//! Steps through recordings for `tests/instructions.sh`, which counts the instructions of [`measured`] under callgrind.
+//! Steps through recordings for `tests/instructions.sh`, which counts the instructions of [`measured`] under callgrind, and for
+//! `tests/targets.sh`, which counts those of the whole program.
 //!
-//! The recording and the kernels are the arguments.
+//! The recording, the kernels and, if not ten, the number of steps are the arguments. Without any it prints the kernels of this
+//! CPU.
 
 use trisap_core::{Boxes, Config, Kernels, Serial, World};
 use trisap_tests::recordings;
 use trisap_tests::worlds::{Slab, ample};
 
 fn main() {
+    if std::env::args().len() == 1 {
+        Kernels::all().for_each(|kernels| println!("{}", kernels.name()));
+        return;
+    }
     let [name, kernels] = [1, 2].map(|index| std::env::args().nth(index).expect("a recording and kernels"));
     let kernels = Kernels::by_name(&kernels).expect("kernels of this CPU");
     let recording =
@@ -18,7 +24,8 @@ fn main() {
     world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
     // The first step builds: it is not what later ones cost.
     world.step(kernels, &Serial).expect("room for the pairs");
-    let frames = &recording.frames[1..recording.frames.len().min(11)];
+    let steps = std::env::args().nth(3).map_or(10, |steps| steps.parse().expect("a number of steps"));
+    let frames = &recording.frames[1..recording.frames.len().min(1 + steps)];
     let pairs = measured(&mut world, frames, kernels);
     println!("{} object steps, {pairs} pairs", frames.len() * objects);
 }

@@ -6,6 +6,7 @@
 pub mod checked;
 pub mod denormals;
 pub mod forging;
+pub mod golden;
 pub mod jobs;
 pub mod lives;
 pub mod model;

@@ -33,11 +33,23 @@ impl Recording {
 /// Every recording of the repository, and of the folder that `TRISAP_RECORDINGS` names, if any.
 #[must_use]
 pub fn all() -> Vec<Recording> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
     let more = std::env::var_os("TRISAP_RECORDINGS").map(PathBuf::from);
-    let mut paths: Vec<PathBuf> = [Some(own), more].into_iter().flatten().flat_map(files).collect();
+    let mut all = own();
+    all.extend(more.into_iter().flat_map(folder));
+    all
+}
+
+/// Every recording of the repository, by name.
+#[must_use]
+pub fn own() -> Vec<Recording> {
+    let own = folder(Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings"));
+    assert!(!own.is_empty(), "no recording found");
+    own
+}
+
+fn folder(folder: PathBuf) -> Vec<Recording> {
+    let mut paths = files(folder);
     paths.sort();
-    assert!(!paths.is_empty(), "no recording found");
     paths.iter().map(|path| read(path)).collect()
 }
 

@@ -262,7 +262,8 @@ fn capacities_beyond_the_index_width_are_refused() {
     let objects = |objects: u32| Config::new(Capacity { objects, leaf_refs: 0, pairs: 0 });
     assert!(layout::<u16>(&objects(65_534)).is_some());
     assert!(layout::<u16>(&objects(65_535)).is_none());
-    assert!(layout::<u32>(&objects(1 << 27)).is_some());
+    // More than 4 GiB.
+    assert_eq!(layout::<u32>(&objects(1 << 27)).is_some(), size_of::<usize>() > 4);
     assert!(layout::<u32>(&objects((1 << 27) + 1)).is_none());
     assert!(layout::<u32>(&objects(u32::MAX)).is_none());
     for workers in [0, 33, u32::MAX] {
@@ -277,6 +278,32 @@ fn capacities_beyond_the_index_width_are_refused() {
     assert!(layout::<u16>(&plain).expect("a small world").bytes < bytes(&plain));
     for more in [plain.with_events(), plain.with_margin(Margin::length(0.0)), plain.with_workers(2)] {
         assert!(bytes(&more) > bytes(&plain));
+    }
+}
+
+/// A sum that wraps around would give a small layout for a large capacity: there must be none, or one that grows.
+#[test]
+fn no_layout_is_beyond_the_address_space() {
+    let most = Capacity { objects: 1 << 27, leaf_refs: u32::MAX, pairs: u32::MAX };
+    let parts: [fn(&mut Capacity) -> &mut u32; 3] =
+        [|c| &mut c.objects, |c| &mut c.leaf_refs, |c| &mut c.pairs];
+    for part in parts {
+        for (events, workers) in [(false, 1), (false, 32), (true, 32)] {
+            let mut before = Some(0);
+            // From close to nothing to the most, so that every power of two is passed closely.
+            for share in 0..2048 {
+                let mut capacity = Capacity { objects: 1000, leaf_refs: 1000, pairs: 1000 };
+                *part(&mut capacity) = (u64::from(*part(&mut most.clone())) * share / 2047) as u32;
+                let config = Config { events, workers, ..Config::new(capacity) };
+                let bytes = layout::<u32>(&config).map(|layout| layout.bytes);
+                match (before, bytes) {
+                    (Some(before), Some(bytes)) => assert!(before <= bytes && bytes <= isize::MAX as usize),
+                    (None, Some(bytes)) => panic!("{bytes} bytes for {capacity:?}, and none for less"),
+                    (_, None) => assert!(size_of::<usize>() == 4, "no layout for {capacity:?}"),
+                }
+                before = bytes;
+            }
+        }
     }
 }
 
