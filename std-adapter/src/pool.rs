@@ -1,33 +1,42 @@
 //! The executor over rayon.
 
-use rayon::{Scope, ThreadPool, Yield};
-use std::cell::Cell;
+use crate::sharing::{Job, Judge, Sharing};
+use rayon::{ThreadPool, Yield};
 use std::hint::spin_loop;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::Ordering::{Relaxed, SeqCst};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, fence};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
-use trisap_core::Executor;
+use trisap_core::{Executor, Offer, Stage};
 
 /// How long a thread looks for more after its last work: the stages of a step follow each other within microseconds,
 /// and to wake a sleeping thread takes as long as a stage of ten thousand objects.
 const LINGER: Duration = Duration::from_micros(200);
-
-thread_local! {
-    /// Whether this thread is inside `fork_join`. While it waits there it may run any task of the pool; one that looks for
-    /// work until the job has ended would keep the job from ending.
-    static FORKED: Cell<bool> = const { Cell::new(false) };
-}
+/// For so long a thread that waits keeps its processor; then it lets others run, if there are any.
+const SPIN: Duration = Duration::from_micros(10);
+/// A caller that has waited for so long goes to sleep, so that the operating system brings whom it waits for here.
+const AWAKE: Duration = Duration::from_micros(50);
+/// A thread that looks for work and finds that so much time has gone by has not been running.
+const GAP: Duration = Duration::from_micros(100);
+/// Such a gap counts as a loss of this part of it.
+const GAP_PART: u64 = 4;
 
 /// An executor over a rayon thread pool: the global one, or one of the caller's.
 ///
 /// The calling thread takes part, whether it belongs to the pool or not: a pool of `n` threads promises `n` workers to a
-/// caller from inside and `n + 1` to one from outside. While a caller from inside waits for the last blocks, it may run
-/// other tasks of the pool, as always in rayon. A caller from outside is best served by a pool of one thread less than
-/// the machine has cores.
+/// caller from inside and `n + 1` to one from outside. A caller from outside is best served by a pool of one thread less
+/// than the machine has cores.
 ///
-/// The first stage of a step wakes the pool's threads. If such a stage is short, it does not wait for them. They stay
-/// awake for 0.2 ms after their last work, and do whatever else the pool has to do meanwhile. So make one executor and
-/// keep it: it knows which threads are awake, and when it is dropped they no longer wait for it.
+/// The first stage of a step wakes the pool's threads, and no stage waits for one that has not come by its end. They stay
+/// awake for 0.2 ms after their last work, and do whatever else the pool has to do meanwhile. So make one executor for a
+/// world and keep it: it knows which threads are awake, and when it is dropped they no longer wait for it. While one
+/// world's stage is shared, another thread that uses the same executor works alone.
+///
+/// # Busy processors
+/// A thread that has begun a block of work may lose its processor to another program, and then the step waits for it. After
+/// such a loss the executor works alone for at least 32 times as long as it has waited, and longer if it happens again, up
+/// to a second; then it tries anew. [`sharing`](Self::sharing) tells how often. The pairs are the same in any case.
 ///
 /// ```
 /// use trisap::{Boxes, Capacity, Config, OwnedWorld, Rayon};
@@ -50,19 +59,26 @@ thread_local! {
 #[derive(Debug, Default)]
 pub struct Rayon<'p> {
     pool: Option<&'p ThreadPool>,
-    awake: Arc<Awake>,
+    common: Arc<Common>,
 }
 
-/// The threads of the pool that look for work instead of sleeping.
+/// What the caller and the threads of the pool share.
 #[derive(Debug, Default)]
-struct Awake {
-    threads: AtomicU32,
-    /// A job is being done. There will be more when it ends.
-    busy: AtomicBool,
+struct Common {
+    offer: Offer,
+    /// How many threads look for work instead of sleeping, or will when they have woken up.
+    looking: AtomicU32,
     /// Nobody is going to have work for them.
     over: AtomicBool,
-    /// The last job that found threads asleep was long enough to wait for them.
-    patient: AtomicBool,
+    /// A step is being done.
+    stepping: AtomicBool,
+    /// For how long a thread that was looking for work in a step had lost its processor, in nanoseconds.
+    gap: AtomicU64,
+    /// The caller sleeps until a call has ended.
+    asleep: AtomicBool,
+    sleep: Mutex<()>,
+    ended: Condvar,
+    judge: Mutex<Judge>,
 }
 
 impl Rayon<'static> {
@@ -77,17 +93,23 @@ impl<'p> Rayon<'p> {
     /// Over this pool.
     #[must_use]
     pub fn in_pool(pool: &'p ThreadPool) -> Self {
-        Self { pool: Some(pool), awake: Arc::default() }
+        Self { pool: Some(pool), common: Arc::default() }
+    }
+
+    /// How often the work of a step was shared so far.
+    #[must_use]
+    pub fn sharing(&self) -> Sharing {
+        lock(&self.common.judge).counts
     }
 
     /// Has so many more threads look for work.
     fn wake(&self, threads: u32) {
         for _ in 0..threads {
-            self.awake.threads.fetch_add(1, Relaxed);
-            let awake = Arc::clone(&self.awake);
+            self.common.looking.fetch_add(1, Relaxed);
+            let common = Arc::clone(&self.common);
             match self.pool {
-                Some(pool) => pool.spawn(move || awake.linger()),
-                None => rayon::spawn(move || awake.linger()),
+                Some(pool) => pool.spawn(move || common.look_for_work()),
+                None => rayon::spawn(move || common.look_for_work()),
             }
         }
     }
@@ -95,21 +117,75 @@ impl<'p> Rayon<'p> {
 
 impl Drop for Rayon<'_> {
     fn drop(&mut self) {
-        self.awake.over.store(true, Relaxed);
+        self.common.over.store(true, Relaxed);
     }
 }
 
-impl Awake {
-    /// Runs what the pool has to do until there has been nothing for a while.
-    fn linger(&self) {
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Nothing panics while it is held.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Common {
+    /// Takes part in jobs and runs what else the pool has to do, until there has been nothing for a while.
+    fn look_for_work(&self) {
         let mut last = Instant::now();
-        while !FORKED.get() && !self.over.load(Relaxed) && last.elapsed() < LINGER {
-            if rayon::yield_now() == Some(Yield::Executed) || self.busy.load(Relaxed) {
-                last = Instant::now();
+        let mut before = last;
+        let mut stepping = false;
+        while !self.over.load(Relaxed) {
+            let took_part = self.offer.take_part();
+            if took_part {
+                self.tell_the_caller();
             }
-            spin_loop();
+            let worked = took_part || rayon::yield_now() == Some(Yield::Executed);
+            let now = Instant::now();
+            if worked {
+                last = now;
+            } else if now - before > GAP {
+                // Others want this processor: it may be the caller itself.
+                if stepping {
+                    self.gap.store((now - before).as_nanos() as u64, Relaxed);
+                }
+                break;
+            } else if now - last > LINGER {
+                break;
+            } else if now - last > SPIN {
+                thread::yield_now();
+            } else {
+                spin_loop();
+            }
+            before = now;
+            stepping = self.stepping.load(Relaxed);
         }
-        self.threads.fetch_sub(1, Relaxed);
+        self.looking.fetch_sub(1, Relaxed);
+    }
+
+    /// A call of this thread has ended.
+    fn tell_the_caller(&self) {
+        // Either this thread sees that the caller goes to sleep, or the caller sees that the call has ended.
+        fence(SeqCst);
+        if self.asleep.load(Relaxed) {
+            drop(lock(&self.sleep));
+            self.ended.notify_all();
+        }
+    }
+
+    /// Waits a little for calls that have begun: since when is known.
+    fn wait(&self, since: Instant) {
+        let waited = since.elapsed();
+        if waited < SPIN {
+            spin_loop();
+        } else if waited < AWAKE {
+            thread::yield_now();
+        } else {
+            let guard = lock(&self.sleep);
+            self.asleep.store(true, Relaxed);
+            fence(SeqCst);
+            if self.offer.running() > 0 {
+                drop(self.ended.wait_timeout(guard, LINGER * 10));
+            }
+            self.asleep.store(false, Relaxed);
+        }
     }
 }
 
@@ -119,44 +195,42 @@ impl Executor for Rayon<'_> {
             Some(pool) => (pool.current_num_threads(), pool.current_thread_index()),
             None => (rayon::current_num_threads(), rayon::current_thread_index()),
         };
+        if !lock(&self.common.judge).shares(Instant::now()) {
+            return 1;
+        }
         u32::try_from(threads).unwrap_or(u32::MAX).saturating_add(index.is_none().into())
     }
 
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
-        let Awake { threads, busy, patient, .. } = &*self.awake;
-        let asleep = (width - 1).saturating_sub(threads.load(Relaxed));
-        busy.store(true, Relaxed);
-        self.wake(asleep);
-        let others = if patient.load(Relaxed) { width - 1 } else { width - 1 - asleep };
-        let left = AtomicU32::new(others);
-        let left = &left;
+        let common = &*self.common;
+        self.wake((width - 1).saturating_sub(common.looking.load(Relaxed)));
         let begun = Instant::now();
-        let outer = FORKED.replace(true);
-        match self.pool {
-            Some(pool) => pool.in_place_scope(|scope| share(scope, left, job)),
-            None => rayon::in_place_scope(|scope| share(scope, left, job)),
-        }
-        FORKED.set(outer);
-        busy.store(false, Relaxed);
-        if asleep > 0 {
-            patient.store(begun.elapsed() > LINGER, Relaxed);
-        }
-    }
-}
-
-/// Makes as many calls in the pool as `left` counts, and one here.
-fn share<'s>(scope: &Scope<'s>, left: &'s AtomicU32, job: &'s (dyn Fn() + Sync)) {
-    for _ in 0..left.load(Relaxed) {
-        scope.spawn(move |_| {
+        let (calls, first) = (AtomicU32::new(0), AtomicU64::new(u64::MAX));
+        let timed = || {
             job();
-            left.fetch_sub(1, Relaxed);
-        });
+            calls.fetch_add(1, Relaxed);
+            first.fetch_min(begun.elapsed().as_nanos() as u64, Relaxed);
+        };
+        let mut waits = None;
+        if !common.offer.lend(width - 1, &timed, || common.wait(*waits.get_or_insert_with(Instant::now))) {
+            // The pool's threads have another world's job.
+            return job();
+        }
+        let took = begun.elapsed();
+        let others = calls.into_inner() > 1;
+        let first = others.then(|| Duration::from_nanos(first.into_inner()));
+        let gap = if common.gap.load(Relaxed) > 0 { common.gap.swap(0, Relaxed) } else { 0 };
+        let mut judge = lock(&common.judge);
+        judge.ended(Job { took, first }, begun + took);
+        if gap > 0 {
+            judge.lost(Duration::from_nanos(gap / GAP_PART), begun + took);
+        }
     }
-    job();
-    // The end of the scope puts this thread to sleep if it does not belong to the pool. The others are about to be done.
-    let begun = Instant::now();
-    while left.load(Relaxed) > 0 && begun.elapsed() < LINGER {
-        spin_loop();
+
+    fn enter(&self, stage: Stage) {
+        self.common.stepping.store(stage != Stage::Done, Relaxed);
+        let (mut judge, now) = (lock(&self.common.judge), Instant::now());
+        if stage == Stage::Done { judge.step_ended(now) } else { judge.step_begun(now) }
     }
 }
 
