@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 /// A loss is followed by so many times its length alone. So what is lost stays a small part of the whole.
 const REPAID: u32 = 32;
+/// So many times if it comes after a good time, which is one of twice that length.
+const REPAID_AFTER_GOOD: u32 = 8;
 /// At most so many times, where losses follow each other: small ones are no reason for a long time alone.
 const MOST_REPAID: u32 = 1000;
 /// The longest time alone. When the processors become free, it takes so long at most until that is found out.
@@ -64,15 +66,12 @@ pub(crate) struct Job {
 impl Judge {
     /// Whether the work may be shared now.
     pub(crate) fn shares(&mut self, now: Instant) -> bool {
-        if self.alone_until.is_some_and(|until| now < until) {
-            self.refused = true;
-        } else {
-            self.alone_until = None;
-            if self.windows >= WINDOWS && !self.taken {
-                self.refused = true;
-            }
-        }
+        let rests = self.alone_until.is_some_and(|until| now < until);
+        // Where nobody tells of steps, there is nothing to compare.
+        let stepping = self.begun.is_some();
+        let compares = stepping && self.windows >= WINDOWS && !self.taken;
         // A step that has begun alone ends alone: it shall tell what that takes.
+        self.refused = rests || compares || (stepping && self.refused);
         !self.refused
     }
 
@@ -86,18 +85,19 @@ impl Judge {
             return self.lost(lost, now);
         }
         self.calm += job.took;
-        if self.calm > self.rest {
-            self.calm = Duration::ZERO;
-            self.rest /= 2;
-        }
     }
 
     /// Sharing has cost so much.
     pub(crate) fn lost(&mut self, time: Duration, now: Instant) {
         self.counts.losses += 1;
-        self.calm = Duration::ZERO;
-        // Twice as long as the last time if that makes sense: whoever is busy may be so for long.
-        self.rest = (REPAID * time).max((2 * self.rest).min(MOST_REPAID * time)).min(LONGEST);
+        let calm = mem::take(&mut self.calm);
+        self.rest = if calm > 2 * REPAID_AFTER_GOOD * time {
+            REPAID_AFTER_GOOD * time
+        } else {
+            // Twice as long as the last time if that makes sense: whoever is busy may be so for long.
+            let longer = (2 * self.rest).min(MOST_REPAID * time);
+            (REPAID * time).max(longer).min(LONGEST)
+        };
         self.window = Default::default();
         self.alone_until = Some(now + self.rest);
     }
@@ -144,6 +144,8 @@ impl Judge {
             // Less than a twentieth is no gain worth a second processor.
             let worth = WINDOW * one / 20 * 19;
             if all > worth {
+                // No time was good that has gained nothing.
+                self.calm = Duration::ZERO;
                 self.lost(all - worth, now);
             }
         }
@@ -171,7 +173,7 @@ mod tests {
         assert!(!judge.shares(now));
         assert!(!judge.shares(now + 16 * ms(4)));
         assert!(judge.shares(now + REPAID * ms(4)));
-        assert!(judge.shares(now), "a rest that is over does not come back");
+        assert!(judge.shares(now + REPAID * ms(4)), "without steps nothing is compared");
         assert_eq!(judge.counts.losses, 1);
     }
 
@@ -192,16 +194,69 @@ mod tests {
     }
 
     #[test]
-    fn quiet_times_make_losses_cheap_again() {
+    fn a_loss_after_a_good_time_is_cheaper() {
         let (mut judge, now) = (Judge::default(), Instant::now());
         for _ in 0..10 {
             judge.ended(LATE, now);
         }
         assert_eq!(judge.rest, LONGEST);
-        for _ in 0..4000 {
+        for _ in 0..100 {
             judge.ended(QUIET, now);
         }
-        assert!(judge.rest < ms(10));
+        judge.ended(LATE, now);
+        assert!(judge.rest <= REPAID_AFTER_GOOD * ms(4));
+        judge.ended(LATE, now);
+        assert!(judge.rest >= REPAID * ms(3), "the time before the last loss does not count twice");
+    }
+
+    #[test]
+    fn small_losses_are_no_reason_for_a_long_time_alone() {
+        let (mut judge, now) = (Judge::default(), Instant::now());
+        for _ in 0..100 {
+            judge.lost(Duration::from_micros(3), now);
+        }
+        assert_eq!(judge.rest, ms(3));
+    }
+
+    /// Steps of which one takes `one` alone and `two` shared.
+    fn steps((judge, now): &mut (Judge, Instant), count: u32, one: Duration, two: Duration) -> Sharing {
+        let before = judge.counts;
+        for _ in 0..count {
+            judge.step_begun(*now);
+            let shares = judge.shares(*now);
+            let took = if shares { two } else { one };
+            *now += took;
+            if shares {
+                judge.ended(Job { took, first: Some(took) }, *now);
+            }
+            judge.step_ended(*now);
+        }
+        let after = judge.counts;
+        Sharing {
+            shared: after.shared - before.shared,
+            alone: after.alone - before.alone,
+            losses: after.losses - before.losses,
+        }
+    }
+
+    #[test]
+    fn what_gains_is_shared() {
+        let counts = steps(&mut (Judge::default(), Instant::now()), 1000, ms(3), ms(2));
+        assert_eq!((counts.shared + counts.alone, counts.losses), (1000, 0));
+        // One in `WINDOW * WINDOWS` is done alone.
+        assert!((5..30).contains(&counts.alone), "{counts:?}");
+    }
+
+    #[test]
+    fn what_gains_nothing_is_done_alone_but_tried_again() {
+        let mut judge = (Judge::default(), Instant::now());
+        let counts = steps(&mut judge, 10_000, ms(3), ms(3));
+        assert!(counts.alone > 9 * counts.shared, "{counts:?}");
+        assert!(counts.losses > 10);
+        // Now it gains: that is found out.
+        steps(&mut judge, 1000, ms(3), ms(2));
+        let counts = steps(&mut judge, 1000, ms(3), ms(2));
+        assert!(counts.shared > 900, "{counts:?}");
     }
 
     #[test]
