@@ -57,7 +57,7 @@ public:
         }
         function_ = function, argument_ = argument, came_ = 0, first_ = never;
         begun_ = begun;
-        state_.store(held | seat * std::min(count - 1, max_seats), std::memory_order_release);
+        state_.store(held | seat * std::min(count - 1, max_seats), std::memory_order_seq_cst);
         call_sleepers();
         call();
         state_.fetch_and(~seats, std::memory_order_acq_rel); // nobody begins from here on
@@ -105,8 +105,9 @@ private:
         return true;
     }
 
+    /// Either this thread sees who goes to sleep, or who does sees that there are seats.
     void call_sleepers() {
-        if (asleep_.load(std::memory_order_relaxed) > 0) {
+        if (asleep_.load(std::memory_order_seq_cst) > 0) {
             const std::lock_guard lock(mutex_);
             asleep_ = 0, round_++;
             wake_.notify_all();
@@ -153,7 +154,10 @@ private:
                 std::unique_lock lock(mutex_);
                 asleep_++;
                 const std::uint64_t seen = round_;
-                wake_.wait(lock, [&] { return stopping_ || round_ != seen; });
+                wake_.wait(lock, [&] { return stopping_ || round_ != seen || (state_.load(std::memory_order_seq_cst) & seats) != 0; });
+                if (round_ == seen) {
+                    asleep_--;
+                }
                 if (stopping_) {
                     return;
                 }

@@ -68,6 +68,8 @@ struct Common {
     offer: Offer,
     /// How many threads look for work instead of sleeping, or will when they have woken up.
     looking: AtomicU32,
+    /// How many callers have a job for them, or are about to.
+    callers: AtomicU32,
     /// Nobody is going to have work for them.
     over: AtomicBool,
     /// A step is being done.
@@ -129,6 +131,19 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Common {
     /// Takes part in jobs and runs what else the pool has to do, until there has been nothing for a while.
     fn look_for_work(&self) {
+        loop {
+            self.look_for_a_while();
+            self.looking.fetch_sub(1, Relaxed);
+            // Either the caller sees that this thread has gone and calls for another, or this thread sees the caller.
+            fence(SeqCst);
+            if self.callers.load(Relaxed) == 0 || self.over.load(Relaxed) {
+                return;
+            }
+            self.looking.fetch_add(1, Relaxed);
+        }
+    }
+
+    fn look_for_a_while(&self) {
         let mut last = Instant::now();
         let mut before = last;
         let mut stepping = false;
@@ -157,7 +172,6 @@ impl Common {
             before = now;
             stepping = self.stepping.load(Relaxed);
         }
-        self.looking.fetch_sub(1, Relaxed);
     }
 
     /// A call of this thread has ended.
@@ -189,6 +203,15 @@ impl Common {
     }
 }
 
+/// A caller that has a job.
+struct Calling<'c>(&'c AtomicU32);
+
+impl Drop for Calling<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Relaxed);
+    }
+}
+
 impl Executor for Rayon<'_> {
     fn workers(&self) -> u32 {
         let (threads, index) = match self.pool {
@@ -203,6 +226,9 @@ impl Executor for Rayon<'_> {
 
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
         let common = &*self.common;
+        common.callers.fetch_add(1, Relaxed);
+        let _calling = Calling(&common.callers);
+        fence(SeqCst);
         self.wake((width - 1).saturating_sub(common.looking.load(Relaxed)));
         let begun = Instant::now();
         let (calls, first) = (AtomicU32::new(0), AtomicU64::new(u64::MAX));

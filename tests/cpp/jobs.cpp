@@ -4,7 +4,9 @@
 #include "pool.hpp"
 #include "recording.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -42,7 +44,8 @@ static std::vector<unsigned char> play(const trisap_jobs *jobs) {
     trisap_result result = trisap_default_result();
     std::vector<unsigned char> bytes_seen;
     for (unsigned step = 0; step < STEPS; step++) {
-        boxes = scene(1 + step / 2);
+        const std::vector<trisap::Aabb> moved = scene(1 + step / 2);
+        std::copy(moved.begin(), moved.end(), boxes.begin()); // the view stays valid
         CHECK_OK(trisap_world_step_over(world, &view, jobs, &result));
         CHECK(result.pair_count > OBJECTS / 2);
         const auto keep = [&bytes_seen](const trisap_pair *pairs, std::size_t count) {

@@ -165,7 +165,7 @@ impl<P: Parted> Ends<P> {
 
     /// The end for another call of a job: they take turns.
     pub(crate) fn end(&self) -> End {
-        if count_up(&self.calls) % 2 == 0 { End::Low } else { End::High }
+        if count_up(&self.calls) & 1 == 0 { End::Low } else { End::High }
     }
 
     /// The next part at this end and its index, or `None` when all are claimed.

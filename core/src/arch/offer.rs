@@ -22,6 +22,26 @@ const RUNNING: u32 = SEAT - 1;
 /// [`lend`](Self::lend) has the calling thread do the job while any thread may [`take part`](Self::take_part). When the
 /// caller finds no work left, the offer ends, and a thread that has not come by then is not waited for. So a thread that
 /// the operating system has not let run costs the step nothing.
+///
+/// ```
+/// use trisap_core::{Executor, Offer};
+///
+/// /// The threads of an engine call `take_part` whenever they have nothing else to do.
+/// struct Engine {
+///     offer: Offer,
+///     threads: u32,
+/// }
+///
+/// impl Executor for Engine {
+///     fn workers(&self) -> u32 {
+///         self.threads + 1
+///     }
+///     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+///         // If another world's job is on offer, the step does this one itself.
+///         self.offer.lend(width - 1, job, std::thread::yield_now);
+///     }
+/// }
+/// ```
 #[derive(Debug)]
 pub struct Offer {
     state: AtomicU32,
@@ -63,7 +83,7 @@ impl Offer {
         unsafe { *self.job.get() = Some(pointer) };
         let held = Held(self);
         // Release: the pointer, and all that this thread did before, is there for who takes a seat.
-        self.state.store(HELD | SEAT * seats.min(SEATS / SEAT), Release);
+        self.state.store(HELD | (SEAT * seats.min(SEATS / SEAT)), Release);
         job();
         held.close();
         while self.running() > 0 {
@@ -137,6 +157,7 @@ impl Drop for Running<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::boxed::Box;
     use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
     use std::sync::Barrier;
     use std::thread;
