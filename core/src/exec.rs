@@ -31,6 +31,21 @@ use core::cell::Cell;
 /// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job, and needs
 /// less than 16 KiB of stack. A step never has two jobs at once.
 ///
+/// # When others want the processors
+/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. Beside busy threads of
+/// the same program or of others, an executor that spins and waits can make a step several times slower than one thread.
+/// It never does if it follows these rules, and keeps its gain where processors are free:
+/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take the
+///   other calls back. A thread that sleeps or has not been let run then costs nothing. [`Offer`](crate::Offer) does that.
+/// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job. Then
+///   let others run (`yield_now`), and then sleep, so that a thread that holds a block but no processor gets this one.
+/// - **Work alone after a long wait,** for many times as long as the wait was, and longer each time that it happens again.
+///   Alone means that [`workers`](Self::workers) is 1, or that `fork_join` makes one call.
+/// - **Compare.** Who works on what never changes a byte, so the time of steps may decide: where shared steps are no
+///   faster than those done alone, stay alone, and try again later. [`enter`](Self::enter) tells when steps begin and end.
+///
+/// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
+///
 /// If `fork_join` unwinds, so does the step, and the world is then half way through it: make it anew with
 /// [`World::new_in`](crate::World::new_in). Memory stays sound.
 ///
@@ -67,7 +82,8 @@ pub trait Executor {
     /// [`Config::workers`](crate::Config::workers) and of the blocks of work. See the trait for what else may be done.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
 
-    /// A step enters a stage, on the calling thread. For profilers; nobody needs it for anything else.
+    /// A step enters a stage, on the calling thread. For profilers, and for executors that compare the times of steps.
+    /// [`Stage::Done`] ends a step. An executor that wraps another hands it on.
     fn enter(&self, _stage: Stage) {}
 }
 

@@ -80,6 +80,8 @@ mod view;
 mod world;
 
 pub use aabb::{Aabb, Boxes};
+#[cfg(target_has_atomic = "32")]
+pub use arch::offer::Offer;
 pub use config::{Capacity, Choice, Config, Margin, Mode};
 pub use error::{Error, Rejected};
 pub use exec::{Executor, Serial, Stage};

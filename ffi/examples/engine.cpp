@@ -1,65 +1,12 @@
 // A minimal engine: bodies in an array of its own, a job system of its own, and trisap between them.
 
+#include "job_system.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <condition_variable>
 #include <cstdio>
-#include <mutex>
-#include <thread>
 #include <trisap.hpp>
 #include <vector>
-
-/// Threads that all run the same function, whenever there is one.
-class JobSystem {
-public:
-    explicit JobSystem(unsigned workers) {
-        for (unsigned i = 1; i < workers; i++) {
-            threads_.emplace_back([this] { work(); });
-        }
-    }
-
-    ~JobSystem() {
-        publish(nullptr, nullptr);
-        std::for_each(threads_.begin(), threads_.end(), [](std::thread &thread) { thread.join(); });
-    }
-
-    /// Runs the function on every thread, the calling one included, and waits for all.
-    void run_everywhere(void (*function)(void *), void *argument) {
-        publish(function, argument);
-        function(argument);
-        std::unique_lock lock(mutex_);
-        done_.wait(lock, [this] { return running_ == 0; });
-    }
-
-private:
-    void publish(void (*function)(void *), void *argument) {
-        const std::lock_guard lock(mutex_);
-        function_ = function, argument_ = argument, running_ = threads_.size(), round_++;
-        wake_.notify_all();
-    }
-
-    void work() {
-        std::unique_lock lock(mutex_);
-        for (unsigned long seen = 0;; running_--, done_.notify_one()) {
-            wake_.wait(lock, [&] { return round_ != seen; });
-            seen = round_;
-            if (function_ == nullptr) {
-                return;
-            }
-            lock.unlock();
-            function_(argument_);
-            lock.lock();
-        }
-    }
-
-    std::mutex mutex_;
-    std::condition_variable wake_, done_;
-    void (*function_)(void *) = nullptr;
-    void *argument_ = nullptr;
-    std::size_t running_ = 0;
-    unsigned long round_ = 0;
-    std::vector<std::thread> threads_;
-};
 
 /// A ball in a room. trisap reads `min` and `max` where they stand.
 struct Body {
@@ -98,8 +45,8 @@ int main() {
     }
 
     JobSystem job_system(4);
-    auto jobs = trisap::jobs(4, [&](unsigned, trisap::Task task) {
-        job_system.run_everywhere(task.function(), task.argument());
+    auto jobs = trisap::jobs(4, [&](unsigned count, trisap::Task task) {
+        job_system.run(count, task.function(), task.argument());
     });
     const trisap::Boxes boxes = trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].min, bodies[0].max);
     trisap::Config config = trisap::config(5000);

@@ -31,10 +31,14 @@ mod pool;
 pub mod recording;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "rayon")]
+mod sharing;
 
 pub use owned::OwnedWorld;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;
+#[cfg(feature = "rayon")]
+pub use sharing::Sharing;
 pub use trisap_core::*;
 
 /// The best kernels of this CPU. Asks the CPU once and remembers.

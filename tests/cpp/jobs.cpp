@@ -1,9 +1,12 @@
 // Job systems of every kind, good and bad: the result is the same, byte for byte, and calls from inside are refused.
 
+#include "../../ffi/examples/job_system.hpp"
 #include "pool.hpp"
 #include "recording.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -41,7 +44,8 @@ static std::vector<unsigned char> play(const trisap_jobs *jobs) {
     trisap_result result = trisap_default_result();
     std::vector<unsigned char> bytes_seen;
     for (unsigned step = 0; step < STEPS; step++) {
-        boxes = scene(1 + step / 2);
+        const std::vector<trisap::Aabb> moved = scene(1 + step / 2);
+        std::copy(moved.begin(), moved.end(), boxes.begin()); // the view stays valid
         CHECK_OK(trisap_world_step_over(world, &view, jobs, &result));
         CHECK(result.pair_count > OBJECTS / 2);
         const auto keep = [&bytes_seen](const trisap_pair *pairs, std::size_t count) {
@@ -150,6 +154,50 @@ static void rule_and_queries() {
     CHECK(met > 100);
 }
 
+/// The job system of the example: who has come is waited for, who has not is not, and a long wait is followed by a time alone.
+static void job_system_of_the_example(const std::vector<unsigned char> &expected) {
+    for (unsigned workers : {2u, 3u, 8u}) {
+        JobSystem system(workers);
+        std::uint64_t calls = 0;
+        CHECK(play(workers, [&](std::uint32_t count, trisap::Task task) {
+                  calls++;
+                  system.run(count, task.function(), task.argument());
+              }) == expected);
+        const JobSystem::Counts counts = system.counts();
+        CHECK(calls > 0 && counts.shared + counts.alone == calls && counts.losses <= counts.shared);
+    }
+
+    struct Job {
+        std::thread::id caller = std::this_thread::get_id();
+        std::atomic<int> calls = 0;
+        std::atomic<bool> late = false;
+        bool meets = true;
+    };
+    JobSystem system(2);
+    const auto run = [&system](Job &job) {
+        const auto call = [](void *argument) {
+            Job &its = *static_cast<Job *>(argument);
+            its.calls++;
+            while (its.meets && its.calls < 2) {
+                std::this_thread::yield();
+            }
+            if (std::this_thread::get_id() != its.caller) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                its.late = true;
+            }
+        };
+        system.run(2, call, &job);
+    };
+    Job first, second;
+    run(first);
+    CHECK(first.late && first.calls == 2); // returned only after the call that was late
+    CHECK(system.counts().shared == 1 && system.counts().losses <= 1);
+    second.meets = false;
+    run(second);
+    CHECK(second.calls == 1 || second.late); // alone, unless the time alone has been over by then
+    CHECK(system.counts().shared + system.counts().alone == 2);
+}
+
 int main() {
     const std::vector<unsigned char> expected = play(nullptr);
     CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
@@ -164,6 +212,8 @@ int main() {
               }) == expected);
     }
     CHECK(calls > 0);
+
+    job_system_of_the_example(expected);
 
     // Plain threads, made and joined; the function and its argument, as most job systems take them.
     CHECK(play(4, [](std::uint32_t count, trisap::Task task) {

@@ -5,9 +5,9 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
-#include <queue>
 #include <thread>
 #include <vector>
 
@@ -36,26 +36,37 @@ public:
 
     [[nodiscard]] std::uint32_t workers() const { return static_cast<std::uint32_t>(threads_.size()) + 1; }
 
-    /// Calls `task` `count` times, once on the calling thread, and returns when all calls have returned.
+    /// Calls `task` on the calling thread and up to `count - 1` times on others, and returns when all calls have returned. Calls
+    /// that nobody has begun by then are taken back: there is no work left for them.
     template <class Task> void run(std::uint32_t count, Task task) {
         std::unique_lock lock(mutex_);
         std::uint32_t open = count - 1;
         for (std::uint32_t i = 1; i < count; i++) {
-            queue_.push([this, task, &open] {
-                task();
-                const std::lock_guard done(mutex_);
-                open--;
-                done_.notify_all();
-            });
+            queue_.push_back({&open, [this, task, &open] {
+                                  task();
+                                  const std::lock_guard done(mutex_);
+                                  open--;
+                                  done_.notify_all();
+                              }});
         }
         wake_.notify_all();
         lock.unlock();
         task();
         lock.lock();
+        for (auto call = queue_.begin(); call != queue_.end();) {
+            const bool own = call->owner == &open;
+            open -= own;
+            call = own ? queue_.erase(call) : call + 1;
+        }
         done_.wait(lock, [&open] { return open == 0; });
     }
 
 private:
+    struct Call {
+        std::uint32_t *owner;
+        std::function<void()> function;
+    };
+
     void work() {
         std::unique_lock lock(mutex_);
         while (true) {
@@ -63,8 +74,8 @@ private:
             if (queue_.empty()) {
                 return;
             }
-            const std::function<void()> job = std::move(queue_.front());
-            queue_.pop();
+            const std::function<void()> job = std::move(queue_.front().function);
+            queue_.pop_front();
             lock.unlock();
             job();
             lock.lock();
@@ -73,7 +84,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable wake_, done_;
-    std::queue<std::function<void()>> queue_;
+    std::deque<Call> queue_;
     bool ending_ = false;
     std::vector<std::thread> threads_;
 };

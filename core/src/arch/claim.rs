@@ -132,6 +132,55 @@ impl<P: Parted> Claims<P> {
     }
 }
 
+/// Parts that are claimed from both ends, each once: for parts whose results lie beside each other in memory. Who claims at
+/// one end keeps away from the cache lines of who claims at the other, until they meet.
+pub(crate) struct Ends<P> {
+    parts: P,
+    count: u32,
+    /// How many have been claimed at either end: no more than there are, so that the ends do not cross.
+    claimed: AtomicU32,
+    low: AtomicU32,
+    high: AtomicU32,
+    calls: AtomicU32,
+}
+
+/// An end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    Low,
+    High,
+}
+
+impl<P: Parted> Ends<P> {
+    pub(crate) fn new(parts: P) -> Self {
+        let count = parts.count().min(u32::MAX as usize / 2) as u32;
+        let [claimed, low, high, calls] = [(); 4].map(|()| AtomicU32::new(0));
+        Self { parts, count, claimed, low, high, calls }
+    }
+
+    /// How many parts there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    /// The end for another call of a job: they take turns.
+    pub(crate) fn end(&self) -> End {
+        if count_up(&self.calls) & 1 == 0 { End::Low } else { End::High }
+    }
+
+    /// The next part at this end and its index, or `None` when all are claimed.
+    pub(crate) fn claim(&self, end: End) -> Option<(usize, P::Part<'_>)> {
+        claim_index(&self.claimed, self.count)?;
+        let index = match end {
+            End::Low => count_up(&self.low),
+            End::High => self.count - 1 - count_up(&self.high),
+        };
+        // SAFETY: `claim_index` has let through `count` claims at most, so `low` and `high` add up to no more, and each
+        // index below `count` comes from one end only, and once.
+        Some((index as usize, unsafe { self.parts.part(index as usize) }))
+    }
+}
+
 /// The next index below `count`, each once for every counter. Relaxed order is enough: what a part holds
 /// reaches the thread with the start of its job and the caller with the job's end, by the executor.
 fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
@@ -139,16 +188,22 @@ fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     if next.load(Relaxed) >= count {
         return None;
     }
+    let index = count_up(next);
+    (index < count).then_some(index as usize)
+}
+
+/// Counts one more, and returns the count before.
+fn count_up(counter: &AtomicU32) -> u32 {
     #[cfg(target_has_atomic = "32")]
-    let index = next.fetch_add(1, Relaxed);
+    let count = counter.fetch_add(1, Relaxed);
     // Without read-modify-write there is no executor but `Serial`, so nobody comes between load and store.
     #[cfg(not(target_has_atomic = "32"))]
-    let index = {
-        let index = next.load(Relaxed);
-        next.store(index + 1, Relaxed);
-        index
+    let count = {
+        let count = counter.load(Relaxed);
+        counter.store(count + 1, Relaxed);
+        count
     };
-    (index < count).then_some(index as usize)
+    count
 }
 
 /// Indices that are claimed in ascending order, each once.
@@ -244,6 +299,22 @@ mod tests {
         assert!(claims.claim().is_none());
         assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
         assert_eq!(b, [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn every_part_is_claimed_once_from_either_end() {
+        let mut items = [0u8; 10];
+        let ends = Ends::new(Chunks::new(&mut items, 3));
+        assert_eq!([ends.end(), ends.end(), ends.end()], [End::Low, End::High, End::Low]);
+        let order = [End::High, End::Low, End::High, End::High];
+        let claimed = order.map(|end| {
+            let (index, part) = ends.claim(end).unwrap();
+            part.iter_mut().for_each(|item| *item += 1);
+            (index, part.len())
+        });
+        assert_eq!(claimed, [(3, 1), (0, 3), (2, 3), (1, 3)]);
+        assert!(ends.claim(End::Low).is_none() && ends.claim(End::High).is_none());
+        assert_eq!(items, [1; 10]);
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub(crate) mod avx512;
 pub(crate) mod claim;
 #[cfg(target_arch = "x86_64")]
 mod fours;
+#[cfg(target_has_atomic = "32")]
+pub(crate) mod offer;
 pub(crate) mod scalar;
 pub(crate) mod shared;
 

@@ -10,7 +10,7 @@ use super::cells::{Extent, cut, frame};
 use super::sharpen::sharpen;
 use super::{Cell, Front, Leaf, leaf_of};
 use crate::access::Access;
-use crate::arch::claim::{Chunks, Claims};
+use crate::arch::claim::{Chunks, Claims, Ends};
 use crate::arch::shared::Shared;
 use crate::arch::{Phase, Simd};
 use crate::exec::{self, Executor};
@@ -242,13 +242,15 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
     let (homes, cells, frames, bags) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, fronts) = (Shared::new(parts.tree.records), Shared::new(parts.tree.fronts));
-    let claims = Claims::new((
+    // Records of neighbouring blocks stand side by side in the leaves.
+    let claims = Ends::new((
         Chunks::new(parts.place.span_mut(0, slots), len),
         Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
     ));
     let scratches = parts.sizes.workers;
     exec::run(executor, scratches, claims.count(), &|| {
-        while let Some((block, (places, tally))) = claims.claim() {
+        let end = claims.end();
+        while let Some((block, (places, tally))) = claims.claim(end) {
             let first = block * len;
             let boxes = boxes.span(first, places.len());
             let homes = homes.span(first, places.len());

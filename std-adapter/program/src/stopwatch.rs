@@ -53,6 +53,7 @@ impl Executor for Stopwatch<'_> {
     }
 
     fn enter(&self, stage: Stage) {
+        self.executor.enter(stage);
         let now = Instant::now();
         if let Some((_, start)) = self.running.get() {
             self.add(|time| time.all += now - start);

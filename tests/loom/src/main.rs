@@ -1,12 +1,16 @@
-//! Runs the core's claiming of blocks and lending of scratch under every interleaving that loom finds, with every
-//! value that a relaxed load may see. The code is the core's own file, letter by letter; only its atomics are loom's.
+//! Runs the core's claiming of blocks, its lending of scratch and its offer of a job under every interleaving that loom finds, with every
+//! value that a relaxed load may see. The code is the core's own files, letter by letter; only their atomics are loom's.
 //!
 //! `cargo run --manifest-path tests/loom/Cargo.toml`
 
-/// Makes `core` mean this crate in the included file, and so `core::sync::atomic` mean loom's.
+/// Makes `core` mean this crate in the included files, and so `core::sync::atomic` mean loom's.
 extern crate self as core;
 #[doc(hidden)]
-pub use std::{marker, slice};
+pub use std::{cell, marker, mem, slice};
+#[doc(hidden)]
+pub mod hint {
+    pub use loom::hint::spin_loop;
+}
 #[doc(hidden)]
 pub mod sync {
     pub use loom::sync::atomic;
@@ -16,10 +20,13 @@ pub mod sync {
 #[allow(dead_code)]
 #[path = "../../../core/src/arch/claim.rs"]
 mod claim;
+#[path = "../../../core/src/arch/offer.rs"]
+mod offer;
 
-use claim::{Chunks, Claims, Indices, Pool};
+use claim::{Chunks, Claims, Ends, Indices, Pool};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use offer::Offer;
 use std::sync::atomic::AtomicUsize;
 
 /// An item of a slice whose accesses loom watches: two at once, or one that does not see the one before, fail.
@@ -70,6 +77,63 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
     }
     assert_eq!(claims.claimed(), blocks);
+}
+
+/// Every block is claimed once, at whichever end.
+fn every_block_is_claimed_once_at_both_ends(width: usize, blocks: usize) {
+    let ends = leak(Ends::new(Chunks::new(items(blocks), 1)));
+    let job = leak(move || {
+        let end = ends.end();
+        let mut claimed: Vec<usize> = Vec::new();
+        while let Some((block, part)) = ends.claim(end) {
+            add(&part[0], block as u32 + 1);
+            claimed.push(block);
+        }
+        claimed
+    });
+    let mut all: Vec<_> = fork_join(width, job).into_iter().flatten().collect();
+    all.sort_unstable();
+    assert_eq!(all, (0..blocks).collect::<Vec<_>>());
+}
+
+/// Loom's cells, to be reached by several threads.
+struct Watched<T>(T);
+
+// SAFETY: loom fails where two reach a cell at once.
+unsafe impl<T> Sync for Watched<T> {}
+
+impl<T> Watched<T> {
+    const fn get(&self) -> &T {
+        &self.0
+    }
+}
+
+/// `jobs` jobs one after another, and as many threads as `helpers` that look once for each. A call finds its job alive and
+/// sees what was written before; the caller sees all that the calls have done, and waits for none that has not begun.
+fn an_offer_ends_when_all_who_came_have_left(helpers: usize, jobs: usize) {
+    let offer = leak(Offer::new());
+    let threads: Vec<_> = (0..helpers)
+        .map(|_| loom::thread::spawn(move || (0..jobs).filter(|_| offer.take_part()).count()))
+        .collect();
+    let mut calls = 0;
+    for number in 0..jobs {
+        let (before, done) = (Cell::new(0), items(helpers + 1));
+        before.set(number + 1);
+        let next = loom::sync::atomic::AtomicUsize::new(0);
+        let watched = Watched((&before, &*done));
+        let job = || {
+            let (before, done) = watched.get();
+            assert_eq!(before.get(), number + 1, "the job is another's");
+            add(&done[next.fetch_add(1, Relaxed)], 1);
+        };
+        assert!(offer.lend(helpers as u32, &job, loom::thread::yield_now));
+        let sum: u32 = watched.get().1.iter().map(Item::get).sum();
+        assert_eq!(sum as usize, next.load(Relaxed), "a call is not seen");
+        before.set(0);
+        calls += sum as usize;
+    }
+    let came: usize = threads.into_iter().map(|thread| thread.join().expect("no panic")).sum();
+    assert_eq!(calls, jobs + came);
 }
 
 /// Nobody shares an area of scratch with another, and the next borrower sees what the last one wrote.
@@ -145,6 +209,11 @@ fn main() {
     model("2 workers claim 3 blocks", None, || every_block_is_claimed_once(2, 3));
     model("3 workers claim 2 blocks", None, || every_block_is_claimed_once(3, 2));
     model("4 workers claim 4 blocks", Some(2), || every_block_is_claimed_once(4, 4));
+    model("2 workers claim 3 blocks at both ends", None, || every_block_is_claimed_once_at_both_ends(2, 3));
+    model("3 workers claim 3 blocks at both ends", Some(2), || every_block_is_claimed_once_at_both_ends(3, 3));
+    model("1 thread comes to 1 job", None, || an_offer_ends_when_all_who_came_have_left(1, 1));
+    model("1 thread comes to 2 jobs", None, || an_offer_ends_when_all_who_came_have_left(1, 2));
+    model("2 threads come to 1 job", Some(3), || an_offer_ends_when_all_who_came_have_left(2, 1));
     model("2 workers borrow 1 area", None, || scratch_is_lent_to_one_at_a_time(2, 1));
     model("3 workers borrow 2 areas", None, || scratch_is_lent_to_one_at_a_time(3, 2));
     model("4 workers borrow 2 areas", Some(3), || scratch_is_lent_to_one_at_a_time(4, 2));
