@@ -5,6 +5,7 @@ use mpi::request::{Request, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::time::{Duration, Instant};
+use trisap::{Executor, Stage};
 
 /// What all ranks learn of each other in a step, in one reduction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +30,9 @@ pub(crate) struct Exchange {
 /// The kinds of messages. Each has tags of its own in each of 1,000 steps.
 const LINKED: i32 = 0;
 const FAR: i32 = 1;
+/// The tag of scattered messages, and one of no message.
+const SCATTERED: i32 = 2000;
+const NO_TAG: i32 = 2001;
 
 impl Exchange {
     /// Over a communicator of its own, so that messages do not meet those of the caller. All ranks have to call it.
@@ -172,7 +176,7 @@ impl Exchange {
         let mut counts = vec![0; self.ranks()];
         letters.iter().for_each(|(to, _)| counts[*to] += 1);
         // Two scatters in a row: a rank that is through with the first one has its messages already.
-        let tag = 2000 + FAR;
+        let tag = SCATTERED;
         let mut received = Vec::new();
         scope(|sending| {
             let mut sent = Vec::new();
@@ -219,5 +223,27 @@ impl Exchange {
             self.finish("samples", request);
         });
         result
+    }
+}
+
+/// An executor that lets MPI go on with long messages between the stages of a sweep: few MPIs do so by themselves.
+pub(crate) struct Progress<'e> {
+    pub(crate) executor: &'e dyn Executor,
+    pub(crate) exchange: &'e Exchange,
+}
+
+impl Executor for Progress<'_> {
+    fn workers(&self) -> u32 {
+        self.executor.workers()
+    }
+
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        self.executor.fork_join(width, job);
+    }
+
+    fn enter(&self, stage: Stage) {
+        // Nobody sends a message of this tag: what counts is that MPI looks.
+        let _ = self.exchange.comm.any_process().immediate_probe_with_tag(NO_TAG);
+        self.executor.enter(stage);
     }
 }

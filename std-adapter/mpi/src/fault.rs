@@ -48,7 +48,9 @@ impl fmt::Display for Fault {
             Self::Version { lowest, highest } => {
                 write!(f, "the ranks have different versions of messages, from {lowest} to {highest}")
             }
-            Self::BadBox { key } => write!(f, "the box of {key} has NaN in it or a minimum above its maximum"),
+            Self::BadBox { key } => {
+                write!(f, "the box of {key} has NaN in it or a minimum above its maximum")
+            }
             Self::NotOwned { key } => write!(f, "this rank does not own an object with the key {key}"),
             Self::KeyTaken { key } => write!(f, "this rank has an object with the key {key} already"),
             Self::World(error) => error.fmt(f),

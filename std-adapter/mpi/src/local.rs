@@ -73,7 +73,9 @@ impl Local {
         self.gone[usize::from(self.swept)].insert(slot, object);
         let mut world = self.world.world();
         // An outgrown world does not have all objects.
-        if !self.outgrown && let Some(id) = world.id_at(slot) {
+        if !self.outgrown
+            && let Some(id) = world.id_at(slot)
+        {
             self.outgrown = world.remove(id).is_err();
         }
     }
@@ -112,7 +114,8 @@ impl Local {
     /// Makes the world anew with more room: first as it was in the last step, so that the pairs of then can be lost, and then
     /// as it is now. All slots change.
     fn make_anew(&mut self, means: Means<'_>) -> Result<(), Error> {
-        let gone: Vec<_> = self.gone.iter_mut().flat_map(|gone| gone.drain().map(|(_, object)| object)).collect();
+        let gone: Vec<_> =
+            self.gone.iter_mut().flat_map(|gone| gone.drain().map(|(_, object)| object)).collect();
         let living: Vec<_> =
             self.table.living_slots().map(|slot| (self.table.get(slot), self.table.is_owned(slot))).collect();
         self.swept = false;

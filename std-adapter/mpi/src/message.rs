@@ -113,7 +113,12 @@ mod tests {
         let now = Aabb::new([1.0; 3], [2.0; 3]);
         let newcomer = Newcomer { key: 5, now, before: NOWHERE };
         let change = Change { key: u64::MAX, now };
-        Batch { owned: vec![newcomer; 2], entered: vec![newcomer], moved: vec![change; 3], left: vec![change] }
+        Batch {
+            owned: vec![newcomer; 2],
+            entered: vec![newcomer],
+            moved: vec![change; 3],
+            left: vec![change],
+        }
     }
 
     #[test]

@@ -8,7 +8,8 @@ impl SplitWorld {
     #[must_use]
     pub fn gather(&self, pairs: &[KeyPair], to: usize) -> Vec<KeyPair> {
         let mut all = if self.rank() == to { pairs.to_vec() } else { Vec::new() };
-        let letter = (self.rank() != to && !pairs.is_empty()).then(|| (to, bytemuck::cast_slice(pairs).to_vec()));
+        let letter =
+            (self.rank() != to && !pairs.is_empty()).then(|| (to, bytemuck::cast_slice(pairs).to_vec()));
         let letters: Vec<_> = letter.into_iter().collect();
         for (_, bytes) in self.exchange.scatter(&letters) {
             all.extend(bytes.chunks_exact(size_of::<KeyPair>()).map(bytemuck::pod_read_unaligned::<KeyPair>));

@@ -215,7 +215,8 @@ fn place(old: &Plane, points: &mut [[f32; 3]], share: f64) -> Plane {
         let (_, middle, high) = points.select_nth_unstable_by_key(goal, |point| order(point[axis]));
         let at = middle[axis];
         // Many points may have the coordinate of the middle one: all of them on one side, or all on the other.
-        let next = high.iter().map(|point| point[axis]).filter(|&x| order(x) > order(at)).min_by_key(|&x| order(x));
+        let next =
+            high.iter().map(|point| point[axis]).filter(|&x| order(x) > order(at)).min_by_key(|&x| order(x));
         for at in [Some(at), next].into_iter().flatten() {
             let plane = Plane { axis, at };
             let error = error(points, &plane);

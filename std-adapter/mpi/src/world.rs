@@ -1,7 +1,7 @@
 //! The world of all ranks.
 
 use crate::balance::Balance;
-use crate::exchange::{Exchange, Letter};
+use crate::exchange::{Exchange, Letter, Progress};
 use crate::fault::Fault;
 use crate::local::{KeyPair, Local, Means};
 use crate::message::{Batch, NOWHERE, Newcomer};
@@ -262,9 +262,10 @@ impl SplitWorld {
         clock.end(Stage::Route, &mut self.stats);
 
         let (local, stats) = (&mut self.local, &mut self.stats);
+        let progress = Progress { executor, exchange: &self.exchange };
         let work = || {
             if early {
-                local.sweep_early(means);
+                local.sweep_early(Means { executor: &progress, ..means });
                 stats.overlapped = true;
             }
             clock.end(Stage::EarlySweep, stats);
@@ -349,9 +350,7 @@ impl SplitWorld {
         let chosen = match self.settings.overlap {
             Choice::Never => false,
             Choice::Always => true,
-            Choice::Automatic => {
-                live >= OVERLAP_FROM && ghosts * FEW <= live && !self.stats.planes_moved
-            }
+            Choice::Automatic => live >= OVERLAP_FROM && ghosts * FEW <= live && !self.stats.planes_moved,
         };
         chosen && self.ranks() > 1 && self.local.can_sweep_early()
     }
