@@ -47,7 +47,8 @@ impl Balance {
         points: impl Fn() -> Vec<[f32; 3]>,
     ) -> Option<Split> {
         let ranks = exchange.ranks();
-        if ranks == 1 || !self.first && !(self.enabled && self.due && step >= self.next) {
+        let moves = self.first || self.enabled && self.due && step >= self.next;
+        if ranks == 1 || !moves {
             return None;
         }
         let points = points();
