@@ -20,9 +20,8 @@ pub(crate) struct Means<'e> {
     pub(crate) executor: &'e dyn Executor,
 }
 
-/// The sweep before the ghosts have come, or what happens before it; and the last one.
+/// Before the early sweep; after it is 1.
 const EARLY: usize = 0;
-const LAST: usize = 1;
 
 /// Objects that lived in the last step and have left, by the slot that they had.
 type Gone = KeyMap<u32, Object>;
@@ -34,8 +33,9 @@ pub(crate) struct Local {
     pub(crate) table: Table,
     /// Who has left before the early sweep and after it.
     gone: [Gone; 2],
-    found: [Vec<[u32; 2]>; 2],
-    lost: [Vec<[u32; 2]>; 2],
+    /// What the early sweep has found and lost.
+    found: Vec<[u32; 2]>,
+    lost: Vec<[u32; 2]>,
     /// There has been an early sweep in this step.
     swept: bool,
     /// The table has more than the world could take: the world is made anew at the end of the step.
@@ -51,8 +51,8 @@ impl Local {
             config,
             table: Table::default(),
             gone: Default::default(),
-            found: Default::default(),
-            lost: Default::default(),
+            found: Vec::new(),
+            lost: Vec::new(),
             swept: false,
             outgrown: false,
         })
@@ -87,27 +87,28 @@ impl Local {
 
     /// Sweeps the rank's own boxes and the ghosts as they were. From now on changes come from other ranks.
     pub(crate) fn sweep_early(&mut self, means: Means<'_>) {
-        match self.sweep(EARLY, means) {
-            Ok(()) => self.swept = true,
-            Err(_) => self.outgrown = true,
+        self.swept = self.sweep(means).is_ok();
+        self.outgrown = !self.swept;
+        if self.swept {
+            let world = self.world.world();
+            self.found.clear();
+            self.found.extend_from_slice(world.found());
+            self.lost.clear();
+            self.lost.extend_from_slice(world.lost());
         }
     }
 
     /// Sweeps all boxes as they are now.
     pub(crate) fn sweep_last(&mut self, means: Means<'_>) -> Result<(), Error> {
-        if self.outgrown || self.sweep(LAST, means).is_err() {
+        if self.outgrown || self.sweep(means).is_err() {
             self.make_anew(means)?;
         }
         Ok(())
     }
 
-    fn sweep(&mut self, stage: usize, means: Means<'_>) -> Result<(), Error> {
+    fn sweep(&mut self, means: Means<'_>) -> Result<(), Error> {
         let mut world = self.world.world();
-        let step = world.step_over(Boxes::new(&self.table.now), means.kernels, means.executor)?;
-        self.found[stage].clear();
-        self.found[stage].extend_from_slice(step.found());
-        self.lost[stage].clear();
-        self.lost[stage].extend_from_slice(step.lost());
+        world.step_over(Boxes::new(&self.table.now), means.kernels, means.executor)?;
         Ok(())
     }
 
@@ -165,7 +166,7 @@ impl Local {
             let slot = world.insert(object.now)?.slot();
             self.table.put(slot, object, *owned);
         }
-        self.sweep(LAST, means)
+        self.sweep(means)
     }
 
     /// Writes the pairs that this rank has found and lost in this step, and goes on to the next one. A pair belongs to the rank
@@ -178,7 +179,8 @@ impl Local {
         lost: &mut Vec<KeyPair>,
     ) {
         let [first_gone, last_gone] = &self.gone;
-        let in_table = |slot: u32| self.table.get(slot);
+        let table = &self.table;
+        let in_table = |slot: u32| table.get(slot);
         let at_early_sweep = |slot: u32| last_gone.get(&slot).copied().unwrap_or_else(|| in_table(slot));
         let at_start = |slot: u32| first_gone.get(&slot).copied().unwrap_or_else(|| at_early_sweep(slot));
         let is_new = |[a, b]: &[Object; 2]| {
@@ -189,16 +191,25 @@ impl Local {
                 && !a.now.overlaps(&b.now)
                 && before.holds(corner(&a.before, &b.before))
         };
+        let told = |pair: &[u32; 2], who: &dyn Fn(u32) -> Object, decides: &dyn Fn(&[Object; 2]) -> bool| {
+            // Most pairs are of two objects that the rank has had and has, and their corner is in its cell.
+            if pair.iter().all(|slot| table.is_steady(*slot)) {
+                return Some(ordered(pair.map(|slot| table.key(slot))));
+            }
+            let objects = pair.map(who);
+            decides(&objects).then(|| ordered(objects.map(|object| object.key)))
+        };
+        let world = self.world.world();
         found.clear();
         lost.clear();
         if self.swept {
-            found.extend(self.found[EARLY].iter().map(|p| p.map(at_early_sweep)).filter(is_new).map(keys));
-            lost.extend(self.lost[EARLY].iter().map(|p| p.map(at_start)).filter(is_old).map(keys));
-            lost.extend(self.lost[LAST].iter().map(|p| p.map(at_early_sweep)).filter(is_old).map(keys));
+            found.extend(self.found.iter().filter_map(|pair| told(pair, &at_early_sweep, &is_new)));
+            lost.extend(self.lost.iter().filter_map(|pair| told(pair, &at_start, &is_old)));
+            lost.extend(world.lost().iter().filter_map(|pair| told(pair, &at_early_sweep, &is_old)));
         } else {
-            lost.extend(self.lost[LAST].iter().map(|p| p.map(at_start)).filter(is_old).map(keys));
+            lost.extend(world.lost().iter().filter_map(|pair| told(pair, &at_start, &is_old)));
         }
-        found.extend(self.found[LAST].iter().map(|p| p.map(in_table)).filter(is_new).map(keys));
+        found.extend(world.found().iter().filter_map(|pair| told(pair, &in_table, &is_new)));
         self.table.conclude();
         self.gone.iter_mut().for_each(KeyMap::clear);
         self.swept = false;
@@ -211,15 +222,14 @@ impl Local {
             let both_owned = self.table.is_owned(*a) && self.table.is_owned(*b);
             let (a, b) = (*a as usize, *b as usize);
             if both_owned || cell.holds(corner(&self.table.now[a], &self.table.now[b])) {
-                let (a, b) = (self.table.key(a as u32), self.table.key(b as u32));
-                visit([a.min(b), a.max(b)]);
+                visit(ordered([self.table.key(a as u32), self.table.key(b as u32)]));
             }
         }
     }
 }
 
-fn keys([a, b]: [Object; 2]) -> KeyPair {
-    [a.key.min(b.key), a.key.max(b.key)]
+fn ordered([a, b]: KeyPair) -> KeyPair {
+    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

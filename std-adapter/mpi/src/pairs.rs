@@ -4,6 +4,11 @@ use crate::local::KeyPair;
 use crate::world::SplitWorld;
 
 impl SplitWorld {
+    /// Waits until all ranks have called it, for as long as a step would wait.
+    pub fn meet(&self) {
+        self.exchange.sum(&[0]);
+    }
+
     /// Brings pairs of all ranks to one rank, in any order; the others get none. All ranks have to call it.
     #[must_use]
     pub fn gather(&self, pairs: &[KeyPair], to: usize) -> Vec<KeyPair> {

@@ -9,8 +9,10 @@ use trisap::Aabb;
 const LIVES: u8 = 1;
 /// The rank owns it: its box comes from here.
 const OWNED: u8 = 2;
-/// Its box has changed since the last step.
+/// Its box or its owner has changed since the last step.
 const CHANGED: u8 = 4;
+/// The rank owns it since this step.
+const NEW: u8 = 8;
 
 /// Spreads keys that follow each other: the usual hash of the standard library takes longer than all else that is done with
 /// a ghost.
@@ -54,7 +56,7 @@ pub(crate) struct Table {
     before: Vec<Aabb>,
     flags: Vec<u8>,
     slots: KeyMap<u64, u32>,
-    /// Slots whose box has changed since the last step, each once.
+    /// Slots whose box or owner has changed since the last step, each once.
     changed: Vec<u32>,
     owned: usize,
 }
@@ -86,6 +88,13 @@ impl Table {
 
     pub(crate) fn is_owned(&self, slot: u32) -> bool {
         self.flags[slot as usize] & OWNED != 0
+    }
+
+    /// Whether the rank owns an object and did so in the last step. What a sweep says of two such objects needs no second look:
+    /// nothing has come or left.
+    #[inline]
+    pub(crate) fn is_steady(&self, slot: u32) -> bool {
+        self.flags[slot as usize] & (OWNED | NEW) == OWNED
     }
 
     pub(crate) fn key(&self, slot: u32) -> u64 {
@@ -143,8 +152,12 @@ impl Table {
     /// Says whether the rank owns an object.
     pub(crate) fn set_owned(&mut self, slot: u32, owned: bool) {
         self.owned = self.owned - usize::from(self.is_owned(slot)) + usize::from(owned);
-        let flags = &mut self.flags[slot as usize];
-        *flags = if owned { *flags | OWNED } else { *flags & !OWNED };
+        if owned {
+            self.flags[slot as usize] |= OWNED | NEW;
+            self.mark(slot);
+        } else {
+            self.flags[slot as usize] &= !OWNED;
+        }
     }
 
     /// Gives an object another box.
@@ -160,7 +173,7 @@ impl Table {
     pub(crate) fn conclude(&mut self) {
         for slot in self.changed.drain(..) {
             let at = slot as usize;
-            self.flags[at] &= !CHANGED;
+            self.flags[at] &= !(CHANGED | NEW);
             self.before[at] = self.now[at];
         }
     }

@@ -90,7 +90,7 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
             continue;
         }
         let fault = args.fault.as_ref().filter(|fault| fault.rank == rank && fault.frame == at);
-        comm.barrier();
+        world.meet();
         let begun = Instant::now();
         give(&mut world, frame, at)?;
         if fault.is_some_and(|fault| fault.kind == "key") {
@@ -124,6 +124,7 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
         fs::create_dir_all(folder)?;
         world.save(BufWriter::new(File::create(folder.join(format!("rank{rank}.trisap")))?))?;
     }
+    world.meet();
     sums.print(comm);
     if args.check && rank == 0 {
         let [pairs, found, lost, frames] = totals;
