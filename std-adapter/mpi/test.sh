@@ -79,7 +79,7 @@ for ranks in 1 3 8; do
     done
 done
 
-# ends MESSAGE LEAST MOST COMMAND: the command fails with the message, and not later than so many seconds.
+# ends MESSAGE MOST COMMAND: the command fails with the message, and not later than so many seconds.
 ends() {
     local message="$1" most="$2" begun=$SECONDS
     shift 2
