@@ -2,6 +2,8 @@
 # The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
 # a million objects, more pairs than 32 bits can count, other targets, the folder of recordings that TRISAP_RECORDINGS
 # names, the package for the web, and Miri where it is installed.
+# a million objects, more pairs than 32 bits can count, the folder of recordings that TRISAP_RECORDINGS names, many ranks
+# where Open MPI is installed, and Miri where that is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,6 +34,11 @@ if $all; then
     tests/instructions.sh
     tests/web.sh
     tests/targets.sh
+    if command -v mpirun >/dev/null; then
+        CARGO_TARGET_DIR="$PWD/std-adapter/mpi/target" std-adapter/mpi/test.sh
+    else
+        echo "skipped: Open MPI is not installed"
+    fi
     if cargo +nightly miri --version >/dev/null 2>&1; then
         MIRIFLAGS=-Zmiri-many-seeds=0..32 cargo +nightly miri test -p trisap-core --lib threads_
         cargo +nightly miri test -p trisap-tests --test conformance executors::a_small_tree
