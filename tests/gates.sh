@@ -1,9 +1,7 @@
 #!/usr/bin/env bash
 # The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
-# a million objects, more pairs than 32 bits can count, other targets, the folder of recordings that TRISAP_RECORDINGS
-# names, the package for the web, and Miri where it is installed.
-# a million objects, more pairs than 32 bits can count, the folder of recordings that TRISAP_RECORDINGS names, many ranks
-# where Open MPI is installed, and Miri where that is.
+# a million objects, more pairs than 32 bits can count, other targets, the package for the web, many ranks where Open MPI
+# is installed, the folder of recordings that TRISAP_RECORDINGS names, and Miri where it is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -49,8 +49,8 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
 }
 
-/// Slots that are looked for at a time.
-const WINDOW: usize = 1 << 15;
+/// Slots that are looked for at a time: their bits are on the stack, which is small where all worlds are.
+const WINDOW: usize = if cfg!(feature = "large") { 1 << 15 } else { 1 << 8 };
 
 /// Each list has every living object once, and the list that a step has swept is in order.
 fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
