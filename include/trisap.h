@@ -97,6 +97,10 @@
 /// Rebuilt: the leaves had become too uneven.
 #define TRISAP_REASON_OUT_OF_BALANCE 8
 
+/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and found
+/// those of the boxes as given besides. With more room steps are cheaper.
+#define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
+
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
 #define TRISAP_ABI_VERSION 4
 

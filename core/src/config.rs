@@ -10,7 +10,9 @@ pub struct Capacity {
     /// Boxes that may reach beyond the leaf that they live in. With fewer than a scene needs, the tree uses
     /// larger leaves, which is slower; zero means no tree at all. Half of `objects` suits most scenes.
     pub leaf_refs: u32,
-    /// Pairs that a step can return. More are counted and reported as [`Error::PairsFull`].
+    /// Pairs that a step can return. More are counted and reported as [`Error::PairsFull`]. An exact world with margins keeps
+    /// the overlaps of fat boxes there, too, if there is room; else its steps are slower:
+    /// [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
     pub pairs: u32,
 }
 

@@ -137,11 +137,11 @@ pub(crate) fn find_without_surplus<I: Index>(
     parts.state.complete = 0;
     parts.boxes.tight = true;
     let route = choose(parts, parts.state.live);
-    let found = find(parts, route, means);
+    let (route, progress) = find(parts, route, means);
     parts.boxes.tight = false;
     parts.state.filled = 0;
     parts.state.without_surplus = 1;
-    found
+    (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 
 /// Nothing has moved: all pairs stay.

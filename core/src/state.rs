@@ -50,10 +50,13 @@ pub enum Reason {
     Outgrown,
     /// Rebuilt: the leaves have become too uneven.
     OutOfBalance,
+    /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and
+    /// found those of the boxes as given besides. With more room steps are cheaper: see [`Capacity::pairs`].
+    NoRoomForSurplus,
 }
 
 impl Reason {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::NoMovers,
         Self::FewObjects,
         Self::FewMovers,
@@ -63,6 +66,7 @@ impl Reason {
         Self::NoRoom,
         Self::Outgrown,
         Self::OutOfBalance,
+        Self::NoRoomForSurplus,
     ];
 }
 

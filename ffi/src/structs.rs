@@ -387,6 +387,9 @@ pub const TRISAP_REASON_NO_ROOM: u32 = 6;
 pub const TRISAP_REASON_OUTGROWN: u32 = 7;
 /// Rebuilt: the leaves had become too uneven.
 pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
+/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and found
+/// those of the boxes as given besides. With more room steps are cheaper.
+pub const TRISAP_REASON_NO_ROOM_FOR_SURPLUS: u32 = 9;
 
 /// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
 /// Made by `trisap_default_stats`.

@@ -1,9 +1,9 @@
 //! Faults that users met, each with the least that showed it. What a test here does failed before it was mended.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use trisap_core::{
-    Aabb, Boxes, Capacity, Cast, Config, Error, Executor, Id, Index, Kernels, Margin, Mode, Region, Serial,
-    Stage, World, layout,
+    Aabb, Boxes, Capacity, Cast, Config, Error, Executor, Id, Index, Kernels, Margin, Mode, Reason, Region,
+    Serial, Stage, World, layout,
 };
 use trisap_tests::denormals::flushed;
 use trisap_tests::scenes::{Brownian, cube, on_x};
@@ -66,13 +66,16 @@ fn margins_need_no_room_for_pairs() {
         let mut slab = Slab::new::<u32>(&config);
         let mut world = slab.world::<u32>(&config);
         fill(&mut world, &boxes);
+        let reason = Cell::new(None);
         let mut step = |boxes: &[Aabb]| {
             let step = world.step_over(Boxes::new(boxes), Kernels::BASELINE, &Serial);
             let step = step.map(|step| (step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()));
             world.validate().expect("valid");
+            reason.set(Some(world.stats().reason));
             step
         };
         assert_eq!(step(&boxes), Ok((vec![], vec![], vec![])), "{others}");
+        assert_eq!(reason.get(), Some(Reason::NoRoomForSurplus));
         assert_eq!(step(&boxes), Ok((vec![], vec![], vec![])), "nothing has moved, {others}");
         // Inside its fat box.
         boxes[0] = on_x(0.75, 1.75);

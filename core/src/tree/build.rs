@@ -144,8 +144,9 @@ impl<I: Index> Build<'_, I> {
 
     /// The plane at a position in the list of an axis, if it leaves objects on both sides.
     fn plane_at(&self, position: usize, axis: usize, start: usize, end: usize) -> Option<i32> {
-        let list = self.lists[axis].span(start, end - start);
-        let key = |at: usize| list.get(at).map(|slot| self.boxes.at(slot.at()).min[axis]);
+        // Not `[axis]`: the compiler loses sight of the axes that it loops over.
+        let list = self.lists.get(axis)?.span(start, end - start);
+        let key = |at: usize| list.get(at).map(|slot| self.boxes.at(slot.at()).min.at(axis));
         let (first, here) = (key(0)?, key(position)?);
         let plane = plane(axis, here);
         if key_of(plane) > first {
@@ -153,7 +154,7 @@ impl<I: Index> Build<'_, I> {
         }
         // All below are one value: the next value above it is the nearest plane that separates anything.
         let above =
-            list.partition_point(|slot| self.boxes.at(slot.at()).min[axis] <= first.saturating_add(AXIS));
+            list.partition_point(|slot| self.boxes.at(slot.at()).min.at(axis) <= first.saturating_add(AXIS));
         let plane = super::plane(axis, key(above)?);
         (key_of(plane) > first).then_some(plane)
     }
@@ -214,14 +215,15 @@ pub(crate) fn is_divisible<I: Index>(boxes: &[KeyBox], slots: &[I]) -> bool {
     for (axis, list) in lists.iter_mut().enumerate() {
         let list = list.span_mut(0, count);
         list.copy_in(slots);
-        let key = |slot: I| (KeyBox::of(boxes, slot.at()).min[axis], slot.slot());
+        // Not `[axis]`: the compiler loses sight of the axes that it loops over.
+        let key = |slot: I| (KeyBox::of(boxes, slot.at()).min.at(axis), slot.slot());
         heapsort(list, |a, b| key(a) < key(b));
     }
     let [x, y, z] = &mut lists;
     let lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
     let build = Build { boxes, lists, planes: &mut [], sides: &mut [], spare: &mut [], starts: &mut [] };
     let (_, plane) = build.best_plane(0, count);
-    let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min[axis_of(plane)] < key_of(plane);
+    let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min.at(axis_of(plane)) < key_of(plane);
     let below = slots.iter().take(count).filter(is_below).count();
     // Nearly half: of boxes that stand in one place by half, a plane parts the others only, again and again.
     plane != UNSPLIT && 8 * below.min(count - below) >= 3 * count

@@ -34,7 +34,12 @@ fn is_open(cell: &Cell) -> bool {
 
 /// Whether most members use a small part of their grid on some axis.
 fn is_sparse(members: &[Record]) -> bool {
-    let lanes = |at| members.get(at).map(|record: &Record| [0, 1, 2].map(|k| i32::from(record.lanes[k])));
+    let lanes = |at| {
+        members.get(at).map(|record: &Record| {
+            let [x, y, z, ..] = record.lanes;
+            [i32::from(x), i32::from(y), i32::from(z)]
+        })
+    };
     let (low, high) = Sample::of(members.len(), lanes).bounds();
     (0..3).any(|k| low[k] <= high[k] && SPARSE * ((high[k] - low[k]) as f32) < GRID_MAX)
 }

@@ -5,7 +5,7 @@ use crate::source::Source;
 use crate::stopwatch::{StageTimes, Stopwatch};
 use anyhow::{Context, Result, anyhow};
 use std::time::{Duration, Instant};
-use trisap::{Boxes, Config, Error, Executor, Index, Kernels, OwnedWorld, Pair, Rejected, Stats};
+use trisap::{Boxes, Config, Error, Executor, Index, Kernels, OwnedWorld, Pair, Reason, Rejected, Stats};
 
 /// A frame that was stepped.
 pub(crate) struct Frame<'a> {
@@ -94,6 +94,10 @@ fn pass<I: Index>(
         let step = world.step_over(boxes, kernels, &stopwatch);
         let (time, stages) = (start.elapsed(), stopwatch.times());
         let step = match step {
+            // The surplus of margins should fit, too: steps are cheaper then.
+            Ok(step) if step.stats().reason == Reason::NoRoomForSurplus => {
+                return Ok(Some(2 * u64::from(config.capacity.pairs.max(1))));
+            }
             Ok(step) => step,
             Err(Error::PairsFull { needed }) => return Ok(Some(needed)),
             Err(error) => return Err(error).with_context(|| format!("frame {number}")),
