@@ -46,6 +46,9 @@ impl Sum {
 }
 
 /// The path of a step after a load, by what it would keep.
+// Few steps come here: their frames do not hold what this takes.
+#[cold]
+#[inline(never)]
 pub(crate) fn prove<I: Index>(parts: &mut Parts<'_, I>, route: Route, moved: u32, means: Means<'_>) -> Route {
     parts.state.unproven = 0;
     if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, means) {

@@ -11,12 +11,15 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 20] = [
+const HOOKS: [(&str, &[&str]); 23] = [
     ("in_parallel::{closure", &["paths::", "collect::{closure"]),
     ("collect::{closure", &["paths::"]),
     ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
-    ("Gated<u16>", &["Ordered<u16>", "Staged<u16>", RULE]),
-    ("Alone as", &["Serial as"]),
+    ("Gated<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
+    ("Summing<u16>", &["Ordered<u16>", "Staged<u16>"]),
+    ("OneStep as", &["Serial as"]),
+    ("SweepMovers", &["Sink<u16>>::take"]),
+    ("recount::", &["recount::", "Sink<u16>>::take", "Executor>::", RULE]),
     ("SweepLeaves", &["Sink<u16>>::take"]),
     ("paths::full::<u16>::{closure", &["Sink<u16>>::take"]),
     ("paths::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
