@@ -129,8 +129,6 @@ pub(crate) fn find<I: Index>(parts: &mut Parts<'_, I>, route: Route, means: Mean
 
 /// Finds the overlaps of the boxes as given, after a step of an exact world found more overlaps of fat boxes than fit: its pairs
 /// may fit without the surplus. Nothing of that can be carried over, so the next step finds all pairs anew.
-#[cold]
-#[inline(never)]
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     means: Means<'_>,
