@@ -22,7 +22,7 @@ const fn length(objects: usize, frames: usize) -> usize {
 // As many frames as the ROM has room for.
 static FREEFALL: [u8; length(1000, 10)] = start(include_bytes!("../../recordings/freefall_cubes_1000.aabbs"));
 static GRAVITY: [u8; length(1000, 5)] = start(include_bytes!("../../recordings/gravity_assorted_1000.aabbs"));
-static BROWNIAN: [u8; length(8000, 3)] = start(include_bytes!("../../recordings/brownian_cubes_8000.aabbs"));
+static BROWNIAN: [u8; length(8000, 2)] = start(include_bytes!("../../recordings/brownian_cubes_8000.aabbs"));
 
 /// The recordings: name, number of objects, bytes of the file.
 pub(crate) const RECORDINGS: [(&str, usize, &[u8]); 3] = [
