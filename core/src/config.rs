@@ -75,10 +75,11 @@ impl Choice {
 }
 
 /// How far a box may move before it counts as moved: its fat box is the box of its last move, grown by
-/// `clamp(per_extent * largest extent, min, max)` on every side (erratum E2).
+/// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest one of the box, or less for
+/// flat boxes: see [`per_extent`](Self::per_extent).
 ///
-/// A margin pays where many objects rest or creep, and in a resting crowd it may be that of those who move alone
-/// ([`World::set_margin`](crate::World::set_margin)). An object that goes farther than its margin from one of its boxes to the
+/// A margin pays where many objects rest or move little. Where most objects rest, it is enough if the moving ones have a margin:
+/// see [`World::set_margin`](crate::World::set_margin). An object that goes farther than its margin from one of its boxes to the
 /// next would gain nothing by it, and has none until it is slower; see [`Config::fixed_margins`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {

@@ -78,8 +78,8 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
-    /// Objects of which is known whether the reported box has changed: for the events, and for the pairs that are set aside
-    /// though boxes change inside their fat boxes.
+    /// Bits that tell whether a reported box has changed, one an object. Events need them. So does an exact world with margins
+    /// and a tree: a pair may be set aside only if both boxes stay, also inside their fat boxes.
     pub(crate) changed: usize,
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,

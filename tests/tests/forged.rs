@@ -212,8 +212,8 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
                 }
             }),
             ("no generation", &|b| put(b, p.generations + 4 * slot, 0)),
-            ("who is nobody has moved", &|b| bit(b, p.moved, beyond as usize)),
-            ("who is nobody is awake", &|b| bit(b, p.awake, beyond as usize)),
+            ("a slot without an object has moved", &|b| bit(b, p.moved, beyond as usize)),
+            ("a slot without an object is awake", &|b| bit(b, p.awake, beyond as usize)),
             ("an axis that there is not", &|b| put(b, p.planes + 4, get(snapshot, p.planes + 4) | 3)),
             ("an axis that there is not, below", &|b| {
                 put(b, p.planes + 4 * 15, get(snapshot, p.planes + 4 * 15) | 3)
