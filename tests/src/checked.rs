@@ -88,6 +88,16 @@ impl<'m, I: Index> Checked<'m, I> {
         &mut self.world
     }
 
+    /// The model, after a call that it has to follow.
+    pub fn model_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
+
+    /// The world and the model.
+    pub fn parts_mut(&mut self) -> (&mut World<'m, I>, &Model) {
+        (&mut self.world, &self.model)
+    }
+
     /// Every invariant, and every object against the model.
     ///
     /// # Panics

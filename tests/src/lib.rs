@@ -15,6 +15,7 @@ pub mod play;
 pub mod queries;
 pub mod recordings;
 pub mod scenes;
+pub mod sequence;
 pub mod worlds;
 
 /// A pair of slots, the lower one first, whatever the index width of the world that it comes from.

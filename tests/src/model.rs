@@ -68,6 +68,11 @@ impl Model {
         self.resting[id.slot() as usize] = false;
     }
 
+    /// Gives an object the box that it has from another origin.
+    pub fn shift(&mut self, id: Id, aabb: Aabb) {
+        self.boxes[id.slot() as usize] = Some(aabb);
+    }
+
     /// Sets whom an object meets.
     pub fn set_filter(&mut self, id: Id, filter: Filter) {
         self.filters[id.slot() as usize] = filter;

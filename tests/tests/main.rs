@@ -21,6 +21,7 @@ mod real_scenes;
 mod recordings;
 mod regressions;
 mod resting;
+mod sequences;
 mod snapshots;
 mod tree;
 

@@ -1,0 +1,242 @@
+//! What the bytes of a sequence mean.
+
+use crate::scenes::Rng;
+use trisap_core::{Capacity, Choice, Config, Margin, Mode};
+
+/// Bytes that say what the world is like.
+pub const HEADER: usize = 8;
+
+/// Bytes of an operation.
+pub const OPERATION: usize = 4;
+
+/// The capacities that there are. The last one has a tree in every build.
+const OBJECTS: [u32; 8] = [3, 9, 24, 40, 64, 70, 140, 700];
+
+/// What the world is like.
+#[derive(Clone, Copy, Debug)]
+pub struct Header([u8; HEADER]);
+
+impl Header {
+    /// Takes the header off the front; bytes that are not there are zero.
+    #[must_use]
+    pub fn split(bytes: &[u8]) -> (Self, &[u8]) {
+        let (front, rest) = bytes.split_at(bytes.len().min(HEADER));
+        let mut header = [0; HEADER];
+        header[..front.len()].copy_from_slice(front);
+        (Self(header), rest)
+    }
+
+    /// How many objects there is room for.
+    #[must_use]
+    pub fn objects(&self) -> u32 {
+        OBJECTS[self.0[0] as usize % OBJECTS.len()]
+    }
+
+    fn flag(&self, bit: u32) -> bool {
+        self.0[1] >> bit & 1 != 0
+    }
+
+    /// Whether slots have 16 bits instead of 32.
+    #[must_use]
+    pub fn narrow(&self) -> bool {
+        self.flag(7)
+    }
+
+    /// Whether steps have a rule.
+    #[must_use]
+    pub fn rule(&self) -> bool {
+        self.flag(1) && self.flag(2)
+    }
+
+    /// The configuration, for one worker.
+    #[must_use]
+    pub fn config(&self) -> Config {
+        let objects = self.objects();
+        let choice =
+            |by: u8| [Choice::Automatic, Choice::Never, Choice::Always][(self.0[2] / by % 3) as usize];
+        Config {
+            capacity: Capacity {
+                objects,
+                leaf_refs: [objects / 2, 0, objects / 8, 2 * objects][self.0[3] as usize % 4],
+                pairs: [8 * objects, objects * objects / 2, objects / 2, 2 * objects]
+                    [self.0[3] as usize / 4 % 4],
+            },
+            mode: if self.flag(4) { Mode::Fat } else { Mode::Exact },
+            margin: self.flag(3).then_some(Margin { per_extent: 0.125, min: 0.03125, max: 1.0 }),
+            events: self.flag(0),
+            filters: self.flag(1),
+            lean: self.flag(5) && objects <= 256,
+            workers: 1,
+            movers_only: choice(1),
+            fine_leaves: choice(3),
+            sharing: choice(9),
+            fixed_margins: self.flag(6),
+        }
+    }
+
+    /// The workers of the twin.
+    #[must_use]
+    pub fn workers(&self) -> u32 {
+        2 + u32::from(self.0[4]) % 4
+    }
+
+    /// The steps of the lattice that corners are on, and an axis on which all have the same, or none (3).
+    #[must_use]
+    pub fn lattice(&self) -> (usize, usize) {
+        (3 + self.0[5] as usize % 64, self.0[6] as usize % 8)
+    }
+
+    /// Objects that are there from the beginning.
+    #[must_use]
+    pub fn start(&self) -> usize {
+        self.objects() as usize * self.0[7] as usize / 255
+    }
+}
+
+/// What is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// An object comes.
+    Insert,
+    /// Some come.
+    InsertMany,
+    /// One moves.
+    Set,
+    /// Some move.
+    UpdateMany,
+    /// One goes.
+    Remove,
+    /// Some go.
+    RemoveMany,
+    /// One gets a margin.
+    SetMargin,
+    /// One gets a filter.
+    SetFilter,
+    /// Classes meet or not.
+    SetClasses,
+    /// The rule thinks again about one.
+    Refilter,
+    /// Some are put to rest.
+    SetResting,
+    /// Some are woken.
+    Wake,
+    /// The origin moves.
+    Shift,
+    /// A step.
+    Step,
+    /// A step over an array of boxes.
+    StepOver,
+    /// Which objects a region overlaps.
+    Overlaps,
+    /// What a cast meets.
+    Cast,
+    /// The objects that are nearest to a point.
+    Nearest,
+    /// Many queries at once.
+    Batches,
+    /// What the tree and the configuration look like.
+    View,
+    /// A snapshot is kept.
+    Save,
+    /// The world goes back to one.
+    Load,
+    /// A damaged snapshot is refused.
+    LoadDamaged,
+    /// A forged one with a right checksum is refused, or as right as any.
+    LoadForged,
+    /// The world is dropped and opened again.
+    Reopen,
+    /// The world is copied to other memory and opened there.
+    Copy,
+}
+
+/// As often as they are here.
+const KINDS: [Kind; 40] = {
+    use Kind::*;
+    [
+        Step,
+        Step,
+        Step,
+        Step,
+        Step,
+        Step,
+        Step,
+        Step,
+        StepOver,
+        StepOver,
+        StepOver,
+        StepOver,
+        Insert,
+        Insert,
+        InsertMany,
+        Set,
+        Set,
+        Set,
+        UpdateMany,
+        UpdateMany,
+        Remove,
+        Remove,
+        RemoveMany,
+        SetMargin,
+        SetFilter,
+        SetClasses,
+        Refilter,
+        SetResting,
+        Wake,
+        Shift,
+        Overlaps,
+        Cast,
+        Nearest,
+        Batches,
+        View,
+        Save,
+        Load,
+        LoadDamaged,
+        LoadForged,
+        Reopen,
+    ]
+};
+
+/// How many kinds there are.
+pub const KIND_COUNT: usize = Kind::Copy as usize + 1;
+
+/// An operation.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// What is done.
+    pub kind: Kind,
+    /// How.
+    pub argument: usize,
+    /// The numbers that it takes.
+    pub rng: Rng,
+}
+
+impl Operation {
+    /// Reads one.
+    #[must_use]
+    pub fn read([kind, argument, low, high]: [u8; OPERATION]) -> Self {
+        let argument = argument as usize;
+        let mut kind = KINDS[kind as usize % KINDS.len()];
+        if kind == Kind::Reopen && argument.is_multiple_of(2) {
+            kind = Kind::Copy;
+        }
+        Self { kind, argument, rng: Rng::new(u64::from(u16::from_le_bytes([low, high]))) }
+    }
+}
+
+/// All operations, without what is left over at the end.
+pub fn operations(bytes: &[u8]) -> impl Iterator<Item = Operation> + '_ {
+    bytes.as_chunks::<OPERATION>().0.iter().map(|bytes| Operation::read(*bytes))
+}
+
+/// Random bytes of a sequence of so many operations. Few worlds are large, as these take their time.
+#[must_use]
+pub fn random(seed: u64, operations: usize) -> Vec<u8> {
+    let mut rng = Rng::new(seed);
+    let words = (HEADER + OPERATION * operations).div_ceil(8);
+    let mut bytes: Vec<u8> = (0..words).flat_map(|_| rng.bits().to_le_bytes()).collect();
+    bytes.truncate(HEADER + OPERATION * operations);
+    let large = rng.once_in(64);
+    bytes[0] = if large { 7 } else { rng.below(OBJECTS.len() - 1) as u8 };
+    bytes
+}

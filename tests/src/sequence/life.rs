@@ -1,0 +1,369 @@
+//! A world, its model and its twin, and what is done to them.
+
+use super::draw;
+use super::format::{Header, Kind, Operation, operations};
+use super::tally::Tally;
+use crate::checked::{Checked, Saved};
+use crate::model::Model;
+use crate::scenes::Rng;
+use crate::worlds::Slab;
+use std::fmt::Debug;
+use trisap_core::{Aabb, Boxes, Error, Id, Index, Kernels, World};
+
+/// Plays a sequence of operations.
+///
+/// # Panics
+/// If the world, its model and its twin do not say the same.
+#[must_use]
+pub fn play(bytes: &[u8]) -> Tally {
+    let (header, rest) = Header::split(bytes);
+    let operations: Vec<Operation> = operations(rest).collect();
+    if header.narrow() { live::<u16>(header, &operations) } else { live::<u32>(header, &operations) }
+}
+
+/// What is kept from one world to the one that is opened in its place.
+pub(super) struct Past {
+    /// The last id of each slot.
+    known: Vec<Option<Id>>,
+    pub(super) saves: [Option<Saved>; 4],
+    pub(super) tally: Tally,
+    pub(super) kernels: Vec<Kernels>,
+}
+
+/// A world, its model and its twin.
+pub(super) struct Life<'m, 'p, I: Index> {
+    pub(super) header: Header,
+    pub(super) checked: Checked<'m, I>,
+    pub(super) twin: World<'m, I>,
+    pub(super) past: &'p mut Past,
+}
+
+fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
+    let configs = [header.config(), header.config().with_workers(header.workers())];
+    let mut slabs = configs.map(|config| Slab::new::<I>(&config));
+    for (slab, config) in slabs.iter_mut().zip(&configs) {
+        assert_eq!(slab.world::<I>(config).config(), *config);
+    }
+    let mut past = Past {
+        known: vec![None; header.objects() as usize],
+        saves: Default::default(),
+        tally: Tally::default(),
+        kernels: Kernels::all().collect(),
+    };
+    let mut model = Model::default();
+    if header.rule() {
+        model.rule();
+    }
+    for (index, part) in
+        operations.split_inclusive(|op| matches!(op.kind, Kind::Reopen | Kind::Copy)).enumerate()
+    {
+        let [one, two] =
+            slabs.each_mut().map(|slab| World::<I>::open(slab.bytes_mut()).expect("the world that is there"));
+        let mut life = Life { header, checked: Checked::resume(one, model), twin: two, past: &mut past };
+        if index == 0 {
+            let rng = &mut Rng::new(header.start() as u64);
+            let boxes: Vec<Aabb> = (0..header.start()).map(|_| draw::aabb(&header, rng)).collect();
+            life.insert_many(&boxes);
+        }
+        for operation in part {
+            life.apply(operation.clone());
+        }
+        model = life.checked.into_model();
+        if part.last().is_some_and(|operation| operation.kind == Kind::Copy) {
+            slabs = slabs.clone();
+        }
+    }
+    past.tally
+}
+
+impl<'m, I: Index> Life<'m, '_, I> {
+    fn apply(&mut self, mut op: Operation) {
+        self.past.tally.kinds[op.kind as usize] += 1;
+        match op.kind {
+            Kind::Insert => {
+                let aabb = if op.argument < 240 {
+                    draw::aabb(&self.header, &mut op.rng)
+                } else {
+                    draw::bad_box(&mut op.rng)
+                };
+                self.insert(aabb);
+            }
+            Kind::InsertMany => {
+                let mut boxes: Vec<Aabb> =
+                    (0..self.share(&op)).map(|_| draw::aabb(&self.header, &mut op.rng)).collect();
+                if op.argument >= 240 {
+                    boxes.push(draw::bad_box(&mut op.rng));
+                }
+                self.insert_many(&boxes);
+            }
+            Kind::Set => self.set(&mut op),
+            Kind::UpdateMany => self.update_many(&mut op),
+            Kind::Remove => self.remove(&mut op),
+            Kind::RemoveMany => self.remove_many(&mut op),
+            Kind::SetMargin => self.set_margin(&mut op),
+            Kind::SetFilter => self.set_filter(&mut op),
+            Kind::SetClasses => self.set_classes(&mut op),
+            Kind::Refilter => self.refilter(&mut op),
+            Kind::SetResting | Kind::Wake => self.set_resting(&mut op),
+            Kind::Shift => self.shift(&mut op),
+            Kind::Step => self.step(&op),
+            Kind::StepOver => self.step_over(&mut op),
+            Kind::Overlaps => self.overlaps(&mut op),
+            Kind::Cast => self.cast(&mut op),
+            Kind::Nearest => self.nearest(&mut op),
+            Kind::Batches => self.batches(&mut op),
+            Kind::View => self.view(),
+            Kind::Save => self.save(&op),
+            Kind::Load => self.load(&op),
+            Kind::LoadDamaged => self.load_damaged(&mut op),
+            Kind::LoadForged => self.load_forged(&mut op),
+            Kind::Reopen | Kind::Copy => {}
+        }
+        self.checked.check();
+    }
+
+    /// The same call of the world and of its twin.
+    pub(super) fn both<T: PartialEq + Debug>(
+        &mut self,
+        call: impl Fn(&mut World<'m, I>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let said = call(self.checked.world_mut());
+        assert_eq!(said, call(&mut self.twin), "the twin says something else");
+        self.past.tally.say_status(&said);
+        said
+    }
+
+    /// How many are taken, or tried.
+    fn share(&self, op: &Operation) -> usize {
+        let objects = self.header.objects() as usize;
+        [1, 2, objects / 9 + 1, objects / 3 + 1, objects][op.argument % 5]
+    }
+
+    fn slot(&self, op: &mut Operation) -> u32 {
+        op.rng.below(self.header.objects() as usize) as u32
+    }
+
+    /// An id: of three slots the first with an object, or the last id of the third.
+    fn any(&self, op: &mut Operation) -> Option<Id> {
+        let mut id = None;
+        for _ in 0..3 {
+            let slot = self.slot(op);
+            let there = self.checked.world().id_at(slot);
+            if there.is_some() {
+                return there;
+            }
+            id = self.past.known[slot as usize];
+        }
+        id
+    }
+
+    /// Several ids. One batch in sixteen has an id twice or a stale one.
+    fn some(&self, op: &mut Operation) -> Vec<Id> {
+        let mut taken = vec![false; self.header.objects() as usize];
+        let mut ids = Vec::new();
+        for _ in 0..self.share(op) {
+            let slot = self.slot(op);
+            if let Some(id) = self.checked.world().id_at(slot)
+                && !std::mem::replace(&mut taken[slot as usize], true)
+            {
+                ids.push(id);
+            }
+        }
+        if op.argument >= 240 {
+            let slot = self.slot(op) as usize;
+            let stale = self.past.known[slot].filter(|id| !self.checked.world().contains(*id));
+            ids.extend(stale.or(ids.first().copied()));
+        }
+        ids
+    }
+
+    fn stale(&self, id: Id) -> Result<(), Error> {
+        if self.checked.model().contains(id) { Ok(()) } else { Err(Error::StaleId { id }) }
+    }
+
+    fn all_alive(&self, ids: &[Id]) -> Result<(), Error> {
+        ids.iter().try_for_each(|id| self.stale(*id))
+    }
+
+    fn has_filters(&self) -> Result<(), Error> {
+        if self.header.config().filters { Ok(()) } else { Err(Error::NoFilters) }
+    }
+
+    fn model(&mut self) -> &mut Model {
+        self.checked.model_mut()
+    }
+
+    fn insert(&mut self, aabb: Aabb) {
+        let live = self.checked.model().len() as u64;
+        let full = live == u64::from(self.header.objects());
+        let said = self.both(|world| world.insert(aabb));
+        match said {
+            Ok(id) => {
+                assert!(!full && aabb.is_valid());
+                self.born(id, aabb);
+            }
+            Err(error) if aabb.is_valid() => {
+                assert!(full);
+                assert_eq!(error, Error::ObjectsFull { needed: live + 1 });
+            }
+            Err(error) => assert_eq!(error, Error::BadBox { index: 0 }),
+        }
+    }
+
+    fn born(&mut self, id: Id, aabb: Aabb) {
+        self.past.tally.say(id.to_bits());
+        self.past.known[id.slot() as usize] = Some(id);
+        self.model().insert(id, aabb);
+    }
+
+    fn insert_many(&mut self, boxes: &[Aabb]) {
+        let needed = (self.checked.model().len() + boxes.len()) as u64;
+        let bad = boxes.iter().position(|aabb| !aabb.is_valid());
+        let expected = if needed > u64::from(self.header.objects()) {
+            Err(Error::ObjectsFull { needed })
+        } else {
+            bad.map_or(Ok(()), |index| Err(Error::BadBox { index: index as u32 }))
+        };
+        let said = self.both(|world| {
+            let mut ids = vec![None; boxes.len()];
+            world.insert_many(Boxes::new(boxes), &mut ids).map(|()| ids)
+        });
+        assert_eq!(said.as_ref().map(|_| ()).map_err(|error| *error), expected);
+        for (id, aabb) in said.unwrap_or_default().iter().zip(boxes) {
+            self.born(id.expect("an id for each box"), *aabb);
+        }
+    }
+
+    pub(super) fn moved(&self, id: Id, op: &mut Operation) -> Aabb {
+        let aabb = self.checked.world().aabb(id).unwrap_or_default();
+        draw::moved(aabb, &self.header, op.argument, &mut op.rng)
+    }
+
+    fn set(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let next = if op.argument < 240 { self.moved(id, op) } else { draw::bad_box(&mut op.rng) };
+        let good = if next.is_valid() { Ok(()) } else { Err(Error::BadBox { index: 0 }) };
+        let expected = self.stale(id).and(good);
+        assert_eq!(self.both(|world| world.set_aabb(id, next)), expected);
+        if expected.is_ok() {
+            self.model().set(id, next);
+        }
+    }
+
+    fn update_many(&mut self, op: &mut Operation) {
+        let ids = self.some(op);
+        let mut boxes: Vec<Aabb> = ids.iter().map(|id| self.moved(*id, op)).collect();
+        if op.argument >= 250
+            && let Some(last) = boxes.last_mut()
+        {
+            *last = draw::bad_box(&mut op.rng);
+        }
+        let bad = boxes.iter().position(|aabb| !aabb.is_valid());
+        let good = bad.map_or(Ok(()), |index| Err(Error::BadBox { index: index as u32 }));
+        let expected = self.all_alive(&ids).and(good);
+        assert_eq!(self.both(|world| world.update_many(&ids, Boxes::new(&boxes))), expected);
+        if expected.is_ok() {
+            ids.iter().zip(&boxes).for_each(|(id, aabb)| self.model().set(*id, *aabb));
+        }
+    }
+
+    fn remove(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let expected = self.stale(id);
+        assert_eq!(self.both(|world| world.remove(id)), expected);
+        if expected.is_ok() {
+            self.model().remove(id);
+        }
+    }
+
+    fn remove_many(&mut self, op: &mut Operation) {
+        let ids = self.some(op);
+        let twice = ids.iter().enumerate().find(|(at, id)| ids[..*at].contains(id));
+        let once = twice.map_or(Ok(()), |(_, id)| Err(Error::StaleId { id: *id }));
+        let expected = self.all_alive(&ids).and(once);
+        assert_eq!(self.both(|world| world.remove_many(&ids)), expected);
+        if expected.is_ok() {
+            ids.iter().for_each(|id| self.model().remove(*id));
+        }
+    }
+
+    fn set_margin(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let length = [0.0, 0.125, 0.5, -1.0][op.argument % 4];
+        let good = if length < 0.0 { Err(Error::BadMargin) } else { Ok(()) };
+        let expected = self.stale(id).and(good);
+        assert_eq!(self.both(|world| world.set_margin(id, length)), expected);
+    }
+
+    fn set_filter(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let filter = draw::filter(&mut op.rng);
+        let good = if filter.class < 32 { Ok(()) } else { Err(Error::BadClass { class: filter.class }) };
+        let expected = self.stale(id).and(self.has_filters()).and(good);
+        assert_eq!(self.both(|world| world.set_filter(id, filter)), expected);
+        if expected.is_ok() {
+            self.model().set_filter(id, filter);
+        }
+    }
+
+    fn set_classes(&mut self, op: &mut Operation) {
+        let mut meets = [u32::MAX; 32];
+        meets[op.rng.below(3)] = op.rng.bits() as u32;
+        let expected = self.has_filters();
+        assert_eq!(self.both(|world| world.set_classes(&meets)), expected);
+        if expected.is_ok() {
+            self.model().set_classes(&meets);
+        }
+    }
+
+    fn refilter(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let expected = self.stale(id).and(self.has_filters());
+        assert_eq!(self.both(|world| world.refilter(id)), expected);
+        if expected.is_ok() {
+            let opinion = op.argument as u32 % 3;
+            self.model().set_opinion(id, opinion);
+        }
+    }
+
+    fn set_resting(&mut self, op: &mut Operation) {
+        let ids = self.some(op);
+        let rests = op.kind == Kind::SetResting;
+        let expected = self.all_alive(&ids);
+        let said = self.both(|world| if rests { world.set_resting(&ids) } else { world.wake(&ids) });
+        assert_eq!(said, expected);
+        if expected.is_ok() {
+            ids.iter().for_each(|id| self.model().set_resting(*id, rests));
+        }
+    }
+
+    /// Boxes are exactly the differences, or the least floats around them.
+    fn shift(&mut self, op: &mut Operation) {
+        let step = [0.25, 0.1, 1e6, 0.25][op.argument % 4];
+        let mut by = [(); 3].map(|()| (op.rng.below(65) as i32 - 32) as f64 * step);
+        if op.argument >= 250 {
+            by[op.rng.below(3)] = f64::NAN;
+        }
+        let said = self.both(|world| world.shift_origin(by));
+        let Ok(rounded) = said else {
+            assert!(by.iter().any(|x| x.is_nan()) && said == Err(Error::BadShift));
+            return;
+        };
+        self.past.tally.say(u64::from(rounded));
+        for id in self.checked.model().ids() {
+            let Some(old) = self.checked.model().boxes()[id.slot() as usize] else { continue };
+            let new = self.checked.world().aabb(id).expect("alive");
+            for k in 0..3 {
+                let (low, high) = (f64::from(old.min[k]) - by[k], f64::from(old.max[k]) - by[k]);
+                assert!(
+                    f64::from(new.min[k]) <= low && f64::from(new.max[k]) >= high,
+                    "{old:?} by {by:?}: {new:?}"
+                );
+                let tight_below = f64::from(new.min[k].next_up()) >= low || new.min[k] == f32::NEG_INFINITY;
+                let tight_above = f64::from(new.max[k].next_down()) <= high || new.max[k] == f32::INFINITY;
+                assert!(tight_below && tight_above, "{old:?} by {by:?}: {new:?}");
+            }
+            self.model().shift(id, new);
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Queries, and views of the tree.
+
+use super::draw;
+use super::format::Operation;
+use super::life::Life;
+use crate::queries::{Questions, ask_cast, ask_nearest, ask_region};
+use crate::worlds::Setup;
+use trisap_core::{Cast, Error, Hit, Id, Index, Kernels, Region};
+
+fn is_good(region: &Region) -> bool {
+    if let Region::Aabb(aabb) = region { aabb.is_valid() } else { true }
+}
+
+fn expected(good: bool) -> Result<(), Error> {
+    if good { Ok(()) } else { Err(Error::BadQuery { index: 0 }) }
+}
+
+impl<I: Index> Life<'_, '_, I> {
+    fn say_ids(&mut self, ids: &[Option<Id>]) {
+        self.past.tally.answers += ids.len() as u64;
+        ids.iter().for_each(|id| self.past.tally.say(id.map_or(0, Id::to_bits)));
+    }
+
+    fn say_hits(&mut self, hits: &[Option<Hit>]) {
+        for hit in hits {
+            self.past.tally.answers += 1;
+            self.past.tally.say(hit.map_or(0, |hit| hit.id.to_bits()));
+            self.past.tally.say(hit.map_or(0, |hit| hit.distance.to_bits()));
+        }
+    }
+
+    pub(super) fn overlaps(&mut self, op: &mut Operation) {
+        let region = draw::region(&self.header, &mut op.rng);
+        let mut ids = vec![None; self.header.objects() as usize];
+        let said = self.checked.world().overlaps(&region, Kernels::SCALAR, &mut ids);
+        self.past.tally.say_status(&said);
+        assert_eq!(said.map(|_| ()), expected(is_good(&region)));
+        let Ok(count) = said else { return };
+        self.say_ids(&ids[..count]);
+        ask_region(self.checked.world(), self.checked.model(), &region, Setup::REFERENCE);
+        ask_region(&self.twin, self.checked.model(), &region, self.setup(op));
+    }
+
+    pub(super) fn cast(&mut self, op: &mut Operation) {
+        let cast = draw::cast(&self.header, &mut op.rng);
+        let mut hits = vec![None; self.header.objects() as usize];
+        let said = self.checked.world().hits(&cast, Kernels::SCALAR, &mut hits);
+        self.past.tally.say_status(&said);
+        assert_eq!(said.map(|_| ()), expected(cast.distance >= 0.0));
+        let Ok(count) = said else { return };
+        self.say_hits(&hits[..count]);
+        ask_cast(self.checked.world(), self.checked.model(), &cast, Setup::REFERENCE);
+        ask_cast(&self.twin, self.checked.model(), &cast, self.setup(op));
+    }
+
+    pub(super) fn nearest(&mut self, op: &mut Operation) {
+        let point = draw::point(&self.header, &mut op.rng);
+        let room = [1, 2, 7, self.header.objects() as usize][op.argument % 4];
+        let mut hits = vec![None; room];
+        let count = self.checked.world().nearest(point, Kernels::SCALAR, &mut hits).expect("a good point");
+        self.say_hits(&hits[..count]);
+        ask_nearest(self.checked.world(), self.checked.model(), point, room, Setup::REFERENCE);
+        ask_nearest(&self.twin, self.checked.model(), point, room, self.setup(op));
+    }
+
+    pub(super) fn batches(&mut self, op: &mut Operation) {
+        let casts: Vec<Cast> = (0..op.argument % 5).map(|_| draw::cast(&self.header, &mut op.rng)).collect();
+        let regions: Vec<Region> =
+            (0..op.argument % 5).map(|_| draw::region(&self.header, &mut op.rng)).collect();
+        let setup = Setup::REFERENCE;
+        let mut hits = vec![None; casts.len()];
+        let said = self.checked.world().first_hits(&casts, setup.kernels, &setup.jobs, &mut hits);
+        self.past.tally.say_status(&said);
+        let bad_cast = casts.iter().position(|cast| cast.distance < 0.0);
+        assert_eq!(said.err(), bad_cast.map(|index| Error::BadQuery { index: index as u32 }));
+        let (mut ids, mut counts) = (vec![None; 3 * regions.len()], vec![0; regions.len()]);
+        let told =
+            self.checked.world().overlaps_many(&regions, setup.kernels, &setup.jobs, &mut ids, &mut counts);
+        self.past.tally.say_status(&told);
+        let bad_region = regions.iter().position(|region| !is_good(region));
+        if let Some(index) = bad_region {
+            assert_eq!(told, Err(Error::BadQuery { index: index as u32 }));
+        }
+        if bad_cast.is_none() && bad_region.is_none() {
+            self.say_hits(&hits);
+            counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
+            let questions = Questions { regions, casts, points: Vec::new() };
+            questions.ask(self.checked.world(), self.checked.model(), setup);
+            questions.ask_batches(self.checked.world(), setup);
+            questions.ask_batches(&self.twin, self.setup(op));
+        }
+    }
+
+    /// Every object is in a leaf or large, where there is a tree; and the twin has the same one.
+    pub(super) fn view(&mut self) {
+        let (world, twin) = (self.checked.world(), &self.twin);
+        let (leaves, planes): (Vec<_>, Vec<_>) = (world.leaves().collect(), world.planes().collect());
+        let large: Vec<_> = world.large().collect();
+        assert!(leaves.iter().copied().eq(twin.leaves()) && planes.iter().copied().eq(twin.planes()));
+        assert!(large.iter().copied().eq(twin.large()));
+        assert_eq!(world.config(), self.header.config());
+        assert_eq!(world.snapshot_size(), twin.snapshot_size());
+        let len = world.len();
+        for number in [leaves.len(), planes.len(), large.len(), len as usize] {
+            self.past.tally.say(number as u64);
+        }
+    }
+}
