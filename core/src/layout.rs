@@ -28,13 +28,14 @@ pub struct Layout {
 pub(crate) const ALIGN: usize = 64;
 
 /// Worlds for up to this many objects are lean, and swept where their boxes are.
-pub(crate) const TINY: usize = 64;
+pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
 /// Lean worlds have at most this many objects.
 pub(crate) const SMALL: usize = 256;
-/// Up to this many objects are swept straight from a sorted list, without a tree.
-pub(crate) const ONE_LEAF: usize = 512;
+/// Up to this many objects are swept straight from a sorted list, without a tree. For random sequences of operations trees begin
+/// early, as they need many small worlds that take all paths.
+pub(crate) const ONE_LEAF: usize = if cfg!(fuzzing) { 16 } else { 512 };
 /// Objects that a leaf should have at most when planes are new.
-pub(crate) const LEAF_TARGET: usize = 512;
+pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
 /// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
 /// few objects here and there.
 pub(crate) const FINER: u32 = 3;
@@ -123,7 +124,7 @@ impl Sizes {
             return None;
         }
         let pairs = capacity.pairs as usize;
-        let tree = if objects > ONE_LEAF { objects } else { 0 };
+        let tree = if objects > ONE_LEAF && !small { objects } else { 0 };
         let mut depth = 0;
         while tree > LEAF_TARGET << depth {
             depth += 1;

@@ -14,7 +14,7 @@ use core::ops::Range;
 /// Masks that are taken bits from before the room for them is looked at again.
 const PART: usize = 32;
 /// Candidates, or pairs, of so many masks, and what is written behind them.
-const ROOM: usize = 4 * PART + 4;
+pub(super) const ROOM: usize = 4 * PART + 4;
 
 /// What has been found so far.
 pub(super) struct Found<'s, I> {

@@ -9,9 +9,14 @@ use bytemuck::{Pod, Zeroable};
 /// The most records that are swept at once; larger leaves are swept tile by tile.
 const BAG: usize = 2048;
 
+/// The fewest: `rounds` has to find room for the candidates of so many masks, or it would lose them. Smaller worlds have no bag.
+const LEAST: usize = 128;
+const _: () = assert!(batch(LEAST) + WINDOW >= super::rounds::ROOM);
+
 /// Records in the bag of a world of this capacity, in whole blocks of columns.
 pub(crate) const fn bag(objects: usize) -> usize {
     let bag = objects.next_multiple_of(64);
+    let bag = if bag > LEAST { bag } else { LEAST };
     if bag < BAG { bag } else { BAG }
 }
 

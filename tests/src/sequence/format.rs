@@ -236,7 +236,10 @@ pub fn random(seed: u64, operations: usize) -> Vec<u8> {
     let words = (HEADER + OPERATION * operations).div_ceil(8);
     let mut bytes: Vec<u8> = (0..words).flat_map(|_| rng.bits().to_le_bytes()).collect();
     bytes.truncate(HEADER + OPERATION * operations);
-    let large = rng.once_in(64);
-    bytes[0] = if large { 7 } else { rng.below(OBJECTS.len() - 1) as u8 };
+    bytes[0] = rng.below(OBJECTS.len() - 1) as u8;
+    if rng.once_in(64) {
+        bytes[0] = OBJECTS.len() as u8 - 1;
+        bytes[7] |= 0xc0;
+    }
     bytes
 }

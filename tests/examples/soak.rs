@@ -1,0 +1,87 @@
+//! Random sequences of operations for a long time: `tests/soak.sh` says how.
+//!
+//! ```sh
+//! soak SECONDS [FIRST_SEED]   # stops at the first fault, and writes the sequence to soak-fault.bin
+//! soak FILE                   # plays a sequence, also one that a fuzzer has found
+//! ```
+
+use std::panic::{self, catch_unwind};
+use std::time::{Duration, Instant};
+use std::{env, fs, process};
+use trisap_tests::sequence::{Tally, format, play};
+
+/// Operations of a sequence.
+const OPERATIONS: usize = 200;
+
+/// Time from one report to the next.
+const REPORT: Duration = Duration::from_secs(60);
+
+fn main() {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let Some(first) = arguments.first() else {
+        eprintln!("usage: soak SECONDS [FIRST_SEED] | soak FILE");
+        process::exit(2);
+    };
+    match first.parse() {
+        Ok(seconds) => {
+            let seed = arguments.get(1).map_or(0, |seed| seed.parse().expect("a number"));
+            soak(Duration::from_secs(seconds), seed);
+        }
+        Err(_) => println!("{}", play(&fs::read(first).expect("a file"))),
+    }
+}
+
+fn soak(time: Duration, first: u64) {
+    let (start, mut told) = (Instant::now(), Instant::now());
+    let mut tally = Tally::default();
+    let mut seed = first;
+    while start.elapsed() < time {
+        let bytes = format::random(seed, OPERATIONS);
+        match catch_unwind(|| play(&bytes)) {
+            Ok(played) => tally += &played,
+            Err(_) => {
+                fs::write("soak-fault.bin", least(bytes)).expect("a folder that can be written to");
+                eprintln!(
+                    "sequence {seed} is at fault: it is in soak-fault.bin, and `soak soak-fault.bin` repeats it"
+                );
+                report(&tally, first, seed, start);
+                process::exit(1);
+            }
+        }
+        seed += 1;
+        if told.elapsed() > REPORT {
+            report(&tally, first, seed, start);
+            told = Instant::now();
+        }
+    }
+    report(&tally, first, seed, start);
+}
+
+/// The sequence without the operations that it is at fault without.
+fn least(mut bytes: Vec<u8>) -> Vec<u8> {
+    panic::set_hook(Box::new(|_| {}));
+    let mut len = OPERATIONS / 2;
+    while len > 0 {
+        let mut at = format::HEADER;
+        while at < bytes.len() {
+            let mut fewer = bytes.clone();
+            fewer.drain(at..(at + len * format::OPERATION).min(bytes.len()));
+            if catch_unwind(|| play(&fewer)).is_err() {
+                bytes = fewer;
+            } else {
+                at += len * format::OPERATION;
+            }
+        }
+        len /= 2;
+    }
+    bytes
+}
+
+fn report(tally: &Tally, first: u64, end: u64, start: Instant) {
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "sequences {first} to {end}, {seconds:.0} s, {:.0} operations a second",
+        tally.operations() as f64 / seconds
+    );
+    println!("{tally}\n");
+}
