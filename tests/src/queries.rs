@@ -23,13 +23,26 @@ fn squared(point: [f32; 3], aabb: &Aabb) -> f64 {
     gap(0).powi(2) + gap(1).powi(2) + gap(2).powi(2)
 }
 
+/// The least `f32` that is not below a number.
+fn above(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+}
+
 /// The slots of the boxes that share a point with a region, ascending.
 #[must_use]
 pub fn overlapping(boxes: &[Option<Aabb>], region: &Region) -> Vec<u32> {
     let meets = |aabb: &Aabb| match *region {
         Region::Aabb(other) => (0..3).all(|k| aabb.min[k] <= other.max[k] && aabb.max[k] >= other.min[k]),
         Region::Point(point) => (0..3).all(|k| aabb.min[k] <= point[k] && aabb.max[k] >= point[k]),
-        Region::Sphere { center, radius } => squared(center, aabb) <= f64::from(radius).powi(2),
+        // The box of the ball decides about gaps so small that the distance rounds to the radius.
+        Region::Sphere { center, radius } => {
+            let beyond = |k: usize| {
+                let (center, radius) = (f64::from(center[k]), f64::from(radius));
+                aabb.min[k] > above(center + radius) || aabb.max[k] < -above(radius - center)
+            };
+            squared(center, aabb) <= f64::from(radius).powi(2) && !(0..3).any(beyond)
+        }
     };
     live(boxes).filter(|(_, aabb)| meets(aabb)).map(|(slot, _)| slot).collect()
 }

@@ -21,7 +21,8 @@ pub enum Region {
     Aabb(Aabb),
     /// A point. Decided exactly.
     Point([f32; 3]),
-    /// A ball. The squared distance is computed in `f64`.
+    /// A ball. The squared distance is computed in `f64`; who does not touch the ball's least box in `f32` does not touch the
+    /// ball, however the distance is rounded.
     Sphere {
         /// The centre.
         center: [f32; 3],
