@@ -10,8 +10,8 @@ use std::sync::LazyLock;
 
 /// Warnings are mistakes, here and for those who include the headers.
 const WARNINGS: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"];
-const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-const STATIC: [&str; 1] = ["-l:libtrisap.a"];
+pub(crate) const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+pub(crate) const STATIC: [&str; 1] = ["-l:libtrisap.a"];
 
 /// Where this test run has installed the library.
 static PREFIX: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -30,7 +30,7 @@ fn sources() -> PathBuf {
     repository().join("tests/cpp")
 }
 
-fn scratch(name: &str) -> PathBuf {
+pub(crate) fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
@@ -39,7 +39,7 @@ fn run(command: &mut Command) -> Output {
 }
 
 /// Runs the command, which must succeed, and returns what it printed.
-fn succeed(command: &mut Command) -> String {
+pub(crate) fn succeed(command: &mut Command) -> String {
     let output = run(command);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (printed, complained) = (text(&output.stdout), text(&output.stderr));
@@ -62,7 +62,7 @@ fn skip(reason: &str) -> bool {
 }
 
 /// A program to be compiled.
-struct Program {
+pub(crate) struct Program {
     compile: Command,
     path: PathBuf,
 }
@@ -73,7 +73,11 @@ impl Program {
     }
 
     fn cpp(standard: &str, source: &str, name: &str) -> Self {
-        Self::new("g++", standard, &sources().join(source), name)
+        Self::cpp_by("g++", standard, source, name)
+    }
+
+    pub(crate) fn cpp_by(compiler: &str, standard: &str, source: &str, name: &str) -> Self {
+        Self::new(compiler, standard, &sources().join(source), name)
     }
 
     fn new(compiler: &str, standard: &str, source: &Path, name: &str) -> Self {
@@ -84,13 +88,13 @@ impl Program {
         Self { compile, path }
     }
 
-    fn with<'a>(mut self, arguments: impl IntoIterator<Item = &'a str>) -> Self {
+    pub(crate) fn with<'a>(mut self, arguments: impl IntoIterator<Item = &'a str>) -> Self {
         self.compile.args(arguments);
         self
     }
 
     /// Compiles it and returns how to run it.
-    fn build(mut self) -> Command {
+    pub(crate) fn build(mut self) -> Command {
         succeed(&mut self.compile);
         let mut program = Command::new(self.path);
         program.env("LD_LIBRARY_PATH", PREFIX.join("lib"));

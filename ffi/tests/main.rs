@@ -2,3 +2,4 @@
 
 mod border;
 mod c_and_cpp;
+mod sequences;

@@ -243,3 +243,12 @@ pub fn random(seed: u64, operations: usize) -> Vec<u8> {
     }
     bytes
 }
+
+/// The same with slots of 32 bits, as the C ABI has them.
+#[must_use]
+pub fn wide(mut bytes: Vec<u8>) -> Vec<u8> {
+    if let Some(flags) = bytes.get_mut(1) {
+        *flags &= 0x7f;
+    }
+    bytes
+}

@@ -1,0 +1,556 @@
+// Plays the sequences of a file through the C ABI: the calls that `trisap_tests::sequence::play` makes for the same bytes. Prints the
+// hash of each and in the end the counts, which must be those of Rust. What is right is decided there, with a model and a twin;
+// here the sanitizers watch, and each world validates itself after every operation.
+//
+//     sequences FILE    # each sequence after its length, of four bytes
+
+#include "check.h"
+#include "sequence.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+struct Tally {
+    std::array<std::uint64_t, kinds> ran{};
+    std::array<std::uint64_t, 5> paths{};
+    std::uint64_t refused = 0, full = 0, rejecting = 0, pairs = 0, found = 0, lost = 0, fine = 0, large = 0, answers = 0,
+                  loaded = 0, forged_refused = 0, forged_loaded = 0;
+};
+
+struct Free {
+    void operator()(void *memory) const { ::operator delete(memory, std::align_val_t(trisap_world_align())); }
+};
+using Memory = std::unique_ptr<void, Free>;
+
+static Memory allocate(std::size_t bytes) {
+    return Memory(::operator new(bytes, std::align_val_t(trisap_world_align())));
+}
+
+class Sequence {
+public:
+    Sequence(const std::uint8_t *bytes, Tally &tally)
+        : header_(bytes), tally_(tally), objects_(header_.objects()), known_(objects_), opinions_(objects_) {
+        const trisap::Config config = header_.config();
+        bytes_ = trisap_world_size(&config);
+        memory_ = allocate(bytes_);
+        CHECK_OK(trisap_world_init(memory_.get(), bytes_, &config, &world_));
+        Rng rng(header_.start());
+        std::vector<trisap::Aabb> boxes;
+        for (std::uint32_t count = 0; count < header_.start(); count++) {
+            boxes.push_back(header_.aabb(rng));
+        }
+        insert_many(boxes);
+    }
+
+    void apply(Operation op) {
+        tally_.ran[static_cast<std::size_t>(op.kind)]++;
+        switch (op.kind) {
+        case Kind::insert: insert(op); break;
+        case Kind::insert_many: insert_share(op); break;
+        case Kind::set: set(op); break;
+        case Kind::update_many: update_many(op); break;
+        case Kind::remove: remove(op); break;
+        case Kind::remove_many: remove_many(op); break;
+        case Kind::set_margin: set_margin(op); break;
+        case Kind::set_filter: set_filter(op); break;
+        case Kind::set_classes: set_classes(op); break;
+        case Kind::refilter: refilter(op); break;
+        case Kind::set_resting:
+        case Kind::wake: set_resting(op); break;
+        case Kind::shift: shift(op); break;
+        case Kind::step: step(op, nullptr); break;
+        case Kind::step_over: step_over(op); break;
+        case Kind::overlaps: overlaps(op); break;
+        case Kind::cast: cast(op); break;
+        case Kind::nearest: nearest(op); break;
+        case Kind::batches: batches(op); break;
+        case Kind::view: view(); break;
+        case Kind::save: save(op); break;
+        case Kind::load: load(op); break;
+        case Kind::load_damaged: load_damaged(op); break;
+        case Kind::load_forged: load_forged(op); break;
+        case Kind::reopen: reopen(); break;
+        case Kind::copy: copy(); break;
+        }
+        CHECK_OK(trisap_world_validate(world_));
+    }
+
+    [[nodiscard]] std::uint64_t hash() const { return hash_; }
+
+private:
+    using Ids = std::vector<trisap::Id>;
+
+    void say(std::uint64_t number) { hash_ = mix(hash_, number); }
+
+    void say(double number) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &number, sizeof bits);
+        say(bits);
+    }
+
+    bool say_status(trisap::Status status) {
+        tally_.refused += status != TRISAP_STATUS_OK;
+        say(static_cast<std::uint64_t>(status));
+        return status == TRISAP_STATUS_OK;
+    }
+
+    void say_pairs(const trisap::Pair *pairs, std::size_t count) {
+        say(std::uint64_t{count});
+        for (std::size_t at = 0; at < count; at++) {
+            say(std::uint64_t{pairs[at].a} << 32 | pairs[at].b);
+        }
+    }
+
+    /// Never null, also where there is nothing.
+    template <class T> static T *data(std::vector<T> &items) {
+        items.reserve(1);
+        return items.data();
+    }
+
+    [[nodiscard]] trisap::Id id_at(std::uint32_t slot) const { return trisap_world_id_at(world_, slot); }
+
+    [[nodiscard]] bool contains(trisap::Id id) const { return trisap_world_contains(world_, id) == TRISAP_STATUS_OK; }
+
+    /// Zero for an id that is stale.
+    [[nodiscard]] trisap::Aabb box_of(trisap::Id id) const {
+        trisap::Aabb aabb = {};
+        return trisap_world_aabb(world_, id, &aabb) == TRISAP_STATUS_OK ? aabb : trisap::Aabb{};
+    }
+
+    trisap::Aabb moved(trisap::Id id, Operation &op) const { return header_.moved(box_of(id), op.argument, op.rng); }
+
+    [[nodiscard]] std::uint32_t share(const Operation &op) const {
+        const std::uint32_t shares[] = {1, 2, objects_ / 9 + 1, objects_ / 3 + 1, objects_};
+        return shares[op.argument % 5];
+    }
+
+    trisap::Id any(Operation &op) const {
+        trisap::Id id = trisap::null_id;
+        for (int tries = 0; tries < 3; tries++) {
+            const std::uint32_t slot = op.rng.below(objects_);
+            const trisap::Id there = id_at(slot);
+            if (there != trisap::null_id) {
+                return there;
+            }
+            id = known_[slot];
+        }
+        return id;
+    }
+
+    Ids some(Operation &op) const {
+        std::vector<bool> taken(objects_);
+        Ids ids;
+        for (std::uint32_t left = share(op); left > 0; left--) {
+            const std::uint32_t slot = op.rng.below(objects_);
+            const trisap::Id id = id_at(slot);
+            if (id != trisap::null_id && !taken[slot]) {
+                taken[slot] = true;
+                ids.push_back(id);
+            }
+        }
+        if (op.argument >= 240) {
+            const trisap::Id known = known_[op.rng.below(objects_)];
+            if (known != trisap::null_id && !contains(known)) {
+                ids.push_back(known);
+            } else if (!ids.empty()) {
+                ids.push_back(ids[0]);
+            }
+        }
+        return ids;
+    }
+
+    void born(trisap::Id id) {
+        say(id);
+        known_[trisap::slot(id)] = id;
+        opinions_[trisap::slot(id)] = 0;
+    }
+
+    void insert(Operation &op) {
+        const trisap::Aabb aabb = op.argument < 240 ? header_.aabb(op.rng) : Header::bad_box(op.rng);
+        trisap::Id id = trisap::null_id;
+        if (say_status(trisap_world_insert(world_, &aabb, &id))) {
+            born(id);
+        }
+    }
+
+    void insert_share(Operation &op) {
+        std::vector<trisap::Aabb> boxes;
+        for (std::uint32_t left = share(op); left > 0; left--) {
+            boxes.push_back(header_.aabb(op.rng));
+        }
+        if (op.argument >= 240) {
+            boxes.push_back(Header::bad_box(op.rng));
+        }
+        insert_many(boxes);
+    }
+
+    void insert_many(std::vector<trisap::Aabb> &boxes) {
+        Ids ids(boxes.size());
+        const trisap::Boxes view = trisap_default_boxes(data(boxes), boxes.size());
+        if (say_status(trisap_world_insert_many(world_, &view, data(ids)))) {
+            std::for_each(ids.begin(), ids.end(), [this](trisap::Id id) { born(id); });
+        }
+    }
+
+    void set(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id) {
+            const trisap::Aabb next = op.argument < 240 ? moved(id, op) : Header::bad_box(op.rng);
+            say_status(trisap_world_update(world_, id, &next));
+        }
+    }
+
+    void update_many(Operation &op) {
+        Ids ids = some(op);
+        std::vector<trisap::Aabb> boxes;
+        for (const trisap::Id id : ids) {
+            boxes.push_back(moved(id, op));
+        }
+        if (op.argument >= 250 && !boxes.empty()) {
+            boxes.back() = Header::bad_box(op.rng);
+        }
+        const trisap::Boxes view = trisap_default_boxes(data(boxes), boxes.size());
+        say_status(trisap_world_update_many(world_, data(ids), &view));
+    }
+
+    void remove(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id) {
+            say_status(trisap_world_remove(world_, id));
+        }
+    }
+
+    void remove_many(Operation &op) {
+        Ids ids = some(op);
+        say_status(trisap_world_remove_many(world_, data(ids), ids.size()));
+    }
+
+    void set_margin(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id) {
+            const float lengths[] = {0.0f, 0.125f, 0.5f, -1.0f};
+            say_status(trisap_world_set_margin(world_, id, lengths[op.argument % 4]));
+        }
+    }
+
+    void set_filter(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id) {
+            const trisap::Filter filter = Header::filter(op.rng);
+            say_status(trisap_world_set_filter(world_, id, &filter));
+        }
+    }
+
+    void set_classes(Operation &op) {
+        std::array<std::uint32_t, TRISAP_CLASSES> meets;
+        meets.fill(~0u);
+        const auto bits = static_cast<std::uint32_t>(op.rng.bits());
+        meets[op.rng.below(3)] = bits;
+        say_status(trisap_world_set_classes(world_, meets.data()));
+    }
+
+    void refilter(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id && say_status(trisap_world_refilter(world_, id))) {
+            opinions_[trisap::slot(id)] = op.argument % 3;
+        }
+    }
+
+    void set_resting(Operation &op) {
+        Ids ids = some(op);
+        const auto call = op.kind == Kind::wake ? trisap_world_wake : trisap_world_set_resting;
+        say_status(call(world_, data(ids), ids.size()));
+    }
+
+    void shift(Operation &op) {
+        const double steps[] = {0.25, 0.1, 1e6, 0.25};
+        double by[3];
+        for (double &part : by) {
+            part = static_cast<double>(static_cast<int>(op.rng.below(65)) - 32) * steps[op.argument % 4];
+        }
+        if (op.argument >= 250) {
+            by[op.rng.below(3)] = std::numeric_limits<double>::quiet_NaN();
+        }
+        std::uint32_t rounded = 0;
+        if (say_status(trisap_world_shift_origin(world_, by, &rounded))) {
+            say(std::uint64_t{rounded});
+        }
+    }
+
+    static void fork_join(void *user, void (*run)(void *), void *task, std::uint32_t count, const char *) {
+        switch (*static_cast<const std::uint32_t *>(user)) {
+        case 0: break;
+        case 1:
+            run(task);
+            run(task);
+            break;
+        case 2:
+            for (std::uint32_t left = 5 * count + 5; left > 0; left--) {
+                run(task);
+            }
+            break;
+        default: {
+            std::vector<std::thread> threads;
+            for (std::uint32_t left = count; left > 0; left--) {
+                threads.emplace_back(run, task);
+            }
+            std::for_each(threads.begin(), threads.end(), [](std::thread &thread) { thread.join(); });
+        }
+        }
+    }
+
+    trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result) {
+        std::uint32_t how = op.argument < 8 ? 4 : op.argument / 8 % 4;
+        trisap_jobs jobs = trisap_default_jobs();
+        jobs.worker_count = 3;
+        jobs.user = &how;
+        jobs.fork_join = fork_join;
+        const trisap_jobs *given = how == 3 ? nullptr : &jobs;
+        if (header_.rule()) {
+            const auto rule = [](void *user, std::uint32_t a, std::uint32_t b) -> std::uint32_t {
+                const auto &opinions = *static_cast<const std::vector<std::uint32_t> *>(user);
+                return (opinions[a] + opinions[b]) % 3 != 1;
+            };
+            return trisap_world_step_with_rule(world_, boxes, rule, &opinions_, given, &result);
+        }
+        return boxes == nullptr ? trisap_world_step(world_, given, &result)
+                                : trisap_world_step_over(world_, boxes, given, &result);
+    }
+
+    void step(const Operation &op, const trisap::Boxes *boxes) {
+        trisap_result result = trisap_default_result();
+        const trisap::Status status = step_with(op, boxes, result);
+        say(static_cast<std::uint64_t>(status));
+        if (status == TRISAP_STATUS_PAIRS_FULL) {
+            tally_.full++;
+            say_pairs(result.pairs, result.pair_count);
+            say(result.pairs_needed);
+            return;
+        }
+        CHECK_OK(status);
+        trisap::Stats stats = trisap_default_stats();
+        CHECK_OK(trisap_world_stats(world_, &stats));
+        tally_.paths.at(stats.path)++;
+        tally_.pairs += stats.pairs;
+        tally_.found += stats.found;
+        tally_.lost += stats.lost;
+        tally_.fine += stats.fine_leaves != 0;
+        tally_.large += stats.large > 0;
+        say(stats.candidates);
+        say(stats.copies);
+        say(std::uint64_t{stats.moved});
+        say_result(result);
+        tally_.rejecting += result.rejected_count > 0;
+        say(std::uint64_t{result.rejected_count});
+        say(result.first_rejected);
+    }
+
+    void say_result(const trisap_result &result) {
+        say_pairs(result.pairs, result.pair_count);
+        say_pairs(result.found, result.found_count);
+        say_pairs(result.lost, result.lost_count);
+    }
+
+    void step_over(Operation &op) {
+        const std::uint32_t lengths[] = {objects_, objects_, objects_, objects_ / 2, objects_ + 2};
+        const std::uint32_t movers[] = {1, 4, 12, 32};
+        const float nan = std::numeric_limits<float>::quiet_NaN();
+        const trisap::Aabb none = {{nan, nan, nan}, {nan, nan, nan}};
+        std::vector<trisap::Aabb> boxes(lengths[op.argument % 5], none);
+        for (std::uint32_t slot = 0; slot < boxes.size(); slot++) {
+            const trisap::Id id = id_at(slot);
+            if (id == trisap::null_id) {
+                continue;
+            }
+            const std::uint32_t kind = op.rng.below(32);
+            if (kind > 0 || (op.argument & 4) == 0) {
+                boxes[slot] = kind < movers[op.argument / 64] ? moved(id, op) : box_of(id);
+            }
+        }
+        const trisap::Boxes view = trisap_default_boxes(data(boxes), boxes.size());
+        step(op, &view);
+    }
+
+    void overlaps(Operation &op) {
+        const trisap::Region region = header_.region(op.rng);
+        Ids ids(objects_);
+        std::size_t count = 0;
+        if (say_status(trisap_world_overlaps(world_, &region, ids.data(), ids.size(), &count))) {
+            tally_.answers += count;
+            std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
+        }
+    }
+
+    void say_hits(const std::vector<trisap::Hit> &hits, std::size_t count) {
+        tally_.answers += count;
+        for (std::size_t at = 0; at < count; at++) {
+            say(hits[at].id);
+            say(hits[at].id == trisap::null_id ? 0.0 : hits[at].distance);
+        }
+    }
+
+    void cast(Operation &op) {
+        const trisap::Cast cast = header_.cast(op.rng);
+        std::vector<trisap::Hit> hits(objects_);
+        std::size_t count = 0;
+        if (say_status(trisap_world_hits(world_, &cast, hits.data(), hits.size(), &count))) {
+            say_hits(hits, count);
+        }
+    }
+
+    void nearest(Operation &op) {
+        float point[3];
+        header_.point(op.rng, point);
+        const std::size_t rooms[] = {1, 2, 7, objects_};
+        std::vector<trisap::Hit> hits(rooms[op.argument % 4]);
+        std::size_t count = 0;
+        CHECK_OK(trisap_world_nearest(world_, point, hits.data(), hits.size(), &count));
+        say_hits(hits, count);
+    }
+
+    void batches(Operation &op) {
+        std::vector<trisap::Cast> casts;
+        std::vector<trisap::Region> regions;
+        const std::size_t length = op.argument % 5;
+        bool good = true;
+        while (casts.size() < length) {
+            casts.push_back(header_.cast(op.rng));
+        }
+        while (regions.size() < length) {
+            regions.push_back(header_.region(op.rng));
+        }
+        std::vector<trisap::Hit> hits(length);
+        good &= say_status(trisap_world_first_hits(world_, data(casts), sizeof(trisap::Cast), length, nullptr, data(hits)));
+        Ids ids(3 * length);
+        std::vector<std::uint32_t> counts(length);
+        const trisap::Status status = trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), length,
+                                                                 nullptr, data(ids), 3, data(counts));
+        say_status(status);
+        if (good && status != TRISAP_STATUS_BAD_QUERY) {
+            say_hits(hits, length);
+            std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
+        }
+    }
+
+    void view() {
+        std::vector<trisap::Leaf> leaves(2048);
+        std::vector<trisap::Plane> planes(2048);
+        Ids large(objects_);
+        std::size_t counts[3] = {};
+        CHECK_OK(trisap_world_leaves(world_, leaves.data(), leaves.size(), &counts[0]));
+        CHECK_OK(trisap_world_planes(world_, planes.data(), planes.size(), &counts[1]));
+        CHECK_OK(trisap_world_large(world_, large.data(), large.size(), &counts[2]));
+        std::for_each(std::begin(counts), std::end(counts), [this](std::size_t count) { say(std::uint64_t{count}); });
+        say(std::uint64_t{trisap_world_len(world_)});
+    }
+
+    Bytes snapshot() {
+        Bytes bytes(trisap_world_snapshot_size(world_));
+        std::size_t written = 0;
+        CHECK_OK(trisap_world_save(world_, bytes.data(), bytes.size(), &written));
+        CHECK(written == bytes.size());
+        return bytes;
+    }
+
+    void save(const Operation &op) {
+        Bytes bytes = snapshot();
+        say(std::uint64_t{bytes.size()});
+        say(word(bytes.data() + 16));
+        saves_[op.argument % 4].emplace(std::move(bytes), opinions_);
+    }
+
+    void load(const Operation &op) {
+        const auto &save = saves_[op.argument % 4];
+        if (save) {
+            tally_.loaded++;
+            CHECK_OK(trisap_world_load(world_, save->first.data(), save->first.size()));
+            opinions_ = save->second;
+        }
+    }
+
+    void load_damaged(Operation &op) {
+        Bytes bytes = snapshot();
+        const std::size_t at = op.rng.below(bytes.size());
+        if (op.argument < 64) {
+            bytes.resize(at);
+        } else {
+            bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 1u << op.argument % 8);
+        }
+        say_status(trisap_world_load(world_, data(bytes), bytes.size()));
+    }
+
+    void load_forged(Operation &op) {
+        const Bytes before = snapshot();
+        Bytes bytes = before;
+        forge(bytes, op.rng);
+        if (!say_status(trisap_world_load(world_, bytes.data(), bytes.size()))) {
+            tally_.forged_refused++;
+            CHECK(snapshot() == before);
+            return;
+        }
+        tally_.forged_loaded++;
+        trisap_result result = trisap_default_result();
+        if (say_status(step_with(op, nullptr, result))) {
+            say_result(result);
+        }
+        CHECK_OK(trisap_world_validate(world_));
+        say_status(trisap_world_load(world_, before.data(), before.size()));
+    }
+
+    void reopen() { CHECK_OK(trisap_world_open(memory_.get(), bytes_, &world_)); }
+
+    void copy() {
+        Memory other = allocate(bytes_);
+        std::memcpy(other.get(), memory_.get(), bytes_);
+        memory_ = std::move(other);
+        reopen();
+    }
+
+    Header header_;
+    Tally &tally_;
+    std::uint64_t hash_ = 0;
+    std::uint32_t objects_;
+    std::size_t bytes_ = 0;
+    Memory memory_;
+    trisap_world *world_ = nullptr;
+    Ids known_;
+    std::vector<std::uint32_t> opinions_;
+    std::array<std::optional<std::pair<Bytes, std::vector<std::uint32_t>>>, 4> saves_;
+};
+
+int main(int count, char **arguments) {
+    CHECK(count == 2);
+    std::ifstream file(arguments[1], std::ios::binary);
+    const Bytes bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    Tally tally;
+    for (std::size_t at = 0; at + 4 <= bytes.size();) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, bytes.data() + at, sizeof length);
+        at += sizeof length;
+        CHECK(length >= Header::size + Operation::size && length <= bytes.size() - at);
+        Sequence sequence(bytes.data() + at, tally);
+        for (std::size_t op = Header::size; op + Operation::size <= length; op += Operation::size) {
+            sequence.apply(Operation(bytes.data() + at + op));
+        }
+        std::printf("sequence %" PRIu64 "\n", sequence.hash());
+        at += length;
+    }
+    std::printf("counts");
+    const auto print = [](std::uint64_t number) { std::printf(" %" PRIu64, number); };
+    std::for_each(tally.ran.begin(), tally.ran.end(), print);
+    std::for_each(tally.paths.begin(), tally.paths.end(), print);
+    for (const std::uint64_t number :
+         {tally.refused, tally.full, tally.rejecting, tally.pairs, tally.found, tally.lost, tally.fine, tally.large,
+          tally.answers, tally.loaded, tally.forged_refused, tally.forged_loaded}) {
+        print(number);
+    }
+    std::printf("\n");
+}
