@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Random sequences of operations for so many hours, half of the time in a build whose trees begin at 17 objects instead of 513.
 # Prints what ran each minute. Stops at the first fault and leaves the sequence in soak-fault.bin, which
-# `tests/soak.sh soak-fault.bin` repeats (in both builds).
+# `tests/soak.sh soak-fault.bin` repeats (in both builds). With `forgeries` every second operation loads a forged snapshot.
 #
-#     tests/soak.sh HOURS [FIRST_SEED]
+#     tests/soak.sh HOURS [FIRST_SEED [forgeries]]
 set -euo pipefail
 folder="$(cd "$(dirname "$0")/.." && pwd)"
-[ $# -ge 1 ] || { echo "usage: tests/soak.sh HOURS [FIRST_SEED] | tests/soak.sh FILE" >&2 && exit 2; }
+[ $# -ge 1 ] || { echo "usage: tests/soak.sh HOURS [FIRST_SEED [forgeries]] | tests/soak.sh FILE" >&2 && exit 2; }
 target="${CARGO_TARGET_DIR:-$folder/target}"
 build() {
     cargo build --quiet --manifest-path "$folder/Cargo.toml" --release -p trisap-tests --example soak --target-dir "$1"
@@ -23,6 +23,6 @@ seconds="$(awk "BEGIN { print int($1 * 3600) }")"
 seed="${2:-$(date +%s)000000}"
 turn=$((seconds / 2 < 600 ? seconds / 2 : 600))
 for ((done = 0; done + 2 * turn <= seconds && turn > 0; done += 2 * turn)); do
-    for soak in "${soaks[@]}"; do "$soak" "$turn" "$seed"; done
+    for soak in "${soaks[@]}"; do "$soak" "$turn" "$seed" "${@:3}"; done
     seed=$((seed + 100000000))
 done

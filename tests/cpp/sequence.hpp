@@ -119,6 +119,23 @@ public:
             aabb.min[axis] = on_lattice(low);
             aabb.max[axis] = on_lattice(low + edge);
         }
+        const unsigned style = bytes_[6] / 8u % 4;
+        if (style == 2) {
+            float by[3];
+            for (float &part : by) {
+                part = static_cast<float>(rng.below(4096)) * (0.25f / 4096.0f);
+            }
+            for (int axis = 0; axis < 3; axis++) {
+                aabb.min[axis] += by[axis];
+                aabb.max[axis] += by[axis];
+            }
+        } else if (style == 3) {
+            const float scale = static_cast<float>(1u << rng.below(12)) / 64.0f;
+            for (int axis = 0; axis < 3; axis++) {
+                aabb.min[axis] *= scale;
+                aabb.max[axis] *= scale;
+            }
+        }
         if (kind == 4) {
             const std::uint32_t axis = rng.below(3);
             const float infinity = std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::max();

@@ -1,8 +1,9 @@
 //! Random sequences of operations for a long time: `tests/soak.sh` says how.
 //!
 //! ```sh
-//! soak SECONDS [FIRST_SEED]   # stops at the first fault, and writes the sequence to soak-fault.bin
-//! soak FILE                   # plays a sequence, also one that a fuzzer has found
+//! soak SECONDS [FIRST_SEED]           # stops at the first fault, and writes the sequence to soak-fault.bin
+//! soak SECONDS FIRST_SEED forgeries   # every second operation loads a forged snapshot
+//! soak FILE                           # plays a sequence, also one that a fuzzer has found
 //! ```
 
 use std::panic::{self, catch_unwind};
@@ -19,24 +20,28 @@ const REPORT: Duration = Duration::from_secs(60);
 fn main() {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let Some(first) = arguments.first() else {
-        eprintln!("usage: soak SECONDS [FIRST_SEED] | soak FILE");
+        eprintln!("usage: soak SECONDS [FIRST_SEED [forgeries]] | soak FILE");
         process::exit(2);
     };
     match first.parse() {
         Ok(seconds) => {
             let seed = arguments.get(1).map_or(0, |seed| seed.parse().expect("a number"));
-            soak(Duration::from_secs(seconds), seed);
+            let forging = arguments.get(2).is_some_and(|word| word == "forgeries");
+            soak(Duration::from_secs(seconds), seed, forging);
         }
         Err(_) => println!("{}", play(&fs::read(first).expect("a file"))),
     }
 }
 
-fn soak(time: Duration, first: u64) {
+fn soak(time: Duration, first: u64, forging: bool) {
     let (start, mut told) = (Instant::now(), Instant::now());
     let mut tally = Tally::default();
     let mut seed = first;
     while start.elapsed() < time {
-        let bytes = format::random(seed, OPERATIONS);
+        let mut bytes = format::random(seed, OPERATIONS);
+        if forging {
+            bytes = format::forging(bytes);
+        }
         match catch_unwind(|| play(&bytes)) {
             Ok(played) => tally += &played,
             Err(_) => {

@@ -24,6 +24,19 @@ pub(super) fn aabb(header: &Header, rng: &mut Rng) -> Aabb {
         aabb.min[axis] = on_lattice(low);
         aabb.max[axis] = on_lattice(low + edge);
     }
+    match header.style() {
+        // Between the steps of the lattice.
+        2 => {
+            let by = [(); 3].map(|()| rng.below(4096) as f32 * (0.25 / 4096.0));
+            aabb = crate::scenes::shifted(&aabb, by);
+        }
+        // Of sizes that are far apart, the large ones far from each other.
+        3 => {
+            let scale = (1 << rng.below(12)) as f32 / 64.0;
+            aabb = Aabb::new(aabb.min.map(|x| x * scale), aabb.max.map(|x| x * scale));
+        }
+        _ => {}
+    }
     if kind == 4 {
         let axis = rng.below(3);
         let ends = [f32::NEG_INFINITY, f32::MIN, -0.0, 0.0, f32::from_bits(1), f32::MAX, f32::INFINITY];

@@ -86,6 +86,12 @@ impl Header {
         (3 + self.0[5] as usize % 64, self.0[6] as usize % 8)
     }
 
+    /// Boxes on the lattice (0 and 1), between its steps (2), or of all sizes (3).
+    #[must_use]
+    pub fn style(&self) -> u8 {
+        self.0[6] / 8 % 4
+    }
+
     /// Objects that are there from the beginning.
     #[must_use]
     pub fn start(&self) -> usize {
@@ -241,6 +247,14 @@ pub fn random(seed: u64, operations: usize) -> Vec<u8> {
         bytes[0] = OBJECTS.len() as u8 - 1;
         bytes[7] |= 0xc0;
     }
+    bytes
+}
+
+/// The same, but every second operation loads a forged snapshot.
+#[must_use]
+pub fn forging(mut bytes: Vec<u8>) -> Vec<u8> {
+    let load = KINDS.iter().position(|kind| *kind == Kind::LoadForged).unwrap_or(0) as u8;
+    bytes.iter_mut().skip(HEADER).step_by(2 * OPERATION).for_each(|kind| *kind = load);
     bytes
 }
 
