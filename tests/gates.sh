@@ -20,6 +20,7 @@ cargo check -p trisap-core --features glam
 cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
 (cd tests/firmware && cargo fmt --all --check && cargo clippy --workspace --all-targets -- -D warnings)
 (cd tests/emulated && cargo fmt --check && cargo clippy -- -D warnings)
+(cd tests/fuzz && cargo fmt --check)
 cargo test --workspace
 # What only a build without debug assertions does: indices out of range are reported instead of ending the program.
 cargo test --release -p trisap-core --lib access
@@ -27,6 +28,13 @@ cargo test --release -p trisap-core --lib access
 if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-ffi random_operations
+    TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-ffi sequences::
+    tests/soak.sh 0.1
+    if cargo +nightly fuzz --version >/dev/null 2>&1; then
+        tests/fuzz/run.sh 60
+    else
+        echo "skipped: cargo-fuzz is not installed"
+    fi
     cargo run --release -p trisap-tests --example million
     cargo run --release -p trisap-tests --example overflow
     tests/instructions.sh

@@ -1,4 +1,4 @@
-//! Random lives of worlds of any size and configuration. After every operation the world validates itself and
+//! Random lives of worlds of any size and configuration; of small worlds there are many more in `sequences.rs`. After every operation the world validates itself and
 //! agrees with the model, queries included; after every step so do pairs and events; and a second life with other
 //! kernels, job systems and workers says the same, byte for byte.
 //!
@@ -552,15 +552,6 @@ fn case(objects: impl Strategy<Value = usize>, ops: usize) -> impl Strategy<Valu
 /// No files are written on failure: what is printed is the whole case.
 fn cases(count: u32) -> ProptestConfig {
     ProptestConfig { cases: count * effort(), failure_persistence: None, ..ProptestConfig::default() }
-}
-
-proptest! {
-    #![proptest_config(cases(400))]
-
-    #[test]
-    fn small_worlds_live_like_the_model(case in case(0_usize..40, 40)) {
-        two_lives::<u16>(&case);
-    }
 }
 
 proptest! {

@@ -216,8 +216,9 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
         let (mut all, finer) = (Sum::default(), state.finer());
         for slot in (0..state.slots as usize).filter(|slot| stays(parts, *slot)) {
             let bounds = KeyBox::of(boxes, slot);
+            // No vectors: a closure does not share the instruction set of its function.
             let mut meet = |other: usize| {
-                if other > slot && stays(parts, other) && simd.overlap(KeyBox::of(boxes, other), bounds) {
+                if other > slot && stays(parts, other) && KeyBox::of(boxes, other).overlaps(bounds) {
                     all.add([slot as u32, other as u32]);
                 }
             };

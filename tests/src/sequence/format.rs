@@ -235,14 +235,14 @@ pub fn operations(bytes: &[u8]) -> impl Iterator<Item = Operation> + '_ {
     bytes.as_chunks::<OPERATION>().0.iter().map(|bytes| Operation::read(*bytes))
 }
 
-/// Random bytes of a sequence of so many operations. Few worlds are large, as these take their time.
+/// Random bytes of a sequence of so many operations. Three in four worlds are small and few are large, as these take their time.
 #[must_use]
 pub fn random(seed: u64, operations: usize) -> Vec<u8> {
     let mut rng = Rng::new(seed);
     let words = (HEADER + OPERATION * operations).div_ceil(8);
     let mut bytes: Vec<u8> = (0..words).flat_map(|_| rng.bits().to_le_bytes()).collect();
     bytes.truncate(HEADER + OPERATION * operations);
-    bytes[0] = rng.below(OBJECTS.len() - 1) as u8;
+    bytes[0] = if rng.once_in(4) { rng.below(OBJECTS.len() - 1) } else { 1 + rng.below(3) } as u8;
     if rng.once_in(64) {
         bytes[0] = OBJECTS.len() as u8 - 1;
         bytes[7] |= 0xc0;
