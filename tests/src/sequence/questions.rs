@@ -91,7 +91,7 @@ impl<I: Index> Life<'_, '_, I> {
         }
     }
 
-    /// Every object is in a leaf or large, where there is a tree; and the twin has the same one.
+    /// The twin has the same tree.
     pub(super) fn view(&mut self) {
         let (world, twin) = (self.checked.world(), &self.twin);
         let (leaves, planes): (Vec<_>, Vec<_>) = (world.leaves().collect(), world.planes().collect());

@@ -28,13 +28,13 @@ pub struct Tally {
     pub lost: u64,
     /// Pairs beyond the exact ones.
     pub surplus: u64,
-    /// Steps with small leaves, and steps with large objects.
+    /// Steps with small leaves.
     pub fine: u64,
     /// Steps with objects in the list of large ones.
     pub large: u64,
     /// Answers to queries.
     pub answers: u64,
-    /// Snapshots that were loaded, damaged ones that were refused.
+    /// Snapshots that were loaded.
     pub loaded: u64,
     /// Forged snapshots that were refused.
     pub forged_refused: u64,
