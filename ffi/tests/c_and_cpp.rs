@@ -49,7 +49,7 @@ pub(crate) fn succeed(command: &mut Command) -> String {
 }
 
 /// Whether the command can be run; if not, why the test is skipped.
-fn available(command: &str, needed_for: &str) -> bool {
+pub(crate) fn available(command: &str, needed_for: &str) -> bool {
     let works = Command::new(command).arg("--version").output().is_ok_and(|output| output.status.success());
     works || skip(&format!("{command} is not installed: {needed_for}"))
 }
