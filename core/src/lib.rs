@@ -45,53 +45,42 @@
 #[cfg(test)]
 extern crate std;
 
-mod aabb;
 mod access;
-#[allow(unsafe_code, reason = "vectors and what workers share; each use says why it is sound")]
-mod arch;
-mod carry;
 mod config;
 mod error;
-mod exec;
 mod filter;
+mod geometry;
 mod id;
-mod ingest;
-mod kernels;
-mod key;
-mod layout;
-mod links;
-mod marks;
+mod lists;
+mod memory;
 mod objects;
-mod paths;
+mod pairs;
+#[allow(unsafe_code, reason = "what workers share; each use says why it is sound")]
+mod parallel;
 mod query;
-mod radix;
-mod recount;
-mod resting;
-mod results;
-mod shift;
+#[allow(unsafe_code, reason = "vectors; each use says why it is sound")]
+mod simd;
 mod snapshot;
 mod sort;
-mod state;
-mod storage;
+mod step;
 mod sweep;
 mod tree;
 mod validate;
-mod view;
 mod world;
 
-pub use aabb::{Aabb, Boxes};
-#[cfg(target_has_atomic = "32")]
-pub use arch::offer::Offer;
 pub use config::{Capacity, Choice, Config, Margin, Mode};
 pub use error::{Error, Rejected};
-pub use exec::{Executor, Serial, Stage};
+pub use parallel::executor::{Executor, Serial, Stage};
 pub use filter::{Filter, Rule};
+pub use geometry::aabb::{Aabb, Boxes};
 pub use id::{Id, Index, Pair};
-pub use kernels::Kernels;
-pub use layout::{Layout, layout};
+pub use memory::layout::{Layout, layout};
+pub use memory::state::{Path, Reason, Stats};
+#[cfg(target_has_atomic = "32")]
+pub use parallel::offer::Offer;
 pub use query::{Cast, Hit, Region};
-pub use state::{Path, Reason, Stats};
-pub use storage::InlineWorld;
+pub use simd::kernels::Kernels;
 pub use validate::Invalid;
-pub use view::{LeafView, PlaneView};
+pub use world::InlineWorld;
+pub use world::{LeafView, PlaneView};
 pub use world::{Step, World};

@@ -2,11 +2,11 @@
 
 use super::{Cast, Hit, Region};
 use crate::access::Access;
-use crate::arch::claim::{Chunks, Claims};
 use crate::error::Error;
-use crate::exec::{self, Executor};
 use crate::id::{Id, Index};
-use crate::kernels::Kernels;
+use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::executor::{self, Executor};
+use crate::simd::kernels::Kernels;
 use crate::world::World;
 
 /// Queries that a worker takes at a time.
@@ -29,7 +29,7 @@ impl<I: Index> World<'_, I> {
         let out = out.get_mut(..casts.len()).ok_or(Error::LengthMismatch { needed: casts.len() })?;
         check(casts, Cast::is_valid)?;
         let claims = Claims::new(Chunks::new(out, BLOCK));
-        exec::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
+        executor::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
                     // The casts are valid.
@@ -63,7 +63,7 @@ impl<I: Index> World<'_, I> {
             Chunks::optional(out.span_mut(0, share * regions.len()), BLOCK * share),
             Chunks::new(counts, BLOCK),
         ));
-        exec::run(executor, WORKERS, regions.len().div_ceil(BLOCK), &|| {
+        executor::run(executor, WORKERS, regions.len().div_ceil(BLOCK), &|| {
             while let Some((block, (out, counts))) = claims.claim() {
                 for (at, count) in counts.iter_mut().enumerate() {
                     let Some(region) = regions.get(block * BLOCK + at) else { continue };

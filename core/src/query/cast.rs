@@ -1,14 +1,14 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::line::{Crossing, Line, Walk};
 use super::{is_current, prefetch_members, prefetch_parts};
-use crate::aabb::Aabb;
 use crate::access::Access;
-use crate::arch::{EIGHT, Phase, Simd};
 use crate::error::Error;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::key::{KeyBox, key};
+use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
-use crate::kernels::Kernels;
-use crate::key::{KeyBox, key};
+use crate::simd::kernels::Kernels;
+use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::{Frame, first_of_eight, leaf_of, parts_of};
 use crate::world::World;
@@ -161,7 +161,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             prefetch_parts(simd, parts, leaf);
             home |= leaf as u32;
         }
-        let line = Line::new(cast);
+        let line = Line::new(&cast.start, cast.direction, cast.distance);
         let mut search = Search { world, far: line.distance, line, visit, slots: [0; TOGETHER] };
         // The large ones first: they are often hit, and what is behind them need not be looked at.
         if world.has_others() {
@@ -323,5 +323,15 @@ impl<I: Index> Search<'_, '_, I> {
                 self.far = self.far.min((self.visit)(Hit { id, distance }));
             }
         }
+    }
+}
+
+impl Line {
+    /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each
+    /// number rises with the box's sides, so a larger box is met no later and left no earlier.
+    #[inline(always)]
+    fn span<S: Simd>(&self, simd: S, min: &[i32; 3], max: &[i32; 3], far: f64) -> (f64, f64) {
+        let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
+        simd.span(&self.slabs, four(*min), four(*max), far)
     }
 }

@@ -6,19 +6,18 @@
 
 mod batch;
 mod cast;
-pub(crate) mod line;
 mod nearest;
 mod region;
 
 pub use cast::{Cast, Hit};
 pub use region::Region;
 
-use crate::aabb::narrowed;
 use crate::access::{Access, bits};
-use crate::arch::{EIGHT, Simd, limit};
+use crate::geometry::aabb::narrowed;
+use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
-use crate::key::{KeyBox, key};
-use crate::storage::Parts;
+use crate::memory::slab::Parts;
+use crate::simd::{EIGHT, Simd, limit};
 use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
 use crate::world::World;
 

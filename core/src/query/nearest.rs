@@ -3,13 +3,13 @@
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
 use super::{MembersNear, key_above, key_below, parts_near};
-use crate::aabb::widened;
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
 use crate::error::Error;
+use crate::geometry::aabb::widened;
+use crate::geometry::key::{KeyBox, key};
 use crate::id::Index;
-use crate::kernels::Kernels;
-use crate::key::{KeyBox, key};
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
 use crate::world::World;

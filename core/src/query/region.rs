@@ -1,13 +1,13 @@
 //! What overlaps a box, a ball or a point.
 
 use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
-use crate::aabb::{Aabb, widened};
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
 use crate::error::Error;
+use crate::geometry::aabb::{Aabb, widened};
+use crate::geometry::key::{KeyBox, value};
 use crate::id::{Id, Index};
-use crate::kernels::Kernels;
-use crate::key::{KeyBox, value};
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
 use crate::tree::{PARTS, Record, leaf_of};

@@ -3,11 +3,11 @@
 
 use crate::access::{Access, bits};
 use crate::filter::Filter;
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::key::KeyBox;
-use crate::layout::Sizes;
-use crate::state::State;
-use crate::sweep::strips::Planes;
+use crate::memory::layout::Sizes;
+use crate::memory::state::State;
+use crate::memory::strips::Planes;
 use crate::tree::{Frame, Record};
 use crate::validate::content::{Content, LeafCounts, Set, Stand};
 use crate::validate::{pairs, tree};
@@ -89,7 +89,7 @@ pub(super) struct Stored<'b, I> {
     pub(super) far: Packed<'b, [i32; 3]>,
     /// The origin and the scale of its frame.
     pub(super) frames: Packed<'b, [[f32; 3]; 2]>,
-    /// The lanes of [`TreeParts::bounds`](crate::storage::TreeParts::bounds).
+    /// The lanes of [`TreeParts::bounds`](crate::memory::slab::TreeParts::bounds).
     pub(super) bounds: Packed<'b, [u16; 6]>,
     /// From the root on.
     pub(super) nodes: Packed<'b, KeyBox>,

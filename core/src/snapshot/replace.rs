@@ -2,15 +2,15 @@
 
 use super::image::Stored;
 use crate::access::{Access, bits};
-use crate::arch::{Phase, Simd};
 use crate::config::Mode;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::kernels::Kernels;
-use crate::key::KeyBox;
-use crate::layout::FINER;
-use crate::recount::prove_at_once;
-use crate::state::State;
-use crate::storage::{BoxParts, Parts};
+use crate::memory::layout::FINER;
+use crate::memory::slab::{BoxParts, Parts};
+use crate::memory::state::State;
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
+use crate::step::recount::prove_at_once;
 use crate::tree::cells::divide;
 use crate::tree::{Cell, Frame, Front, Leaf, PARTS, Record};
 

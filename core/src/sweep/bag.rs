@@ -9,11 +9,11 @@
 
 use super::Sink;
 use super::scan::Scan;
-use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::Simd;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
+use crate::memory::scratch::Bench;
+use crate::simd::Simd;
 use crate::tree::{Frame, Record};
 
 /// The ends of the runs of equal sort bytes, in a sorted bag.

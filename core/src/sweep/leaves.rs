@@ -5,14 +5,14 @@
 //! component-wise maximum of its two minimum corners (erratum E9): with a box that is at home here that is this
 //! cell by itself, and of two visitors neither axis may have both minima below the cell.
 
-use super::scratch::Scratch;
 use super::{Sink, bag};
 use crate::access::Access;
-use crate::arch::{MINIMA, Phase, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::state::State;
-use crate::storage::TreeParts;
+use crate::memory::scratch::Scratch;
+use crate::memory::slab::TreeParts;
+use crate::memory::state::State;
+use crate::simd::{MINIMA, Phase, Simd};
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Front, Leaf, Record};
 

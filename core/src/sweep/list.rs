@@ -1,10 +1,10 @@
 //! Sweeps a small world straight from one of its sorted lists: one bag, no tree, no sort.
 
-use super::scratch::Scratch;
 use super::{Sink, bag};
-use crate::arch::{Phase, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
+use crate::memory::scratch::Scratch;
+use crate::simd::{Phase, Simd};
 use crate::tree::Frame;
 
 /// See the module.
@@ -38,10 +38,10 @@ impl<I: Index> Phase for SweepList<'_, '_, '_, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::key::key;
     use crate::id::Pair;
-    use crate::kernels::Kernels;
-    use crate::key::key;
-    use crate::sweep::scratch;
+    use crate::memory::scratch;
+    use crate::simd::kernels::Kernels;
     use crate::tree::Record;
     use proptest::prelude::*;
     use std::vec;

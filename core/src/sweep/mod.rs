@@ -9,26 +9,20 @@ pub(crate) mod list;
 pub(crate) mod movers;
 mod rounds;
 mod scan;
-pub(crate) mod scratch;
 pub(crate) mod small;
 pub(crate) mod strips;
 
 use crate::access::Access;
-use crate::arch::claim::{Chunks, Claims, Indices, Pool};
-use crate::exec::{self, Executor};
-use crate::filter::{Gate, Gated};
 use crate::id::{Index, Pair};
-use crate::layout::{CHUNK, Sizes};
-use crate::storage::OutputParts;
+use crate::memory::layout::{CHUNK, Sizes};
+use crate::memory::scratch::{self, Scratch, Work};
+use crate::memory::slab::OutputParts;
+pub(crate) use crate::pairs::gate::Sink;
+use crate::pairs::gate::{Gate, Gated};
+use crate::parallel::claim::{Chunks, Claims, Indices, Pool};
+use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use scratch::{Scratch, Work};
-
-/// Where pairs go.
-pub(crate) trait Sink<I> {
-    /// Appends pairs.
-    fn take(&mut self, pairs: &mut [Pair<I>]);
-}
 
 /// Pairs in their final order. Counts on when it is full.
 pub(crate) struct Ordered<'o, I> {
@@ -117,7 +111,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let next = Indices::new(blocks);
         let chunks = Claims::new((Chunks::new(self.staged, CHUNK), Chunks::new(self.chunks, 1)));
         let pool = Pool::new(self.scratch, area);
-        exec::run(executor, pool.count(), blocks, &|| {
+        executor::run(executor, pool.count(), blocks, &|| {
             let Some(mut borrowed) = pool.borrow() else { return };
             let mut scratch = Scratch::carve(borrowed.area(), self.bag);
             while let Some(block) = next.claim() {
@@ -150,7 +144,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
         let count = room.len().min(end as usize);
         let claims = Claims::new(Chunks::new(room.span_mut(0, count), MERGED));
-        exec::run(executor, self.workers, count.div_ceil(MERGED), &|| {
+        executor::run(executor, self.workers, count.div_ceil(MERGED), &|| {
             while let Some((block, room)) = claims.claim() {
                 gather(chunks, staged, block * MERGED, room);
             }

@@ -6,11 +6,11 @@
 
 use super::Sink;
 use super::leaves::Grove;
-use super::scratch::Scratch;
 use crate::access::{Access, bits};
-use crate::arch::{Phase, Simd, limit};
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, pair};
-use crate::key::KeyBox;
+use crate::memory::scratch::Scratch;
+use crate::simd::{Phase, Simd, limit};
 use crate::tree::visit::Visit;
 use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
 

@@ -3,18 +3,14 @@
 //! hangs on how many bits a mask has.
 
 use super::Sink;
-use super::scan::Lists;
 use crate::access::Access;
-use crate::arch::{Phase, Sifted, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::key::KeyBox;
+use crate::memory::scratch::Lists;
+use crate::memory::scratch::{PART, ROOM};
+use crate::simd::{Phase, Sifted, Simd};
 use crate::tree::Record;
 use core::ops::Range;
-
-/// Masks that are taken bits from before the room for them is looked at again.
-const PART: usize = 32;
-/// Candidates, or pairs, of so many masks, and what is written behind them.
-pub(super) const ROOM: usize = 4 * PART + 4;
 
 /// What has been found so far.
 pub(super) struct Found<'s, I> {
@@ -26,7 +22,7 @@ pub(super) struct Found<'s, I> {
     pub(super) pairs: &'s mut [Pair<I>],
     /// Pairs that wait to be handed on.
     pub(super) found: usize,
-    /// As in [`Bench`](super::scratch::Bench).
+    /// As in [`Bench`](crate::memory::scratch::Bench).
     pub(super) tested: &'s mut u64,
     pub(super) tied: &'s mut u64,
 }

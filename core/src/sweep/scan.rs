@@ -7,46 +7,13 @@
 
 use super::Sink;
 use super::rounds::{Drain, Found, Last};
-use super::scratch::Bench;
 use crate::access::Access;
-use crate::arch::{HALF, Phase, Row, Simd, WINDOW};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
+use crate::memory::scratch::Bench;
+use crate::memory::scratch::{Lists, ROWS};
+use crate::simd::{HALF, Phase, Row, Simd, WINDOW};
 use crate::tree::Record;
-use bytemuck::{Pod, Zeroable};
-
-/// Rows whose windows are compared in one pass. A power of two, so that a list's index needs no check.
-pub(super) const ROWS: usize = 256;
-
-/// What the passes found, and what they have left to do.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct Lists {
-    /// A bit for each row of a window that may touch.
-    bits: [u64; ROWS],
-    /// Where the mask belongs: the position whose window it is, and that of the window's first row, `at << 16 | first`. The
-    /// candidate of bit `k` is `base + k`.
-    bases: [u32; ROWS],
-    /// The next window of a row whose run of neighbours goes on, in the same form.
-    open: [u32; ROWS],
-    /// Where that run ends.
-    ends: [u32; ROWS],
-}
-
-impl Lists {
-    /// The bits and the base of a mask.
-    #[inline(always)]
-    pub(super) fn mask(&self, index: usize) -> (u64, u32) {
-        (self.bits.at(index % ROWS), self.bases.at(index % ROWS))
-    }
-
-    /// Replaces a mask.
-    #[inline(always)]
-    pub(super) fn put_mask(&mut self, index: usize, bits: u64, base: u32) {
-        self.bits.put(index % ROWS, bits);
-        self.bases.put(index % ROWS, base);
-    }
-}
 
 /// Rows whose run of neighbours is looked at to choose the width of the windows.
 const SAMPLE: usize = 32;

@@ -1,9 +1,9 @@
 //! Sweeps a small world straight from its sorted list over the boxes themselves: no records, no batches, and nothing
 //! between the compares. A small processor has no vectors that would make up for more.
 
-use crate::filter::Gate;
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::key::KeyBox;
+use crate::pairs::gate::Gate;
 
 /// What a sweep came to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,7 +68,7 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::links::repair;
+    use crate::lists::links::repair;
     use proptest::prelude::*;
     use std::vec;
     use std::vec::Vec;

@@ -4,23 +4,12 @@
 //! that it reaches those that overlap it along the first axis: so no two boxes meet twice.
 
 use crate::access::Access;
-use crate::filter::Gate;
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::key::KeyBox;
+use crate::memory::strips::{Member, Planes, STRIPS};
+use crate::pairs::gate::Gate;
 use crate::sort::heapsort;
 use crate::sweep::small::Found;
-use bytemuck::{Pod, Zeroable};
-
-/// A box that is swept, and whose it is.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct Member {
-    /// Along the axis of the sweep, across the strips, and along the third axis.
-    min: [i32; 3],
-    max: [i32; 3],
-    /// The slot, and above it the strip.
-    tag: u32,
-}
 
 /// The places of coordinates in a member.
 const W: usize = 0;
@@ -49,15 +38,10 @@ impl Member {
     }
 }
 
-/// Strips that a world is cut into.
-const STRIPS: usize = 8;
 /// Minima that are looked at to place them.
 const SAMPLE: usize = 4 * STRIPS;
 /// Samples in a strip for which the planes are chosen anew.
 const CROWDED: usize = SAMPLE / 4;
-
-/// Where the strips begin, in ascending order.
-pub(crate) type Planes = [i32; STRIPS];
 
 /// A world that is swept in strips.
 pub(crate) struct Striped<'m, I> {
@@ -138,7 +122,7 @@ impl<I: Index> Striped<'_, I> {
         let (w, u) = (axes[0].min(2), axes[1].min(2));
         let axes = [w, u, (3 - w).saturating_sub(u).min(2)];
         let Some(members) = members.get_mut(..order.len()) else { return true };
-        let mut budget = crate::links::INVERSIONS_PER_OBJECT * order.len() + 64;
+        let mut budget = crate::lists::links::INVERSIONS_PER_OBJECT * order.len() + 64;
         // The last member that is in order, and the bounds of its strip: none yet.
         let (mut last, mut strip, mut low, mut high) = (i32::MIN, 0, i32::MAX, i32::MIN);
         for at in 0..order.len() {

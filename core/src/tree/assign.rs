@@ -6,19 +6,20 @@
 //! worker that takes them in order.
 
 use super::balance;
-use super::cells::{Extent, cut, frame};
+use super::cells::{cut, frame};
 use super::sharpen::sharpen;
 use super::{Cell, Front, Leaf, leaf_of};
 use crate::access::Access;
-use crate::arch::claim::{Chunks, Claims, Ends};
-use crate::arch::shared::Shared;
-use crate::arch::{Phase, Simd};
-use crate::exec::{self, Executor};
+use crate::geometry::extent::Extent;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::kernels::Kernels;
-use crate::key::KeyBox;
-use crate::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
-use crate::storage::Parts;
+use crate::memory::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
+use crate::memory::slab::Parts;
+use crate::parallel::claim::{Chunks, Claims, Ends};
+use crate::parallel::executor::{self, Executor};
+use crate::parallel::shared::Shared;
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
 /// What the passes found, over all objects.
@@ -96,7 +97,7 @@ fn count_at<I: Index>(
         Chunks::new(&mut found, 1),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, claims.count(), &|| {
+    executor::run(executor, scratches, claims.count(), &|| {
         while let Some((block, (homes, tally, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
             let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
@@ -248,7 +249,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
         Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
     ));
     let scratches = parts.sizes.workers;
-    exec::run(executor, scratches, claims.count(), &|| {
+    executor::run(executor, scratches, claims.count(), &|| {
         let end = claims.end();
         while let Some((block, (places, tally))) = claims.claim(end) {
             let first = block * len;
@@ -332,7 +333,7 @@ fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Execut
     let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
     let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
-    exec::run(executor, parts.sizes.workers, claims.count(), &|| {
+    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
         while let Some((block, nodes)) = claims.claim() {
             for (offset, node) in nodes.iter_mut().enumerate() {
                 let index = block * LEAVES_PER_BLOCK + offset;

@@ -4,14 +4,14 @@ use super::Record;
 use super::build::{Build, LEAF_SAMPLE, is_divisible};
 use super::cells::Sample;
 use crate::access::{Access, bits};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
-use crate::links;
-use crate::paths::Means;
-use crate::radix::{self, Sharing};
-use crate::state::State;
-use crate::storage::Parts;
+use crate::lists::links;
+use crate::lists::radix::{self, Sharing};
+use crate::memory::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
+use crate::memory::slab::Parts;
+use crate::memory::state::State;
+use crate::parallel::context::StepContext;
 
 /// A world is out of balance when the sum of the squares of its leaves' counts is this many quarters of what new planes can
 /// achieve: sweeps cost about that much. With few leaves it is less, as the sum cannot grow to that.
@@ -188,7 +188,7 @@ fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
 }
 
 /// Makes all planes anew from sorted lists of all living objects.
-pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) {
+pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) {
     let live = parts.state.live as usize;
     let depth = depth_for(live, parts.sizes.depth);
     links::list_all(parts);
@@ -216,7 +216,7 @@ fn make_planes<I: Index>(
     root: usize,
     levels: u32,
     first: usize,
-    means: Means<'_>,
+    means: StepContext<'_>,
 ) {
     let boxes: &[KeyBox] = parts.boxes.swept();
     let room = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
@@ -240,7 +240,7 @@ fn make_planes<I: Index>(
 
 /// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. The leaves must be those of the
 /// last full step; they have to be filled anew. Returns how many objects are concerned.
-pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: Means<'_>) -> u32 {
+pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> u32 {
     if parts.state.filled == 0 {
         return 0;
     }
@@ -292,7 +292,7 @@ fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (u
 }
 
 /// Makes the planes below a node anew from the records of its leaves, which are lost.
-fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, means: Means<'_>) {
+fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, means: StepContext<'_>) {
     let first = (node << levels) - (1usize << parts.state.depth);
     let range = first..first + (1 << levels);
     let mut count = 0;

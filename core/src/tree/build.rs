@@ -6,12 +6,12 @@
 
 use super::{AXIS, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, bits};
-use crate::arch::claim::{Chunks, Claims};
-use crate::exec;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::links;
-use crate::paths::Means;
+use crate::lists::links;
+use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::context::StepContext;
+use crate::parallel::executor;
 use crate::sort::heapsort;
 
 /// Objects whose boxes are looked at to choose an axis.
@@ -46,7 +46,7 @@ pub(crate) struct Build<'b, I> {
 
 impl<I: Index> Build<'_, I> {
     /// As [`run`](Self::run); parts of the tree at once, if there are enough objects and `room` for what each part needs.
-    pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], means: Means<'_>) {
+    pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], means: StepContext<'_>) {
         let below = levels.saturating_sub(SHARED_BELOW);
         let nodes = 1usize << below;
         let [sides, starts] = [bits::words(self.boxes.len()), nodes + 1];
@@ -68,7 +68,7 @@ impl<I: Index> Build<'_, I> {
                 Some(Build { boxes, lists, planes, sides, spare: front(&mut spare, count as usize), starts });
         }
         let claims = Claims::new(Chunks::new(&mut builds, 1));
-        exec::run(means.executor, means.workers, PARTS, &|| {
+        executor::run(means.executor, means.workers, PARTS, &|| {
             while let Some((_, builds)) = claims.claim() {
                 builds.iter_mut().flatten().for_each(|build| build.run(1, below));
             }

@@ -2,8 +2,8 @@
 
 use super::balance::overfull;
 use crate::access::Access;
-use crate::state::State;
-use crate::storage::TreeParts;
+use crate::memory::slab::TreeParts;
+use crate::memory::state::State;
 
 /// Leaves on either side that are asked for room.
 const NEIGHBOURS: usize = 16;

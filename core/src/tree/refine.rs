@@ -10,11 +10,11 @@
 use super::cells::divide;
 use super::{Cell, Leaf, PARTS, Record, part_of};
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::layout::FINER;
-use crate::storage::Parts;
+use crate::memory::layout::FINER;
+use crate::memory::slab::Parts;
+use crate::simd::{Phase, Simd};
 
 /// Members of the leaves that are divided in one step: one in so many objects, and at least so many.
 const SHARE_PER_STEP: u32 = 64;

@@ -4,10 +4,10 @@ use super::assign::enlarge;
 use super::lend::lend;
 use super::{Cell, Front, home_of};
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::storage::Parts;
+use crate::memory::slab::Parts;
+use crate::simd::{Phase, Simd};
 
 /// How many movers ahead leaves are asked for, and twice as many ahead what tells which leaves these are.
 const AHEAD: usize = 6;

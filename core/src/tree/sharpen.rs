@@ -2,14 +2,15 @@
 //! in a cell at the rim, stretch it until all others share a few steps. Outliers then stand on the first or the last step,
 //! which loses no pair.
 
-use super::cells::{Extent, SPARSE, Sample, longest};
+use super::cells::{SPARSE, Sample, longest};
 use super::{Cell, Frame, GRID_MAX, Leaf, Record};
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::geometry::extent::Extent;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::kernels::Kernels;
-use crate::key::KeyBox;
-use crate::storage::Parts;
+use crate::memory::slab::Parts;
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
 
 /// Makes the frames narrower, and the records of their leaves anew. O(leaves), and the members of those leaves.
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {

@@ -3,11 +3,11 @@
 
 use super::Record;
 use crate::access::Access;
-use crate::arch::{Phase, Simd};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::layout::LEAF_TARGET;
-use crate::storage::Parts;
+use crate::memory::layout::LEAF_TARGET;
+use crate::memory::slab::Parts;
+use crate::simd::{Phase, Simd};
 
 /// Movers for each leaf of a full step that gets new boxes: a look at about one member for four movers.
 const MOVERS_PER_LEAF: usize = 4 * LEAF_TARGET;

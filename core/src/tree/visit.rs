@@ -1,8 +1,8 @@
 //! Finds the leaves whose members may touch a region.
 
 use crate::access::Access;
-use crate::arch::Simd;
-use crate::key::KeyBox;
+use crate::geometry::key::KeyBox;
+use crate::simd::Simd;
 
 /// Nodes that can wait at once: one a level.
 const STACK: usize = 32;

@@ -3,12 +3,12 @@
 
 use crate::access::{Access, bits};
 use crate::filter::Filter;
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::key::KeyBox;
-use crate::layout::Sizes;
-use crate::state::State;
-use crate::storage::Parts;
-use crate::sweep::strips::Planes;
+use crate::memory::layout::Sizes;
+use crate::memory::slab::Parts;
+use crate::memory::state::State;
+use crate::memory::strips::Planes;
 use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 

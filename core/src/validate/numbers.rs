@@ -2,8 +2,8 @@
 
 use super::{Invalid, check};
 use crate::config::Mode;
-use crate::layout::{FINER, Sizes};
-use crate::state::State;
+use crate::memory::layout::{FINER, Sizes};
+use crate::memory::state::State;
 use crate::tree::balance::depth_for;
 
 /// Checks all numbers of a state. What an index is computed from comes first.

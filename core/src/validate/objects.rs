@@ -5,8 +5,8 @@ use super::{Invalid, check};
 use crate::access::bits;
 use crate::config::Margin;
 use crate::filter::CLASSES;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
 
 /// Checks all slots. O(slots).
 pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {

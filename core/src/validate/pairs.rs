@@ -4,9 +4,9 @@ use super::content::{Content, Set};
 use super::{Invalid, check};
 use crate::config::Mode;
 use crate::filter::meet;
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::key::KeyBox;
-use crate::state::State;
+use crate::memory::state::State;
 
 /// Checks each pair by itself: it is one of two slots in order; nobody is awake if it is set aside; and if nothing has changed
 /// since, the boxes overlap and the filters agree. O(pairs).

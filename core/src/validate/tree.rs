@@ -3,11 +3,11 @@
 use super::content::{Content, LeafCounts, Set, Stand};
 use super::{Invalid, check};
 use crate::access::{Access, bits};
-use crate::arch::{EIGHT, Simd as _, scalar::Scalar};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::key::KeyBox;
-use crate::layout::FINER;
-use crate::state::State;
+use crate::memory::layout::FINER;
+use crate::memory::state::State;
+use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::tree::balance::depth_for;
 use crate::tree::cells::divide;
 use crate::tree::{Cell, axis_of, plane};

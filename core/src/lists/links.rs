@@ -1,0 +1,152 @@
+//! The tri-linked sorted lists (paper, section III.A): every object once in a list per axis, by ascending minimum.
+//!
+//! A list is an array of slots (erratum E12), and its order is total: by key, then by slot (erratum E10). An
+//! object's position in a list needs no array of its own, since a search by its key finds it.
+//!
+//! Small worlds keep the list of their sweep axis in order from step to step; an insertion sort does that as long
+//! as few objects overtake each other, and a radix sort beyond (erratum E13). Larger worlds sort when planes are
+//! made and let the lists go stale in between.
+
+use crate::access::{Access, bits};
+use crate::geometry::key::KeyBox;
+use crate::id::Index;
+use crate::lists::radix::{self, Sharing};
+use crate::memory::slab::Parts;
+use crate::sort::heapsort;
+
+/// Overtakings per object beyond which a radix sort is cheaper.
+pub(crate) const INVERSIONS_PER_OBJECT: usize = 4;
+
+/// The total order of a list.
+#[inline(always)]
+pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
+    // No copy of a whole box for one of its numbers.
+    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
+    (low(a), a) < (low(b), b)
+}
+
+/// Adds a slot to the end of all three lists, where [`repair`] finds it. O(1).
+pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
+    // A slot that was freed since the lists were last cleaned still stands in them.
+    if parts.state.stale_lists == 0 && bits::set(parts.listed, slot as usize) {
+        for order in &mut parts.order {
+            order.put(parts.state.listed as usize, I::from_slot(slot));
+        }
+        parts.state.listed += 1;
+    }
+}
+
+/// Makes the lists hold the living objects and no others, in their old order as far as there is one. O(n).
+pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
+    let boxes = &*parts.boxes.now;
+    if parts.state.stale_lists != 0 {
+        parts.state.listed = 0;
+        for slot in 0..parts.state.slots {
+            for order in &mut parts.order {
+                order.put(parts.state.listed as usize, I::from_slot(slot));
+            }
+            parts.state.listed += 1;
+        }
+    }
+    let mut kept = 0;
+    for order in &mut parts.order {
+        kept = 0;
+        for index in 0..parts.state.listed as usize {
+            let slot = order.at(index);
+            if !boxes.at(slot.at()).is_empty() {
+                order.put(kept, slot);
+                kept += 1;
+            }
+        }
+    }
+    parts.state.listed = kept as u32;
+    parts.state.stale_lists = 0;
+    parts.listed.fill(0);
+    for slot in parts.order[0].span(0, kept) {
+        bits::set(parts.listed, slot.at());
+    }
+}
+
+/// Puts one list in order: by insertion as long as that is cheap, else by radix. `spare` holds 4 words an object.
+///
+/// O(n + inversions) at best, O(n) with a larger factor beyond; never quadratic.
+#[inline(never)]
+pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
+    let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
+    let Some(&first) = order.first() else { return };
+    // The last one in order so far.
+    let mut last = (low(first), first);
+    for index in 1..order.len() {
+        let slot = order.at(index);
+        let this = (low(slot), slot);
+        if last < this {
+            last = this;
+            continue;
+        }
+        let mut to = index;
+        while to > 0 && precedes(boxes, axis, slot, order.at(to - 1)) {
+            order.put(to, order.at(to - 1));
+            to -= 1;
+        }
+        order.put(to, slot);
+        match budget.checked_sub(index - to) {
+            Some(left) => budget = left,
+            None if spare.len() < 4 * order.len() => {
+                return heapsort(order, |a, b| precedes(boxes, axis, a, b));
+            }
+            None => return radix::sort(order, boxes, axis, spare, &mut [[0; 256]], Sharing::NONE),
+        }
+    }
+}
+
+/// How many list entries have a minimum below `key`: a position query by plane. O(log n).
+pub(crate) fn position_of_key<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, key: i32) -> usize {
+    order.partition_point(|slot| boxes.at(slot.at()).min[axis % 3] < key)
+}
+
+/// Where a slot stands in a list that is in order. O(log n).
+#[cfg(test)]
+pub(crate) fn position_of<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, slot: I) -> usize {
+    order.partition_point(|&other| precedes(boxes, axis, other, slot))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::aabb::Aabb;
+    use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    fn boxes(minima: &[f32]) -> impl Iterator<Item = KeyBox> + '_ {
+        minima.iter().map(|&x| KeyBox::from_aabb(&Aabb::new([x; 3], [f32::INFINITY; 3])).unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn presort_and_repair_agree_with_a_plain_sort(
+            minima in prop::collection::vec(prop_oneof![Just(0.0f32), -9.0f32..9.0, any::<i8>().prop_map(f32::from)], 0..300),
+            shuffled in any::<bool>(),
+        ) {
+            let boxes: Vec<_> = boxes(&minima).collect();
+            let mut expected: Vec<u16> = (0..minima.len() as u16).collect();
+            expected.sort_by(|&a, &b| minima[usize::from(a)].total_cmp(&minima[usize::from(b)]).then(a.cmp(&b)));
+            let mut spare = vec![0; 4 * minima.len()];
+            let mut order: Vec<u16> = (0..minima.len() as u16).collect();
+            if shuffled {
+                order.reverse();
+            }
+            let (mut repaired, mut in_place) = (order.clone(), order.clone());
+            radix::sort(&mut order, &boxes, 1, &mut spare, &mut [[0; 256]], Sharing::NONE);
+            repair(&mut repaired, &boxes, 1, &mut spare);
+            repair(&mut in_place, &boxes, 1, &mut []);
+            prop_assert_eq!(&order, &expected);
+            prop_assert_eq!(&repaired, &expected);
+            prop_assert_eq!(&in_place, &expected);
+            for (position, &slot) in order.iter().enumerate() {
+                prop_assert_eq!(position_of(&order, &boxes, 1, slot), position);
+            }
+        }
+    }
+}

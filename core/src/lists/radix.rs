@@ -1,0 +1,143 @@
+//! Sorts slots by their minima with a radix sort, whatever order they are in (erratum E13); blocks of slots at once.
+
+use crate::access::Access;
+use crate::geometry::key::KeyBox;
+use crate::id::Index;
+use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::executor::{self, Executor, Serial};
+use crate::parallel::shared::Shared;
+
+/// The fewest slots in a block.
+const SLOTS_PER_BLOCK: usize = if cfg!(miri) { 64 } else { 8192 };
+
+/// How many slots of a block have each value of a byte; then where the next one of them goes.
+pub(crate) type Tally = [u32; 256];
+
+/// Who sorts.
+#[derive(Clone, Copy)]
+pub(crate) struct Sharing<'e> {
+    pub(crate) executor: &'e dyn Executor,
+    pub(crate) workers: usize,
+}
+
+impl Sharing<'static> {
+    /// The calling thread alone.
+    pub(crate) const NONE: Self = Self { executor: &Serial, workers: 1 };
+}
+
+/// A slot behind its key, whose order is that of unsigned integers.
+type Entry = [u32; 2];
+
+/// Sorts slots by their minima on an axis and then by slot. `spare` holds 4 words a slot; there are as many blocks as there
+/// are `tallies` for, at least one. O(n).
+pub(crate) fn sort<I: Index>(
+    order: &mut [I],
+    boxes: &[KeyBox],
+    axis: usize,
+    spare: &mut [u32],
+    tallies: &mut [Tally],
+    sharing: Sharing<'_>,
+) {
+    let count = order.len();
+    let len = count.div_ceil(tallies.len().max(1)).max(SLOTS_PER_BLOCK);
+    let mut passes = Passes { tallies: tallies.span_mut(0, count.div_ceil(len)), len, sharing };
+    let (from, to) = spare.split_at_mut_checked(2 * count).unwrap_or_default();
+    let to = to.span_mut(0, 2 * count);
+    let (mut from, _) = from.as_chunks_mut::<2>();
+    let (mut to, _) = to.as_chunks_mut::<2>();
+    passes.each_block(from, order, &|entries, slots| {
+        for (entry, slot) in entries.iter_mut().zip(slots) {
+            // Flipping the sign makes the keys' order that of unsigned integers.
+            let low = boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
+            *entry = [low as u32 ^ 1 << 31, slot.slot()];
+        }
+    });
+    // Equal keys keep the order of the entries, so this makes them ascend by slot.
+    if !from.is_sorted_by_key(|entry| entry[1]) {
+        for shift in [0, 8, 16, 24] {
+            (from, to) = passes.distribute(from, to, 1, shift);
+        }
+    }
+    for shift in [0, 8, 16, 24] {
+        (from, to) = passes.distribute(from, to, 0, shift);
+    }
+    passes.each_block(from, order, &|entries, slots| {
+        for (slot, entry) in slots.iter_mut().zip(entries) {
+            *slot = I::from_slot(entry[1]);
+        }
+    });
+}
+
+struct Passes<'s> {
+    /// One for each block.
+    tallies: &'s mut [Tally],
+    /// The length of a block.
+    len: usize,
+    sharing: Sharing<'s>,
+}
+
+impl Passes<'_> {
+    /// Calls `job` with each block of both slices.
+    fn each_block<A: Send, B: Send>(
+        &self,
+        a: &mut [A],
+        b: &mut [B],
+        job: &(impl Fn(&mut [A], &mut [B]) + Sync),
+    ) {
+        let Sharing { executor, workers } = self.sharing;
+        let claims = Claims::new((Chunks::new(a, self.len), Chunks::new(b, self.len)));
+        executor::run(executor, workers, self.tallies.len(), &|| {
+            while let Some((_, (a, b))) = claims.claim() {
+                job(a, b);
+            }
+        });
+    }
+
+    /// Calls `job` with each block of entries and its tally.
+    fn each_tally(&mut self, entries: &mut [Entry], job: &(impl Fn(&mut [Entry], &mut Tally) + Sync)) {
+        let Sharing { executor, workers } = self.sharing;
+        let blocks = self.tallies.len();
+        let claims = Claims::new((Chunks::new(entries, self.len), Chunks::new(self.tallies, 1)));
+        executor::run(executor, workers, blocks, &|| {
+            while let Some((_, (entries, tallies))) = claims.claim() {
+                tallies.iter_mut().for_each(|tally| job(entries, tally));
+            }
+        });
+    }
+
+    /// One stable pass over a byte of word `word`. Returns the sorted entries and the other buffer.
+    fn distribute<'s>(
+        &mut self,
+        from: &'s mut [Entry],
+        to: &'s mut [Entry],
+        word: usize,
+        shift: u32,
+    ) -> (&'s mut [Entry], &'s mut [Entry]) {
+        let byte = |entry: &Entry| (entry[word & 1] >> shift & 0xff) as usize;
+        self.each_tally(from, &|entries, tally| {
+            tally.fill(0);
+            for entry in entries {
+                tally[byte(entry)] += 1;
+            }
+        });
+        let mut start = 0;
+        for value in 0..256 {
+            let first = start;
+            for tally in &mut *self.tallies {
+                start += core::mem::replace(&mut tally[value], start);
+            }
+            if (start - first) as usize == from.len() {
+                return (from, to);
+            }
+        }
+        let target = Shared::new(to);
+        self.each_tally(from, &|entries, tally| {
+            for entry in entries {
+                let at = &mut tally[byte(entry)];
+                target.store(*at as usize, entry);
+                *at += 1;
+            }
+        });
+        (to, from)
+    }
+}

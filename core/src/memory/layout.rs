@@ -1,0 +1,261 @@
+//! The one table of what a world stores and where.
+//!
+//! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
+//! the bytes and once to carve the slab, so that the two cannot disagree.
+
+use super::leaf::{Cell, Front, Leaf};
+use super::scratch;
+use super::slot_set::{GROUP, Marks};
+use super::state::State;
+use super::strips::{Member, Planes};
+use crate::access::bits;
+use crate::config::{Config, Mode};
+use crate::filter::{CLASSES, FILTERS, Filter};
+use crate::geometry::key::KeyBox;
+use crate::geometry::record::{Frame, Record};
+use crate::id::{Index, Pair};
+use crate::simd::{CACHE_LINE, EIGHT};
+
+/// The memory that a world needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// The length of the slab in bytes.
+    pub bytes: usize,
+    /// The boundary that the slab starts on.
+    pub align: usize,
+}
+
+/// A cache line; also more than any item asks for.
+pub(crate) const ALIGN: usize = CACHE_LINE;
+
+/// Worlds for up to this many objects are lean, and swept where their boxes are.
+pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
+/// Lean worlds have at most this many objects.
+pub(crate) const SMALL: usize = 256;
+/// Up to this many objects are swept straight from a sorted list, without a tree. For random sequences of operations trees begin
+/// early, as they need many small worlds that take all paths.
+pub(crate) const ONE_LEAF: usize = if cfg!(fuzzing) { 16 } else { 512 };
+/// Objects that a leaf should have at most when planes are new.
+pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
+/// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
+/// few objects here and there.
+pub(crate) const FINER: u32 = 3;
+/// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
+/// divided into.
+pub(crate) const ROOM: u32 = 4 << FINER;
+/// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
+pub(crate) const SLOT_BLOCKS: usize = 32;
+/// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.
+const SLOTS_PER_BLOCK: usize = GROUP;
+/// Leaves in a block of the passes over all leaves, in a full step.
+pub(crate) const LEAVES_PER_BLOCK: usize = 2;
+/// Pairs that parallel workers write at a time.
+pub(crate) const CHUNK: usize = 512;
+
+/// Slots in a block of the passes over so many.
+pub(crate) fn block_len(slots: usize) -> usize {
+    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
+}
+
+/// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
+/// space or the number of workers (1 to 32) does not allow it, or where the margin is not valid.
+///
+/// Constant, so that a static can be sized by it. The size grows linearly with objects, leaf references and pairs.
+#[must_use]
+pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
+    match Sizes::of::<I>(config) {
+        Some(sizes) => match sizes.bytes::<I>() {
+            Some(bytes) => Some(Layout { bytes, align: ALIGN }),
+            None => None,
+        },
+        None => None,
+    }
+}
+
+/// How many items of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sizes {
+    pub(crate) objects: usize,
+    /// Objects with a fat box.
+    pub(crate) fat: usize,
+    /// Objects whose last box is kept for the events.
+    pub(crate) before: usize,
+    /// Bits that tell whether a reported box has changed, one an object. Events need them. So does an exact world with margins
+    /// and a tree: a pair may be set aside only if both boxes stay, also inside their fat boxes.
+    pub(crate) changed: usize,
+    /// Objects with a filter, and rows of the class matrix.
+    pub(crate) filters: usize,
+    pub(crate) classes: usize,
+    /// Objects in the tree: all, or none where one leaf holds them all.
+    pub(crate) tree: usize,
+    pub(crate) records: usize,
+    pub(crate) fronts: usize,
+    /// The depth of the deepest tree.
+    pub(crate) depth: u32,
+    pub(crate) leaves: usize,
+    /// Leaves of a full step, which the others are parts of.
+    pub(crate) whole_leaves: usize,
+    pub(crate) pairs: usize,
+    /// Pairs of the last step, kept for the events.
+    pub(crate) previous: usize,
+    /// Pairs of parallel workers before they are put in order.
+    pub(crate) staged: usize,
+    pub(crate) workers: usize,
+    /// Objects of a world that is swept in strips.
+    pub(crate) members: usize,
+    /// Records in one worker's scratch.
+    pub(crate) bag: usize,
+}
+
+impl Sizes {
+    pub(crate) const fn of<I: Index>(config: &Config) -> Option<Self> {
+        let capacity = &config.capacity;
+        if capacity.objects > I::MAX_OBJECTS || config.workers == 0 || config.workers > 32 {
+            return None;
+        }
+        if let Some(margin) = &config.margin
+            && !margin.is_valid()
+        {
+            return None;
+        }
+        // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
+        let objects = capacity.objects as usize;
+        let small = objects <= TINY || config.lean;
+        if small && objects > SMALL || !small && !cfg!(feature = "large") || config.filters && !FILTERS {
+            return None;
+        }
+        let pairs = capacity.pairs as usize;
+        let tree = if objects > ONE_LEAF && !small { objects } else { 0 };
+        let mut depth = 0;
+        while tree > LEAF_TARGET << depth {
+            depth += 1;
+        }
+        let blocks = if tree > 0 { (1usize << depth).div_ceil(LEAVES_PER_BLOCK) } else { 0 };
+        if tree > 0 {
+            depth += FINER;
+        }
+        let leaves = if tree > 0 { 1 << depth } else { 0 };
+        let creeping = config.margin.is_some() && matches!(config.mode, Mode::Exact);
+        Some(Self {
+            objects,
+            fat: if config.margin.is_some() { objects } else { 0 },
+            before: if config.events { objects } else { 0 },
+            changed: if config.events || creeping && tree > 0 { objects } else { 0 },
+            filters: if config.filters { objects } else { 0 },
+            classes: if config.filters { CLASSES } else { 0 },
+            tree,
+            // Casts look at whole groups of records, also of the last leaf's.
+            records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
+            fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
+            depth,
+            leaves,
+            whole_leaves: leaves >> FINER,
+            pairs,
+            previous: if config.events { pairs } else { 0 },
+            // Every block may leave a chunk unfinished.
+            staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
+            workers: config.workers as usize,
+            members: if small && objects > TINY { objects } else { 0 },
+            bag: if small { 0 } else { scratch::bag(objects) },
+        })
+    }
+
+    /// Whether the world is swept box by box.
+    pub(crate) const fn is_small(&self) -> bool {
+        !cfg!(feature = "large") || self.bag == 0
+    }
+
+    /// Entries of the tally at the greatest depth of a full step.
+    pub(crate) const fn tally(&self) -> usize {
+        if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth - FINER) } else { 0 }
+    }
+
+    /// Whether the world is swept in strips, as a count.
+    pub(crate) const fn striped(&self) -> usize {
+        (self.members > 0) as usize
+    }
+
+    const fn bytes<I: Index>(&self) -> Option<usize> {
+        let objects = self.objects;
+        let mut plan = Plan::new();
+        plan.add::<State>(1);
+        plan.add::<KeyBox>(objects);
+        plan.add::<KeyBox>(self.fat);
+        plan.add::<f32>(self.fat);
+        plan.add::<KeyBox>(self.before);
+        plan.add::<Filter>(self.filters);
+        plan.add::<u32>(self.classes);
+        plan.add::<u32>(Marks::len(self.filters));
+        plan.add::<u32>(objects);
+        plan.add::<u32>(2 * bits::words(objects) + Marks::len(objects));
+        plan.add::<u32>(Marks::len(self.changed));
+        plan.add::<u32>(bits::words(self.tree));
+        plan.add::<I>(3 * objects);
+        plan.add::<I>(2 * self.tree);
+        plan.add::<Record>(self.records);
+        plan.add::<Front>(self.fronts);
+        plan.add::<i32>(self.leaves);
+        plan.add::<Cell>(self.leaves);
+        plan.add::<Frame>(self.whole_leaves);
+        plan.add::<Leaf>(self.leaves);
+        plan.add::<Record>(self.leaves);
+        plan.add::<KeyBox>(2 * self.whole_leaves);
+        plan.add::<u32>(self.tally());
+        plan.add::<Pair<I>>(self.pairs);
+        plan.add::<Pair<I>>(self.previous);
+        match self.staged.checked_mul(CHUNK) {
+            Some(pairs) => plan.add::<Pair<I>>(pairs),
+            None => return None,
+        }
+        plan.add::<[u32; 3]>(self.staged);
+        plan.add::<Member>(self.members);
+        plan.add::<Planes>(self.striped());
+        plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
+        plan.bytes
+    }
+}
+
+/// Entries of one block's tally at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
+pub(crate) const fn tally_row(depth: u32) -> usize {
+    (2 << depth) + 1
+}
+
+/// Adds up sections, each on its own cache line.
+struct Plan {
+    bytes: Option<usize>,
+}
+
+impl Plan {
+    const fn new() -> Self {
+        Self { bytes: Some(0) }
+    }
+
+    const fn add<T>(&mut self, count: usize) {
+        self.bytes = match (self.bytes, section::<T>(count)) {
+            // Slices end at `isize::MAX`.
+            (Some(sum), Some(more)) if more <= isize::MAX as usize - sum => Some(sum + more),
+            _ => None,
+        };
+    }
+}
+
+/// The bytes of a section of `count` items, to the next cache line.
+pub(crate) const fn section<T>(count: usize) -> Option<usize> {
+    match count.checked_mul(size_of::<T>()) {
+        Some(bytes) => bytes.checked_next_multiple_of(ALIGN),
+        None => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_few_and_whole() {
+        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
+            let len = block_len(slots);
+            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(GROUP), "{slots}: {len}");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! The slab of a world, carved into slices.
+
+use super::layout::{ALIGN, CHUNK, Sizes, layout, section};
+use super::leaf::{Cell, Front, Leaf};
+use super::scratch;
+use super::slot_set::Marks;
+use super::state::State;
+use super::strips::{Member, Planes};
+use crate::access::{bits, faults};
+use crate::config::{Config, Mode};
+use crate::error::Error;
+use crate::filter::Filter;
+use crate::geometry::key::KeyBox;
+use crate::geometry::record::{Frame, Record};
+use crate::id::{Index, Pair};
+use bytemuck::Pod;
+
+/// The slices of a world. Indexed by slot where nothing else is said.
+pub(crate) struct Parts<'m, I> {
+    pub(crate) sizes: Sizes,
+    pub(crate) state: &'m mut State,
+    pub(crate) boxes: BoxParts<'m>,
+    pub(crate) filters: FilterParts<'m>,
+    /// How many objects have held the slot.
+    pub(crate) generations: &'m mut [u32],
+    /// The swept box has changed since the last complete step (the paper's dynamic objects).
+    pub(crate) moved: Marks<'m>,
+    /// One bit a slot: the caller has put the object to rest.
+    pub(crate) resting: &'m mut [u32],
+    /// With events, and in an exact world with margins and a tree: the swept or the reported box has changed since the last
+    /// complete step, or a filter has.
+    pub(crate) changed: Marks<'m>,
+    /// With a tree, one bit a slot: the object's pairs are not set aside.
+    pub(crate) awake: &'m mut [u32],
+    /// One bit a slot: it stands in the sorted lists.
+    pub(crate) listed: &'m mut [u32],
+    /// The tri-linked lists: slots by ascending minimum on x, y and z.
+    pub(crate) order: [&'m mut [I]; 3],
+    /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
+    pub(crate) home: &'m mut [I],
+    /// The record's position in its leaf, or the position in the large-object list.
+    pub(crate) place: &'m mut [I],
+    pub(crate) tree: TreeParts<'m>,
+    pub(crate) output: OutputParts<'m, I>,
+}
+
+/// The boxes of all slots.
+pub(crate) struct BoxParts<'m> {
+    /// The box as given last; that of a slot without an object is empty and holds the next free slot.
+    pub(crate) now: &'m mut [KeyBox],
+    /// With a margin: the anchored fat box (erratum E5).
+    pub(crate) fat: &'m mut [KeyBox],
+    /// With a margin: the length that the box is grown by (erratum E2).
+    pub(crate) margins: &'m mut [f32],
+    /// With events: the boxes that the last complete step reported; empty for objects that are new since.
+    pub(crate) before: &'m mut [KeyBox],
+    /// Whether a step sweeps the boxes as given though there are fat ones.
+    pub(crate) tight: bool,
+}
+
+/// With filters: whom the objects meet.
+pub(crate) struct FilterParts<'m> {
+    pub(crate) of: &'m mut [Filter],
+    /// One bit for each class that a class meets.
+    pub(crate) classes: &'m mut [u32],
+    /// Another answer may be due since the last complete step.
+    pub(crate) changed: Marks<'m>,
+}
+
+impl BoxParts<'_> {
+    /// The boxes that are listed, split and swept.
+    pub(crate) fn swept(&self) -> &[KeyBox] {
+        if self.fat.is_empty() || self.tight { self.now } else { self.fat }
+    }
+
+    /// The boxes that a result speaks of.
+    pub(crate) fn reported(&self, mode: Mode) -> &[KeyBox] {
+        if mode == Mode::Fat { self.swept() } else { self.now }
+    }
+}
+
+/// The KD-tree.
+pub(crate) struct TreeParts<'m> {
+    /// By node.
+    pub(crate) planes: &'m mut [i32],
+    /// By leaf.
+    pub(crate) cells: &'m mut [Cell],
+    /// By leaf of a full step; one for all its parts where it is divided.
+    pub(crate) frames: &'m mut [Frame],
+    /// By leaf.
+    pub(crate) leaves: &'m mut [Leaf],
+    /// By leaf, where those of the last full step are divided: a box around the members, as a record in their frame. Else it
+    /// means nothing.
+    pub(crate) bounds: &'m mut [Record],
+    /// By node down to the leaves of a full step: a box around the members. Node zero has none.
+    pub(crate) nodes: &'m mut [KeyBox],
+    /// The leaves' records, one leaf after another, each with some room.
+    pub(crate) records: &'m mut [Record],
+    /// The leaves' fronts, one after another, and behind them the large-object list.
+    pub(crate) fronts: &'m mut [Front],
+    /// A row for each block of slots: see [`tally_row`](crate::memory::layout::tally_row). Between two fills, where the movers of
+    /// each leaf end.
+    pub(crate) tally: &'m mut [u32],
+}
+
+/// What the sweeps write to.
+pub(crate) struct OutputParts<'m, I> {
+    /// The pairs of swept boxes: see [`State::swept_pairs`].
+    pub(crate) pairs: &'m mut [Pair<I>],
+    /// With events: the pairs of the last complete step that were not set aside; after a step, the lost ones come first.
+    pub(crate) previous: &'m mut [Pair<I>],
+    /// With workers: pairs in the order in which they were found, in chunks.
+    pub(crate) staged: &'m mut [Pair<I>],
+    /// The block, the position and the length of each staged chunk.
+    pub(crate) chunks: &'m mut [[u32; 3]],
+    /// In a world that is swept in strips: the room for that, and where the strips begin.
+    pub(crate) members: &'m mut [Member],
+    pub(crate) planes: &'m mut [Planes],
+    /// The workers' scratch, in equal areas.
+    pub(crate) scratch: &'m mut [Record],
+}
+
+/// Cuts sections off a slab.
+struct Carver<'m>(&'m mut [u8]);
+
+impl<'m> Carver<'m> {
+    fn take<T: Pod>(&mut self, count: usize) -> Option<&'m mut [T]> {
+        let (section, rest) = core::mem::take(&mut self.0).split_at_mut_checked(section::<T>(count)?)?;
+        self.0 = rest;
+        bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
+    }
+}
+
+impl<'m, I: Index> Parts<'m, I> {
+    /// Carves a slab that is long enough and aligned. The order is that of [`Sizes::bytes`].
+    fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
+        let mut slab = Carver(slab);
+        let state = slab.take(1)?.first_mut()?;
+        let now = slab.take(sizes.objects)?;
+        let fat = slab.take(sizes.fat)?;
+        let margins = slab.take(sizes.fat)?;
+        let before = slab.take(sizes.before)?;
+        let filters = FilterParts {
+            of: slab.take(sizes.filters)?,
+            classes: slab.take(sizes.classes)?,
+            changed: Marks::carve(slab.take(Marks::len(sizes.filters))?, sizes.filters)?,
+        };
+        let generations = slab.take(sizes.objects)?;
+        let words = bits::words(sizes.objects);
+        let (listed, rest) = slab.take(2 * words + Marks::len(sizes.objects))?.split_at_mut_checked(words)?;
+        let (resting, rest) = rest.split_at_mut_checked(words)?;
+        let moved = Marks::carve(rest, sizes.objects)?;
+        let changed = Marks::carve(slab.take(Marks::len(sizes.changed))?, sizes.changed)?;
+        let awake = slab.take(bits::words(sizes.tree))?;
+        let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
+        let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
+        let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
+        // A struct's fields are evaluated in the order in which they are written here.
+        Some(Self {
+            state,
+            boxes: BoxParts { now, fat, margins, before, tight: false },
+            filters,
+            generations,
+            moved,
+            resting,
+            changed,
+            awake,
+            listed,
+            order: [x, y, z],
+            home,
+            place,
+            tree: TreeParts {
+                records: slab.take(sizes.records)?,
+                fronts: slab.take(sizes.fronts)?,
+                planes: slab.take(sizes.leaves)?,
+                cells: slab.take(sizes.leaves)?,
+                frames: slab.take(sizes.whole_leaves)?,
+                leaves: slab.take(sizes.leaves)?,
+                bounds: slab.take(sizes.leaves)?,
+                nodes: slab.take(2 * sizes.whole_leaves)?,
+                tally: slab.take(sizes.tally())?,
+            },
+            output: OutputParts {
+                pairs: slab.take(sizes.pairs)?,
+                previous: slab.take(sizes.previous)?,
+                staged: slab.take(sizes.staged * CHUNK)?,
+                chunks: slab.take(sizes.staged)?,
+                members: slab.take(sizes.members)?,
+                planes: slab.take(sizes.striped())?,
+                scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
+            },
+            sizes,
+        })
+    }
+
+    /// Makes a slab into an empty world.
+    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        if let Some(margin) = config.margin {
+            margin.check()?;
+        }
+        let sizes = Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)?;
+        let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        check(slab, needed)?;
+        let slab = slab.get_mut(..needed).unwrap_or_default();
+        slab.fill(0);
+        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
+        *parts.state = State::new(config, size_of::<I>());
+        parts.state.faults = faults();
+        parts.clear();
+        Ok(parts)
+    }
+
+    /// Makes the arrays those of an empty world, in which every slot is as good as new.
+    pub(crate) fn clear(&mut self) {
+        self.boxes.now.fill(KeyBox::EMPTY);
+        self.boxes.fat.fill(KeyBox::EMPTY);
+        self.boxes.before.fill(KeyBox::EMPTY);
+        self.filters.classes.fill(u32::MAX);
+        self.generations.fill(0);
+        for mut marks in [self.moved.lend(), self.changed.lend(), self.filters.changed.lend()] {
+            marks.words.fill(0);
+            marks.regroup();
+        }
+        for bits in [&mut *self.awake, self.resting, self.listed] {
+            bits.fill(0);
+        }
+        self.home.fill(I::NONE);
+        let tree = &mut self.tree;
+        tree.planes.fill(0);
+        tree.cells.fill(Cell::default());
+        tree.frames.fill(Frame::default());
+        tree.leaves.fill(Leaf::default());
+        tree.bounds.fill(Record::default());
+        tree.nodes.fill(KeyBox::NOTHING);
+        self.output.planes.fill(Planes::default());
+        for pairs in [&mut *self.output.pairs, self.output.previous] {
+            pairs.fill([I::default(); 2]);
+        }
+    }
+
+    /// Finds the world in a slab that holds one.
+    pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
+        check(slab, size_of::<State>())?;
+        let state =
+            slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
+        let config = state.and_then(|state| state.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
+        let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
+        let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
+        check(slab, needed)?;
+        Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })
+    }
+
+    /// Which pairs the world returns.
+    pub(crate) fn mode(&self) -> Mode {
+        self.state.mode()
+    }
+
+    /// Whether steps find overlaps of fat boxes that are no pairs.
+    pub(crate) fn has_surplus(&self) -> bool {
+        self.mode() == Mode::Exact && !self.boxes.fat.is_empty()
+    }
+}
+
+fn check(slab: &[u8], needed: usize) -> Result<(), Error> {
+    if slab.len() < needed {
+        return Err(Error::SlabTooSmall { needed });
+    }
+    if slab.as_ptr().align_offset(ALIGN) != 0 {
+        return Err(Error::SlabMisaligned { align: ALIGN });
+    }
+    Ok(())
+}

@@ -1,0 +1,169 @@
+//! Sets of slots of which few may be in: who they are is found in a time that follows from how many they are, and hardly from
+//! how many slots there are.
+
+use crate::access::{Access, bits};
+use crate::id::Index;
+use crate::parallel::claim::Chunks;
+
+/// Slots in a group: a parallel pass gives each worker whole ones.
+pub(crate) const GROUP: usize = 32 * 32;
+/// Whether there are groups: where all worlds are small they would only take room.
+const GROUPED: bool = cfg!(feature = "large");
+
+/// A set of slots, or of some consecutive ones, counted from the first of them.
+pub(crate) struct Marks<'m> {
+    /// One bit a slot.
+    pub(crate) words: &'m mut [u32],
+    /// One bit for each word, set where bits of the word are: what has none is passed over 1,024 slots at a time.
+    groups: &'m mut [u32],
+}
+
+impl<'m> From<(&'m mut [u32], &'m mut [u32])> for Marks<'m> {
+    fn from((words, groups): (&'m mut [u32], &'m mut [u32])) -> Self {
+        Self { words, groups }
+    }
+}
+
+impl<'m> Marks<'m> {
+    /// The length of the memory for so many slots.
+    pub(crate) const fn len(slots: usize) -> usize {
+        bits::words(slots) + if GROUPED { slots.div_ceil(GROUP) } else { 0 }
+    }
+
+    /// Divides that memory.
+    pub(crate) fn carve(memory: &'m mut [u32], slots: usize) -> Option<Self> {
+        memory.split_at_mut_checked(bits::words(slots)).map(Self::from)
+    }
+
+    /// The same set, lent.
+    pub(crate) fn lend(&mut self) -> Marks<'_> {
+        Marks { words: self.words, groups: self.groups }
+    }
+
+    /// The same set in parts of so many slots, for the workers of a pass: whole groups.
+    pub(crate) fn blocks(&mut self, slots: usize) -> (Chunks<'_, u32>, Chunks<'_, u32>) {
+        (Chunks::optional(self.words, slots / 32), Chunks::optional(self.groups, slots / GROUP))
+    }
+
+    /// Adds a slot.
+    pub(crate) fn set(&mut self, slot: usize) {
+        self.add(slot / 32, 1 << (slot % 32));
+    }
+
+    /// Adds slots of one word. Does nothing in a world that does not keep this set.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, word: usize, bits: u32) {
+        if let Some(to) = self.words.get_mut(word) {
+            *to |= bits;
+        }
+        if GROUPED && let Some(group) = self.groups.get_mut(word / 32) {
+            *group |= u32::from(bits != 0) << (word % 32);
+        }
+    }
+
+    /// Takes all slots out.
+    pub(crate) fn clear(&mut self) {
+        if !GROUPED {
+            return self.words.fill(0);
+        }
+        for (group, words) in self.groups.iter_mut().zip(self.words.chunks_mut(32)) {
+            if *group != 0 {
+                *group = 0;
+                words.fill(0);
+            }
+        }
+    }
+
+    /// Finds the groups anew, where words were written directly.
+    pub(crate) fn regroup(&mut self) {
+        self.groups.fill(0);
+        for word in 0..self.words.len() {
+            self.add(word, self.words.at(word));
+        }
+    }
+
+    /// Calls a function with each word that has set bits and its number, and maybe with others.
+    #[inline(always)]
+    pub(crate) fn for_each_word(&self, mut each: impl FnMut(usize, u32)) {
+        if !GROUPED {
+            return (0..).zip(&*self.words).for_each(|(index, word)| each(index, *word));
+        }
+        for (group, bits) in self.groups.iter().enumerate() {
+            for bit in bits::of_word(*bits) {
+                let index = group * 32 + bit;
+                each(index, self.words.at(index));
+            }
+        }
+    }
+
+    /// Writes the slots in ascending order to the front of `list` and returns how many there are.
+    #[inline(always)]
+    pub(crate) fn list<I: Index>(&self, list: &mut [I]) -> usize {
+        let mut count = 0;
+        self.for_each_word(|index, word| {
+            for bit in bits::of_word(word) {
+                list.put(count, I::from_slot((index * 32 + bit) as u32));
+                count += 1;
+            }
+        });
+        count
+    }
+
+    /// The slots in ascending order.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = usize> + '_ {
+        let marked =
+            (0..).zip(self.words.chunks(32)).filter(|(group, _)| !GROUPED || self.groups.at(*group) != 0);
+        marked.flat_map(|(group, words)| bits::ones(words).map(move |slot| group * GROUP + slot))
+    }
+
+    /// How many slots there are.
+    // A call, since within a step its loop would take registers from the loops around it: 3 % of a step on a Cortex-M4.
+    #[inline(never)]
+    pub(crate) fn count(&self) -> u32 {
+        let mut count = 0;
+        self.for_each_word(|_, word| count += word.count_ones());
+        count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+    use std::{vec, vec::Vec};
+
+    proptest! {
+        #[test]
+        fn it_is_a_set(
+            slots in 1usize..5000,
+            picks in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>()), 0..99),
+        ) {
+            let mut memory = vec![0; Marks::len(slots)];
+            let mut marks = Marks::carve(&mut memory, slots).unwrap();
+            let mut expected = BTreeSet::new();
+            for (pick, bits) in picks {
+                let slot = pick.index(slots);
+                marks.set(slot);
+                // None but those that there are.
+                let first = slot / 32 * 32;
+                let bits = bits & u32::MAX >> 32usize.saturating_sub(slots - first);
+                marks.add(slot / 32, bits);
+                expected.insert(slot);
+                expected.extend(bits::of_word(bits).map(|bit| first + bit));
+            }
+            let all: Vec<usize> = expected.iter().copied().collect();
+            let mut list = vec![0u32; slots];
+            prop_assert_eq!(marks.slots().collect::<Vec<_>>(), all.clone());
+            prop_assert_eq!(marks.list(&mut list), all.len());
+            prop_assert!(list.iter().zip(&all).all(|(slot, expected)| slot.at() == *expected));
+            prop_assert_eq!(marks.count() as usize, all.len());
+            let groups = marks.groups.to_vec();
+            marks.groups.fill(u32::MAX);
+            marks.regroup();
+            prop_assert_eq!(&*marks.groups, &groups[..]);
+            marks.clear();
+            prop_assert!(memory.iter().all(|word| *word == 0));
+        }
+    }
+}

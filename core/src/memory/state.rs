@@ -1,0 +1,480 @@
+//! The few numbers of a world that are not arrays, and the statistics of a step.
+
+use super::layout::{FINER, LEAVES_PER_BLOCK};
+use super::scratch::Work;
+use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::geometry::extent::Extent;
+use bytemuck::{Pod, Zeroable};
+
+/// How a step found its pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Path {
+    /// Nothing has moved: the pairs stay.
+    #[default]
+    Unchanged,
+    /// A small world: swept straight from a sorted list.
+    Lists,
+    /// Few have moved: each mover was tested against the leaves that it reaches, the other pairs stay.
+    Movers,
+    /// Many have moved: all leaves were filled and swept.
+    Full,
+    /// As `Full`, after new planes for the whole tree.
+    Rebuilt,
+}
+
+impl Path {
+    const ALL: [Self; 5] = [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt];
+}
+
+/// Why a step took its [`Path`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Reason {
+    /// Unchanged: nothing has moved.
+    #[default]
+    NoMovers,
+    /// Lists: there are too few objects for a tree.
+    FewObjects,
+    /// Movers: few objects have moved; see [`Config::movers_only`].
+    FewMovers,
+    /// Full: more have moved.
+    ManyMovers,
+    /// Movers or full: the configuration says so; see [`Config::movers_only`].
+    Fixed,
+    /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
+    /// too many pairs, or few objects, or a shift of the origin.
+    NothingKept,
+    /// Full or rebuilt: few have moved, but neither a leaf nor its neighbours have room for one of them.
+    NoRoom,
+    /// Rebuilt: the planes were made for a much smaller or larger number of objects.
+    Outgrown,
+    /// Rebuilt: the leaves have become too uneven.
+    OutOfBalance,
+    /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and
+    /// found those of the boxes as given besides. With more room steps are cheaper: see [`Capacity::pairs`].
+    NoRoomForSurplus,
+}
+
+impl Reason {
+    const ALL: [Self; 10] = [
+        Self::NoMovers,
+        Self::FewObjects,
+        Self::FewMovers,
+        Self::ManyMovers,
+        Self::Fixed,
+        Self::NothingKept,
+        Self::NoRoom,
+        Self::Outgrown,
+        Self::OutOfBalance,
+        Self::NoRoomForSurplus,
+    ];
+}
+
+/// A path, and why it was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Route {
+    pub(crate) path: Path,
+    pub(crate) reason: Reason,
+}
+
+impl Route {
+    pub(crate) const UNCHANGED: Self = Self { path: Path::Unchanged, reason: Reason::NoMovers };
+}
+
+/// What a step did, and what it chose. All are counts or follow from counts, so equal calls give equal statistics on any
+/// machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Stats {
+    /// Living objects.
+    pub objects: u32,
+    /// Objects that are new or gone, or have left their fat box (without a margin: whose box has changed) since
+    /// the last complete step.
+    pub moved: u32,
+    /// How the pairs were found.
+    pub path: Path,
+    /// Why that way.
+    pub reason: Reason,
+    /// Whether the leaves are the small ones for steps with few movers: see [`Config::fine_leaves`].
+    pub fine_leaves: bool,
+    /// Whether the work was offered to the workers of the executor: see [`Config::sharing`].
+    pub shared: bool,
+    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than its
+    /// margin. Such an object has no margin until it is slower: see [`Config::fixed_margins`].
+    pub outran: u32,
+    /// Leaves of the tree; 1 where the world is swept from a list.
+    pub leaves: u32,
+    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    pub leaves_in_use: u32,
+    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    pub fullest_leaf: u32,
+    /// Boxes swept in leaves where they are not at home.
+    pub copies: u64,
+    /// Pairs of boxes that were tested on all axes.
+    pub candidates: u64,
+    /// Candidates that share a step of their leaf's 16-bit grid, so that the `f32` boxes had to decide. Zero in small
+    /// worlds, which compare nothing else.
+    pub tied: u64,
+    /// Overlapping pairs.
+    pub pairs: u64,
+    /// Pairs that the last step did not have.
+    pub found: u64,
+    /// Pairs that only the last step had.
+    pub lost: u64,
+    /// Exact mode with a margin: overlaps of fat boxes that the exact test dropped.
+    pub surplus: u64,
+    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
+    pub large: u32,
+    /// Objects whose leaf got new planes.
+    pub rebalanced: u32,
+    /// Whether `f32` is too coarse for some box where it stands: a side of it is below four steps of its
+    /// coordinate. Boxes without any side count where the world has not even steps enough to tell them apart. The pairs are
+    /// those of the boxes as given, but the boxes may have lost their shape before; shift the origin. Looked for in steps that
+    /// fill all leaves; in worlds swept box by box, in every eighth step and where objects are new.
+    pub coarse_resolution: bool,
+}
+
+/// See the module. Plain bytes, as it lives in the slab.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct State {
+    magic: u32,
+    index_bytes: u32,
+    // The configuration.
+    objects: u32,
+    leaf_refs: u32,
+    pairs_capacity: u32,
+    margin: [f32; 3],
+    /// All that is a choice between two or three: see the constants.
+    flags: u32,
+    workers: u32,
+
+    /// Living objects.
+    pub(crate) live: u32,
+    /// Slots that have ever been in use.
+    pub(crate) slots: u32,
+    /// The free slot that was freed last, plus one; each free slot holds the next.
+    pub(crate) free: u32,
+
+    /// Slots in the sorted lists.
+    pub(crate) listed: u32,
+
+    /// Living objects when the planes were made, or zero where there are none.
+    pub(crate) planted: u32,
+    /// The depth that full steps use the planes to; less than planned where copies would take too much room.
+    pub(crate) depth: u32,
+    /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
+    /// first.
+    pub(crate) refined: u32,
+    /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
+    pub(crate) tightened: u32,
+    /// First large object among the fronts, and how many there are.
+    pub(crate) large_start: u32,
+    pub(crate) large: u32,
+    /// Bounds of the minima.
+    pub(crate) low: [i32; 3],
+    pub(crate) high: [i32; 3],
+    /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
+    pub(crate) settled: u64,
+    /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
+    pub(crate) settled_work: u64,
+
+    /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
+    /// mode with a margin, the surplus.
+    pub(crate) swept_pairs: u64,
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `carry`. The
+    /// surplus among them comes first.
+    pub(crate) aside: u32,
+    pub(crate) surplus_aside: u32,
+    /// All but the surplus: see [`result`](Self::result).
+    pub(crate) result_pairs: u64,
+    pub(crate) found: u64,
+    pub(crate) lost: u64,
+    /// With events: pairs of the last complete result in the other buffer, all but those set aside.
+    pub(crate) previous_result: u64,
+    /// Steps in a row in which few objects have moved.
+    pub(crate) calm: u32,
+    /// How many objects are awake, or more.
+    pub(crate) awake: u32,
+    /// Boxes since the last complete step that outran their object's margin.
+    pub(crate) outran: u32,
+    /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
+    pub(crate) leaves_in_use: u32,
+    pub(crate) fullest_leaf: u32,
+
+    // Statistics of the last step that are nowhere else.
+    moved: u32,
+    last_outran: u32,
+    /// The path, eight bits above it the reason, and eight bits above that whether the step was shared.
+    chosen: u32,
+    leaves: u32,
+    rebalanced: u32,
+    copies: u64,
+    candidates: u64,
+    tied: u64,
+
+    /// Indices out of range that the last step knew of: see [`access`](crate::access).
+    pub(crate) faults: u32,
+
+    // Small numbers, and what is so or not.
+    /// Whether an object may differ from what the last complete step has seen.
+    pub(crate) touched: u8,
+    /// Whether the caller has ever put an object to rest.
+    pub(crate) resting: u8,
+    /// Whether the lists do not hold the living objects any more.
+    pub(crate) stale_lists: u8,
+    /// Whether records, places and reaches are those of the last step.
+    pub(crate) filled: u8,
+    /// Whether the last step ended with all its pairs.
+    pub(crate) complete: u8,
+    coarse: u8,
+    /// Whether an object has come since the last complete step.
+    pub(crate) entered: u8,
+    /// Whether a tight box has changed inside its fat box since the last complete step.
+    pub(crate) crept: u8,
+    /// The axis that a small world is swept along.
+    pub(crate) list_axis: u8,
+    /// The axis across which its strips lie.
+    pub(crate) strip_axis: u8,
+    /// Steps until the axes are chosen anew.
+    pub(crate) survey_in: u8,
+    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
+    pub(crate) without_surplus: u8,
+    /// Whether the planes could not part the objects well when they were made.
+    pub(crate) poor: u8,
+    /// Whether the planes leave together what new ones would part.
+    pub(crate) divisible: u8,
+    /// Full steps until new planes are tried again after they were not good, and how many it will be the next time.
+    pub(crate) planes_in: u8,
+    pub(crate) planes_after: u8,
+    /// The same for more levels of the planes after there were too many copies.
+    pub(crate) deeper_in: u8,
+    pub(crate) deeper_after: u8,
+    /// Full steps in a row with far more such candidates.
+    pub(crate) heavy: u8,
+    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    pub(crate) unproven: u8,
+}
+
+/// The version; and a bit of the feature that decides how the slab is laid out.
+const MAGIC: u32 = 0x7452_0006 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+
+// The bits of `State::flags`; a choice takes two.
+const EVENTS: u32 = 1;
+const LEAN: u32 = 1 << 1;
+const FILTERS: u32 = 1 << 2;
+const MARGIN: u32 = 1 << 3;
+const FAT: u32 = 1 << 4;
+const FIXED_MARGINS: u32 = 1 << 5;
+const MOVERS_ONLY: u32 = 6;
+const FINE_LEAVES: u32 = 8;
+const SHARING: u32 = 10;
+
+const fn flags(config: &Config) -> u32 {
+    let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
+    flag(EVENTS, events)
+        | flag(LEAN, lean)
+        | flag(FILTERS, filters)
+        | flag(MARGIN, margin.is_some())
+        | flag(FAT, matches!(mode, Mode::Fat))
+        | flag(FIXED_MARGINS, config.fixed_margins)
+        | (movers_only.bits() << MOVERS_ONLY)
+        | (fine_leaves.bits() << FINE_LEAVES)
+        | (sharing.bits() << SHARING)
+}
+
+const fn flag(bit: u32, is_set: bool) -> u32 {
+    if is_set { bit } else { 0 }
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self::zeroed()
+    }
+}
+
+impl State {
+    /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
+    /// unfinished.
+    pub(crate) fn most_blocks(&self) -> usize {
+        (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
+    }
+
+    /// The leaves that there are now, or those of the last step where there is no tree.
+    pub(crate) const fn leaves(&self) -> u32 {
+        if self.filled != 0 { 1 << (self.depth + self.finer()) } else { self.leaves }
+    }
+
+    /// How many levels below `depth` leaves stand: those of the last full step are divided into that, or being divided.
+    #[inline(always)]
+    pub(crate) const fn finer(&self) -> u32 {
+        if self.refined == 0 { 0 } else { FINER }
+    }
+
+    /// Whether a leaf of the last full step is divided.
+    pub(crate) const fn is_refined(&self, leaf: usize) -> bool {
+        leaf + 1 < self.refined as usize
+    }
+
+    pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
+        let margin = config.margin.unwrap_or(Margin::length(0.0));
+        Self {
+            magic: MAGIC,
+            index_bytes: index_bytes as u32,
+            objects: config.capacity.objects,
+            leaf_refs: config.capacity.leaf_refs,
+            pairs_capacity: config.capacity.pairs,
+            margin: [margin.per_extent, margin.min, margin.max],
+            flags: flags(config),
+            workers: config.workers,
+            complete: 1,
+            ..Self::zeroed()
+        }
+    }
+
+    /// The configuration of a slab that holds a world of this index width.
+    pub(crate) fn config(&self, index_bytes: usize) -> Option<Config> {
+        if self.magic != MAGIC || self.index_bytes != index_bytes as u32 {
+            return None;
+        }
+        Some(Config {
+            capacity: Capacity {
+                objects: self.objects,
+                leaf_refs: self.leaf_refs,
+                pairs: self.pairs_capacity,
+            },
+            mode: self.mode(),
+            margin: self.margin(),
+            events: self.flags & EVENTS != 0,
+            lean: self.flags & LEAN != 0,
+            filters: self.flags & FILTERS != 0,
+            workers: self.workers,
+            movers_only: Choice::from_bits(self.flags >> MOVERS_ONLY)?,
+            fine_leaves: Choice::from_bits(self.flags >> FINE_LEAVES)?,
+            sharing: Choice::from_bits(self.flags >> SHARING)?,
+            fixed_margins: self.has_fixed_margins(),
+        })
+    }
+
+    // Of no choice, which no world has, the automatic one.
+
+    pub(crate) fn movers_only(&self) -> Choice {
+        Choice::from_bits(self.flags >> MOVERS_ONLY).unwrap_or_default()
+    }
+
+    pub(crate) fn fine_leaves(&self) -> Choice {
+        Choice::from_bits(self.flags >> FINE_LEAVES).unwrap_or_default()
+    }
+
+    pub(crate) fn sharing(&self) -> Choice {
+        Choice::from_bits(self.flags >> SHARING).unwrap_or_default()
+    }
+
+    pub(crate) fn has_fixed_margins(&self) -> bool {
+        self.flags & FIXED_MARGINS != 0
+    }
+
+    /// Whether this is the state of a world of the same configuration, but for the workers. Snapshots have a version of their own.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let key = |state: &Self| {
+            let Self { index_bytes, objects, leaf_refs, pairs_capacity, flags, .. } = *state;
+            ([index_bytes, objects, leaf_refs, pairs_capacity, flags], state.margin.map(f32::to_bits))
+        };
+        key(self) == key(other)
+    }
+
+    /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
+    /// was built for about the slab alone. A snapshot has no lists.
+    pub(crate) fn portable(&self) -> Self {
+        Self { workers: 1, magic: 0, faults: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
+    }
+
+    /// Whether it is such a state.
+    pub(crate) const fn is_portable(&self) -> bool {
+        let Self { workers, magic, faults, listed, stale_lists, unproven, .. } = *self;
+        workers == 1 && magic == 0 && faults == 0 && listed == 0 && stale_lists == 1 && unproven == 0
+    }
+
+    /// Whether the statistics of the last step are such as a step leaves, and nothing stands where nothing should.
+    pub(crate) fn has_known_statistics(&self) -> bool {
+        let (path, reason) = (self.chosen as usize & 0xff, (self.chosen >> 8) as usize & 0xff);
+        path < Path::ALL.len() && reason < Reason::ALL.len() && self.chosen >> 16 <= 1 && self.coarse <= 1
+    }
+
+    /// Takes over what a snapshot does not have.
+    pub(crate) fn adopt(&mut self, other: &Self) {
+        (self.workers, self.magic, self.faults) = (other.workers, other.magic, other.faults);
+    }
+
+    pub(crate) fn mode(&self) -> Mode {
+        if self.flags & FAT == 0 { Mode::Exact } else { Mode::Fat }
+    }
+
+    /// The margin of new objects.
+    pub(crate) fn margin(&self) -> Option<Margin> {
+        let [per_extent, min, max] = self.margin;
+        (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
+    }
+
+    /// Where the result stands in the pair buffer.
+    pub(crate) fn result(&self) -> core::ops::Range<usize> {
+        let start = self.surplus_aside as usize;
+        start..start + self.result_pairs as usize
+    }
+
+    pub(crate) fn extent(&self) -> Extent {
+        Extent { low: self.low, high: self.high }
+    }
+
+    pub(crate) fn set_extent(&mut self, extent: &Extent) {
+        (self.low, self.high) = (extent.low, extent.high);
+    }
+
+    pub(crate) fn stats(&self) -> Stats {
+        Stats {
+            objects: self.live,
+            moved: self.moved,
+            path: Path::ALL.get((self.chosen & 0xff) as usize).copied().unwrap_or_default(),
+            reason: Reason::ALL.get((self.chosen >> 8 & 0xff) as usize).copied().unwrap_or_default(),
+            fine_leaves: self.refined != 0 && self.leaves > 1,
+            shared: self.chosen >> 16 != 0,
+            outran: self.last_outran,
+            leaves: self.leaves,
+            leaves_in_use: if self.leaves > 1 { self.leaves_in_use } else { u32::from(self.live > 0) },
+            fullest_leaf: if self.leaves > 1 { self.fullest_leaf } else { self.live },
+            copies: self.copies,
+            candidates: self.candidates,
+            tied: self.tied,
+            pairs: self.result_pairs,
+            found: self.found,
+            lost: self.lost,
+            surplus: self.swept_pairs - self.result_pairs,
+            large: if self.leaves > 1 { self.large } else { 0 },
+            rebalanced: self.rebalanced,
+            coarse_resolution: self.coarse != 0,
+        }
+    }
+
+    pub(crate) fn record(&mut self, moved: u32, route: Route, shared: bool, progress: &Progress) {
+        self.moved = moved;
+        self.last_outran = self.outran;
+        self.chosen = route.path as u32 | (route.reason as u32) << 8 | u32::from(shared) << 16;
+        self.leaves = progress.leaves;
+        self.rebalanced = progress.rebalanced;
+        if let Some(coarse) = progress.coarse {
+            self.coarse = u8::from(coarse);
+        }
+        self.copies = progress.work.copies;
+        self.candidates = progress.work.candidates;
+        self.tied = progress.work.tied;
+    }
+}
+
+/// What a step has done so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Progress {
+    /// Pairs of swept boxes, whether they fit or not.
+    pub(crate) pairs: u64,
+    pub(crate) work: Work,
+    pub(crate) leaves: u32,
+    pub(crate) rebalanced: u32,
+    pub(crate) coarse: Option<bool>,
+}

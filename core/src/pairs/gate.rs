@@ -1,0 +1,58 @@
+//! Asks the filters before a pair is written, so that a pair that is not wanted takes no room.
+
+use crate::access::Access;
+use crate::filter::{FILTERS, Filter, Rule, meet};
+use crate::id::{Index, Pair};
+use crate::memory::slab::FilterParts;
+
+/// Where pairs go.
+pub(crate) trait Sink<I> {
+    /// Appends pairs.
+    fn take(&mut self, pairs: &mut [Pair<I>]);
+}
+
+/// Decides about pairs of overlapping boxes.
+#[derive(Clone, Copy)]
+pub(crate) struct Gate<'g> {
+    filters: &'g [Filter],
+    classes: &'g [u32],
+    rule: Option<&'g Rule<'g>>,
+}
+
+impl<'g> Gate<'g> {
+    /// The gate of a world, if it has one.
+    pub(crate) fn new(parts: &'g FilterParts<'_>, rule: Option<&'g Rule<'g>>) -> Option<Self> {
+        (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
+    }
+
+    /// Whether two objects make a pair.
+    #[inline]
+    pub(crate) fn lets_through<I: Index>(&self, pair: &Pair<I>) -> bool {
+        if !FILTERS {
+            return true;
+        }
+        let (Some(a), Some(b)) = (self.filters.get(pair[0].at()), self.filters.get(pair[1].at())) else {
+            return true;
+        };
+        meet(a, b, |class| self.classes.at(class))
+            && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
+    }
+}
+
+/// Passes on the pairs that a gate lets through.
+pub(crate) struct Gated<'s, 'g, I> {
+    pub(crate) gate: &'s Gate<'g>,
+    pub(crate) sink: &'s mut dyn Sink<I>,
+}
+
+impl<I: Index> Sink<I> for Gated<'_, '_, I> {
+    fn take(&mut self, pairs: &mut [Pair<I>]) {
+        let mut kept = 0;
+        for index in 0..pairs.len() {
+            let pair = pairs.at(index);
+            pairs.put(kept, pair);
+            kept += usize::from(self.gate.lets_through(&pair));
+        }
+        self.sink.take(pairs.span_mut(0, kept));
+    }
+}

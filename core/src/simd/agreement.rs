@@ -1,0 +1,253 @@
+//! Compares the operations of a level with the scalar ones on random operands, half of which are made to meet.
+//!
+//! The steps of a world reach the same operations, but not all of their corners. It is a function of the crate under a
+//! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
+
+use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
+use crate::geometry::line::{Line, Slabs, Walk};
+use crate::geometry::record::{Frame, Record};
+use crate::id::{Index, Pair};
+use crate::query::Cast;
+use crate::simd::kernels::Kernels;
+
+impl Kernels {
+    /// Tells the operations that give something else than the scalar ones, once for each time in so many rounds of random
+    /// operands.
+    #[doc(hidden)]
+    pub fn disagreements(self, seed: u64, rounds: u32, tell: &mut dyn FnMut(&'static str)) {
+        self.run_wide(Rounds { random: Random(seed), rounds, tell });
+    }
+}
+
+struct Rounds<'t> {
+    random: Random,
+    rounds: u32,
+    tell: &'t mut dyn FnMut(&'static str),
+}
+
+impl Phase for Rounds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        for _ in 0..self.rounds {
+            boxes(simd, &mut self);
+            rows(simd, &mut self);
+            records(simd, &mut self);
+            candidates::<S, u16>(simd, &mut self);
+            candidates::<S, u32>(simd, &mut self);
+            lines(simd, &mut self);
+        }
+    }
+}
+
+impl Rounds<'_> {
+    fn check<const N: usize>(&mut self, results: [(&'static str, bool); N]) {
+        results.into_iter().filter(|(_, same)| !same).for_each(|(name, _)| (self.tell)(name));
+    }
+}
+
+#[inline(always)]
+fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let (a, mut b) = (random.bounds(), random.bounds());
+    if random.below(2) == 0 {
+        // Sides in common.
+        b = KeyBox { min: a.min, max: [a.max[0], b.max[1].max(a.min[1]), b.max[2].max(a.min[2])] };
+    }
+    let (keys, other) = (simd.keys(&a), simd.keys(&b));
+    let corners = [(); 2].map(|()| bytemuck::cast::<[f32; 3], [u8; 12]>([(); 3].map(|()| random.float())));
+    let valid: [[u8; 12]; 2] = [a.min, a.max].map(|corner| bytemuck::cast(corner.map(value)));
+    let encode = |[min, max]: &[[u8; 12]; 2]| Scalar.encode(min, max);
+    let frame = random.frame();
+    let tag = random.bits() as u32;
+    rounds.check([
+        ("keys", simd.bounds(keys) == a),
+        ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
+        ("encode", simd.encode(&valid[0], &valid[1]).map(|keys| simd.bounds(keys)) == encode(&valid)),
+        ("above", simd.above(keys, other) == Scalar.above(a, b)),
+        ("overlap", simd.overlap(&a, &b) == Scalar.overlap(&a, &b)),
+        ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
+        ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
+        ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
+        ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
+        ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
+    ]);
+}
+
+#[inline(always)]
+fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let record = random.record();
+    let axis = random.below(3);
+    let least = Scalar.query(axis, &record);
+    let mut rows = [Row::default(); WINDOW];
+    for row in &mut rows {
+        // At least the query's, but for a byte of every second row or so.
+        *row = least.map(|byte| byte + random.below(256 - usize::from(byte)) as u8);
+        let k = random.below(4);
+        row[k] = row[k].min(least[k]).saturating_sub(random.below(2) as u8);
+    }
+    let count = random.below(WINDOW + 9);
+    let query = simd.query(simd.axis(axis), &record);
+    let few: &[Row; HALF] = rows.first_chunk().unwrap_or(&[[0; 4]; HALF]);
+    rounds.check([
+        ("row", simd.row(simd.axis(axis), &record) == Scalar.row(axis, &record)),
+        ("window", simd.window(&rows, count, query) == Scalar.window(&rows, count, least)),
+        ("half_window", simd.half_window(few, count, query) == Scalar.half_window(few, count, least)),
+    ]);
+}
+
+#[inline(always)]
+fn records<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let eight = [(); EIGHT].map(|()| random.record());
+    let [a, b, ..] = eight;
+    let limit = limit(&random.record());
+    rounds.check([
+        ("contact", simd.contact(&a, &b) == Scalar.contact(&a, &b)),
+        ("touching", simd.touching(&eight, limit) == Scalar.touching(&eight, limit)),
+    ]);
+}
+
+#[inline(always)]
+fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    const RECORDS: usize = 40;
+    let sorted = [(); RECORDS].map(|()| random.record());
+    let count = random.below(WINDOW);
+    let mut lists = [[(); WINDOW].map(|()| (random.below(RECORDS) << 16 | random.below(RECORDS)) as u32); 2];
+    let mut pairs = [[Pair::<I>::default(); WINDOW]; 2];
+    let ([list, expected_list], [kept, expected_kept]) = (&mut lists, &mut pairs);
+    let sifted = simd.sift(&sorted, &mut list[..count], &mut kept[..count]);
+    let expected = Scalar.sift(&sorted, &mut expected_list[..count], &mut expected_kept[..count]);
+    let sift = (sifted.found, sifted.tied) == (expected.found, expected.tied)
+        && kept[..sifted.found] == expected_kept[..sifted.found]
+        && list[..sifted.tied] == expected_list[..sifted.tied];
+    // Of 40 records a window reaches up to 64, some of them behind the end.
+    let base = (random.below(RECORDS) << 16 | random.below(RECORDS / 2)) as u32;
+    let bits = random.bits() & random.bits() & if random.below(4) == 0 { u64::MAX } else { 0xf_ffff };
+    let mut fours = [[Pair::<I>::default(); 4]; 2];
+    let [kept, expected_kept] = &mut fours;
+    let found = simd.four(&sorted, base, bits, kept);
+    let four = found == Scalar.four(&sorted, base, bits, expected_kept)
+        && kept.iter().zip(expected_kept).take(found.unwrap_or_default()).all(|(a, b)| a == b);
+    rounds.check([("sift", sift), ("four", four)]);
+}
+
+#[inline(always)]
+fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let KeyBox { min, max } = random.bounds();
+    let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
+    let direction = [(); 3].map(|()| [0.0, 1.0, -1.0, 0.3, -1e-3][random.below(5)]);
+    let along = |k: usize| if k < 3 { direction[k] } else { 0.0 };
+    let start = [(); 4].map(|()| random.below(7) as f64 - 3.0);
+    let place = |k: usize| if k < 3 { start[k] } else { 0.0 };
+    let slabs = Slabs {
+        back: [0, 1, 2, 3].map(|k| -i32::from(along(k) < 0.0)),
+        first: [0, 1, 2, 3].map(place),
+        last: [0, 1, 2, 3].map(place),
+        inverse: [0, 1, 2, 3].map(|k| if along(k) == 0.0 { f64::INFINITY } else { 1.0 / along(k) }),
+    };
+    let far = [1.0, 7.5, 1e30][random.below(3)];
+    let span = simd.span(&slabs, four(min), four(max), far);
+    rounds.check([("span", span == Scalar.span(&slabs, four(min), four(max), far))]);
+
+    let random = &mut rounds.random;
+    let start =
+        [(); 3].map(|()| [random.below(9) as f32 - 4.0, 1e-30, -3e20][random.below(8).saturating_sub(5)]);
+    let cast = Cast::ray(start, direction.map(|d| d as f32), 1.0);
+    let walk = Walk::new(&Line::new(&cast.start, cast.direction, cast.distance));
+    let until = [1.0, 7.5, f32::INFINITY][random.below(3)];
+    let crossing = walk.crossing(&random.frame(), until);
+    let records = [(); EIGHT].map(|()| random.record());
+    let crossed = simd.crossed(&records, &crossing) == Scalar.crossed(&records, &crossing);
+    let times = |times: [f32; EIGHT]| times.map(f32::to_bits);
+    let met = times(simd.met(&records, &crossing)) == times(Scalar.met(&records, &crossing));
+    let nodes = [(); 2].map(|()| if random.below(8) == 0 { KeyBox::NOTHING } else { random.bounds() });
+    let entered = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let enter = entered == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let mut numbers = [[(); EIGHT].map(|()| random.below(8) as u32 * 0x2000_0000); 2];
+    let [taken, expected] = &mut numbers;
+    let take_least = simd.take_least(taken) == Scalar.take_least(expected) && taken == expected;
+    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("take_least", take_least)]);
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.bits() % end as u64) as usize
+    }
+
+    /// Any float, with more of those that are particular.
+    fn float(&mut self) -> f32 {
+        let particular =
+            [0.0, -0.0, 1.0, -1.0, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::from_bits(1), f32::NAN];
+        match self.below(4) {
+            0 => particular[self.below(particular.len())],
+            1 => f32::from_bits(self.bits() as u32),
+            _ => self.below(16) as f32 - 8.0,
+        }
+    }
+
+    fn bounds(&mut self) -> KeyBox {
+        let mut bounds = KeyBox::default();
+        for k in 0..3 {
+            let [a, b] = [(); 2].map(|()| {
+                crate::geometry::key::key(self.float()).clamp(NEGATIVE_INFINITY, POSITIVE_INFINITY)
+            });
+            // A side of less than four keys now and then.
+            let b = if self.below(4) == 0 {
+                a.saturating_add(self.below(5) as i32).min(POSITIVE_INFINITY)
+            } else {
+                b
+            };
+            (bounds.min[k], bounds.max[k]) = (a.min(b), a.max(b));
+        }
+        bounds
+    }
+
+    fn frame(&mut self) -> Frame {
+        let origin = [(); 3].map(|()| self.below(9) as f32 - 8.0);
+        let scale = [(); 3].map(|()| [0.0, 1.0, 1e-3, 4096.0, f32::MAX][self.below(5)]);
+        let twice = |[x, y, z]: [f32; 3]| [x, y, z, x, y, z, 0.0, 0.0];
+        Frame { origin: twice(origin), scale: twice(scale) }
+    }
+
+    /// Intervals on a coarse grid or on a fine one, so that many touch and some share a side.
+    fn record(&mut self) -> Record {
+        let (steps, shift) = [(24, 11), (1000, 6), (0x1_0000, 0)][self.below(3)];
+        let mut lanes = [0; 6];
+        for k in 0..3 {
+            let low = self.below(steps);
+            let high = low + self.below(steps - low);
+            (lanes[k], lanes[3 + k]) = ((low << shift) as u16, !(high << shift) as u16);
+        }
+        let marks = if self.below(2) == 0 { 0 } else { Record::BELOW * self.below(8) as u32 };
+        Record { lanes, tag: self.bits() as u32 & Record::SLOT | marks }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_levels_give_what_scalar_gives() {
+        for level in Kernels::all() {
+            level.disagreements(1, 20_000, &mut |operation| panic!("{operation} of {}", level.name()));
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! 256-bit integers of x86-64: Haswell, Zen and later.
+
+use super::fours::{self, HALVES};
+use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::geometry::line::{Crossing, Slabs, Walk};
+use crate::geometry::record::{Frame, GRID_MAX, Record};
+use crate::id::{Index, Pair};
+use core::arch::x86_64::*;
+
+cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
+
+/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system keeps the wide registers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    /// Asks the CPU.
+    pub(crate) fn detect() -> Option<Self> {
+        detected::get().then_some(Self(()))
+    }
+}
+
+/// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
+#[inline(always)]
+fn half(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
+    // SAFETY: the token proves AVX2; each load reads eight rows.
+    unsafe {
+        // What the query's bytes exceed a row's by: nothing where none does.
+        let a = _mm256_subs_epu8(query, _mm256_loadu_si256(a.as_ptr().cast()));
+        let b = _mm256_subs_epu8(query, _mm256_loadu_si256(b.as_ptr().cast()));
+        let c = _mm256_subs_epu8(query, _mm256_loadu_si256(c.as_ptr().cast()));
+        let d = _mm256_subs_epu8(query, _mm256_loadu_si256(d.as_ptr().cast()));
+        // A byte for each row: saturation leaves nothing but zero zero. The halves of the vectors are packed apart: put
+        // groups of four back in order.
+        let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
+        let inside = _mm256_cmpeq_epi8(bytes, _mm256_setzero_si256());
+        let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+        _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(inside, order)) as u32
+    }
+}
+
+/// The high bytes of four lanes. A plain function for the same reason.
+#[inline(always)]
+fn high_bytes(_: Avx2, lanes: [usize; 4]) -> __m128i {
+    let [a, b, c, d] = [2 * lanes[0] + 1, 2 * lanes[1] + 1, 2 * lanes[2] + 1, 2 * lanes[3] + 1];
+    // SAFETY: the token proves AVX2.
+    unsafe { _mm_set1_epi32(i32::from_le_bytes([a as u8, b as u8, c as u8, d as u8])) }
+}
+
+/// The least denormal `f32`.
+const LEAST_DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
+
+/// The floats of four keys. A plain function for the same reason.
+#[inline(always)]
+fn values(_: Avx2, keys: __m128i) -> __m256d {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let sign = _mm_and_si128(keys, _mm_set1_epi32(i32::MIN));
+        let magnitude = _mm_abs_epi32(keys);
+        let normal = _mm256_cvtps_pd(_mm_castsi128_ps(_mm_or_si128(magnitude, sign)));
+        // The keys of denormals are multiples of the least one: a conversion of floats might flush them to zero.
+        let denormal = _mm256_mul_pd(_mm256_cvtepi32_pd(keys), _mm256_set1_pd(LEAST_DENORMAL));
+        let is_denormal = _mm_cmpgt_epi32(_mm_set1_epi32(f32::MIN_POSITIVE.to_bits() as i32), magnitude);
+        let is_denormal = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(is_denormal));
+        _mm256_blendv_pd(normal, denormal, is_denormal)
+    }
+}
+
+/// The floats of eight keys. A plain function for the same reason.
+#[inline(always)]
+fn floats(_: Avx2, keys: __m256i) -> __m256 {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let sign = _mm256_and_si256(keys, _mm256_set1_epi32(i32::MIN));
+        _mm256_castsi256_ps(_mm256_or_si256(_mm256_abs_epi32(keys), sign))
+    }
+}
+
+/// Four numbers, twice. A plain function for the same reason.
+#[inline(always)]
+fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
+    // SAFETY: the token proves AVX2; four numbers are read.
+    unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
+}
+
+/// When a cast comes to some records' boxes, and all ones for those that it may touch; the even records in the lower half. A
+/// plain function, as [`twice`] is.
+#[inline(always)]
+fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m256) {
+    let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
+        // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.
+        let (a, b) = (_mm256_shuffle_epi8(a, order), _mm256_shuffle_epi8(b, order));
+        let (c, d) = (_mm256_shuffle_epi8(c, order), _mm256_shuffle_epi8(d, order));
+        let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
+        let (first, second) = (_mm256_unpacklo_epi32(ab, cd), _mm256_unpackhi_epi32(ab, cd));
+        let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
+        let mut times = [_mm256_setzero_ps(); 6];
+        for (pair, lanes) in [first, second, third].into_iter().enumerate() {
+            // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+            let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
+            let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
+            for (lane, x) in [
+                (2 * pair, _mm256_unpacklo_epi16(lanes, upper)),
+                (2 * pair + 1, _mm256_unpackhi_epi16(lanes, upper)),
+            ] {
+                let scaled = _mm256_mul_ps(_mm256_castsi256_ps(x), _mm256_set1_ps(crossing.scale[lane]));
+                times[lane] = _mm256_add_ps(scaled, _mm256_set1_ps(crossing.offset[lane]));
+            }
+        }
+        let [x0, y0, z0, x1, y1, z1] = times;
+        // NaN falls to the second operand.
+        let from = _mm256_max_ps(x0, _mm256_max_ps(y0, _mm256_max_ps(z0, _mm256_setzero_ps())));
+        let to = _mm256_min_ps(x1, _mm256_min_ps(y1, _mm256_min_ps(z1, _mm256_set1_ps(crossing.until))));
+        let from = _mm256_min_ps(from, _mm256_set1_ps(Crossing::LATEST));
+        (from, _mm256_cmp_ps::<_CMP_LE_OQ>(from, to))
+    }
+}
+
+/// Bits for eight records in their order, by bits of which those of the even records come in the lower half.
+const IN_ORDER: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let mut record = 0;
+        while record < EIGHT {
+            let bit = record / 2 + 4 * (record % 2);
+            table[mask] |= ((mask >> bit & 1) << record) as u8;
+            record += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// The bits of eight records in their order.
+#[inline(always)]
+const fn in_order(mask: i32) -> u32 {
+    IN_ORDER[(mask & 0xff) as usize] as u32
+}
+
+impl Simd for Avx2 {
+    /// The last two lanes are zero.
+    type Keys = __m256i;
+
+    type Axis = [__m128i; 2];
+
+    type Query = __m256i;
+
+    #[inline(always)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
+        fn compiled<P: Phase>(simd: Avx2, phase: P) -> P::Output {
+            phase.run(simd)
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(self, phase) }
+    }
+
+    #[inline(always)]
+    fn keys(self, bounds: &KeyBox) -> __m256i {
+        let keys: &[i32; 6] = bytemuck::cast_ref(bounds);
+        // SAFETY: `self` proves AVX2; 16 and then 8 of the 24 bytes are read.
+        unsafe {
+            let first = _mm_loadu_si128(keys.as_ptr().cast());
+            _mm256_set_m128i(_mm_loadl_epi64(keys.as_ptr().add(4).cast()), first)
+        }
+    }
+
+    #[inline(always)]
+    fn bounds(self, keys: __m256i) -> KeyBox {
+        let mut bounds = [0; 6];
+        // SAFETY: `self` proves AVX2; 16 and then 8 of the 24 bytes are written.
+        unsafe {
+            _mm_storeu_si128(bounds.as_mut_ptr().cast(), _mm256_castsi256_si128(keys));
+            _mm_storel_epi64(bounds.as_mut_ptr().add(4).cast(), _mm256_extracti128_si256::<1>(keys));
+        }
+        bytemuck::cast(bounds)
+    }
+
+    #[inline(always)]
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<__m256i> {
+        // SAFETY: `self` proves AVX2; each read stays inside one of the arrays of 12 bytes.
+        unsafe {
+            let [_, _, z]: [i32; 3] = bytemuck::cast(*min);
+            let [x, _, _]: [i32; 3] = bytemuck::cast(*max);
+            let first = _mm_loadl_epi64(min.as_ptr().cast());
+            let first = _mm_insert_epi32::<3>(_mm_insert_epi32::<2>(first, z), x);
+            let bits = _mm256_set_m128i(_mm_loadl_epi64(max.as_ptr().add(4).cast()), first);
+            // The magnitude with the sign, which turns -0.0 into zero.
+            let keys = _mm256_sign_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX)), bits);
+            // Minima from -infinity to the maxima, maxima to +infinity.
+            let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
+            let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
+            let least = _mm256_setr_epi32(low, low, low, i32::MIN, i32::MIN, i32::MIN, 0, 0);
+            let most = _mm256_blend_epi32::<0b111000>(maxima, _mm256_set1_epi32(high));
+            let bad = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
+            // By their signs: of a test of all bits the compiler makes two operations here.
+            (_mm256_movemask_ps(_mm256_castsi256_ps(bad)) == 0).then_some(keys)
+        }
+    }
+
+    #[inline(always)]
+    fn above(self, a: __m256i, b: __m256i) -> u32 {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b))) as u32 }
+    }
+
+    #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        let (a, b) = (self.keys(a), self.keys(b));
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let across = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 0, 1, 2, 6, 7));
+            // The minima of both, and what they must not be above: the maxima of the other.
+            let minima = _mm256_blend_epi32::<0b111000>(a, across);
+            let maxima = _mm256_blend_epi32::<0b111000>(across, a);
+            let apart = _mm256_cmpgt_epi32(minima, maxima);
+            _mm256_testz_si256(apart, apart) != 0
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        // SAFETY: `self` proves AVX2, which includes SSE. Nothing can be told from a prefetch, wherever it points to.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
+    }
+
+    #[inline(always)]
+    fn same(self, a: __m256i, b: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let differs = _mm256_xor_si256(a, b);
+            _mm256_testz_si256(differs, differs) != 0
+        }
+    }
+
+    #[inline(always)]
+    fn lower(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_min_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn upper(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_max_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn narrow(self, keys: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
+            let apart = _mm256_sub_epi32(maxima, keys);
+            let few = _mm256_cmpeq_epi32(apart, _mm256_min_epu32(apart, _mm256_set1_epi32(3)));
+            _mm256_movemask_ps(_mm256_castsi256_ps(few)) as u32 & MINIMA != 0
+        }
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> [__m128i; 2] {
+        [high_bytes(self, row_lanes(axis)), high_bytes(self, query_lanes(axis))]
+    }
+
+    #[inline(always)]
+    fn row(self, [row, _]: [__m128i; 2], record: &Record) -> Row {
+        // SAFETY: `self` proves AVX2, which includes SSSE3.
+        (!unsafe { _mm_cvtsi128_si32(_mm_shuffle_epi8(bytemuck::cast(*record), row)) }).to_le_bytes()
+    }
+
+    #[inline(always)]
+    fn query(self, [_, query]: [__m128i; 2], record: &Record) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_broadcastd_epi32(_mm_shuffle_epi8(bytemuck::cast(*record), query)) }
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: __m256i) -> u64 {
+        let [first, second]: &[[[u8; 32]; 4]; 2] = bytemuck::cast_ref(rows);
+        let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
+    }
+
+    #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m256i) -> u32 {
+        let mask = half(self, bytemuck::cast_ref(rows), query);
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u32(mask, count.min(HALF) as u32) }
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::four(self, sorted, base, bits, pairs)
+    }
+
+    #[inline(always)]
+    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
+        fours::sift(self, sorted, candidates, pairs)
+    }
+
+    #[inline(always)]
+    fn contact(self, a: &Record, b: &Record) -> Contact {
+        let (a, b): (__m128i, __m128i) = (bytemuck::cast(*a), bytemuck::cast(*b));
+        // SAFETY: `self` proves AVX2, which includes SSE4.1.
+        unsafe {
+            // Change the halves of b's six lanes and complement them: its maxima, then its complemented minima.
+            let limit = _mm_xor_si128(_mm_shuffle_epi8(b, bytemuck::cast(HALVES)), _mm_set1_epi8(-1));
+            let zero = _mm_setzero_si128();
+            let inside = _mm_cmpeq_epi16(_mm_subs_epu16(a, limit), zero);
+            let equal = _mm_cmpeq_epi16(a, limit);
+            // A bit for each lane; equal ones in the upper byte.
+            let mask = _mm_movemask_epi8(_mm_packs_epi16(inside, equal));
+            Contact { touches: mask & 0x3f == 0x3f, tied: mask & 0x3f00 != 0 }
+        }
+    }
+
+    #[inline(always)]
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
+        // SAFETY: `self` proves AVX2.
+        let mask = unsafe {
+            let limit = _mm256_broadcastsi128_si256(bytemuck::cast(limit));
+            let (a, b) = (_mm256_subs_epu16(a, limit), _mm256_subs_epu16(b, limit));
+            let (c, d) = (_mm256_subs_epu16(c, limit), _mm256_subs_epu16(d, limit));
+            // Eight bytes a record now, zero if it touches.
+            let (first, last) = (_mm256_packs_epi16(a, b), _mm256_packs_epi16(c, d));
+            let zero = _mm256_setzero_si256();
+            let (first, last) = (_mm256_cmpeq_epi64(first, zero), _mm256_cmpeq_epi64(last, zero));
+            let (first, last) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(last));
+            _mm256_movemask_ps(_mm256_shuffle_ps::<0b10_00_10_00>(first, last))
+        };
+        in_order(mask)
+    }
+
+    #[inline(always)]
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+        // SAFETY: `self` proves AVX2; the slabs' rows are four floats each.
+        unsafe {
+            let (min, max): (__m128i, __m128i) = (bytemuck::cast(min), bytemuck::cast(max));
+            let back: __m128i = bytemuck::cast(slabs.back);
+            let inverse = _mm256_loadu_pd(slabs.inverse.as_ptr());
+            let first = _mm256_sub_pd(
+                values(self, _mm_blendv_epi8(min, max, back)),
+                _mm256_loadu_pd(slabs.first.as_ptr()),
+            );
+            let last = _mm256_sub_pd(
+                values(self, _mm_blendv_epi8(max, min, back)),
+                _mm256_loadu_pd(slabs.last.as_ptr()),
+            );
+            // NaN falls to the second operand. The fourth axis is NaN always: zero times infinity.
+            let from = _mm256_max_pd(_mm256_mul_pd(first, inverse), _mm256_setzero_pd());
+            let to = _mm256_min_pd(_mm256_mul_pd(last, inverse), _mm256_set1_pd(far));
+            let from = _mm_max_pd(_mm256_castpd256_pd128(from), _mm256_extractf128_pd::<1>(from));
+            let to = _mm_min_pd(_mm256_castpd256_pd128(to), _mm256_extractf128_pd::<1>(to));
+            let from = _mm_max_sd(from, _mm_unpackhi_pd(from, from));
+            let to = _mm_min_sd(to, _mm_unpackhi_pd(to, to));
+            (_mm_cvtsd_f64(from), _mm_cvtsd_f64(to))
+        }
+    }
+
+    #[inline(always)]
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        // SAFETY: `self` proves AVX2; the walk's rows are four numbers each. Of the six keys of a box four are read, from the first
+        // one and from the third one on.
+        unsafe {
+            let [a, b] = nodes.map(|node| bytemuck::cast_ref::<KeyBox, [i32; 6]>(node).as_ptr());
+            // The low sides and one more, then one and the high sides.
+            let low = _mm256_loadu2_m128i(b.cast(), a.cast());
+            let high = _mm256_loadu2_m128i(b.add(2).cast(), a.add(2).cast());
+            let high = _mm256_shuffle_epi32::<0b11_11_10_01>(high);
+            let (low, high) = (floats(self, low), floats(self, high));
+            let back = _mm256_castsi256_ps(_mm256_broadcastsi128_si256(bytemuck::cast(walk.back)));
+            let first = _mm256_sub_ps(_mm256_blendv_ps(low, high, back), twice(self, &walk.first));
+            let last = _mm256_sub_ps(_mm256_blendv_ps(high, low, back), twice(self, &walk.last));
+            // NaN falls to the second operand.
+            let from = _mm256_max_ps(_mm256_mul_ps(first, twice(self, &walk.come)), _mm256_setzero_ps());
+            let to = _mm256_min_ps(_mm256_mul_ps(last, twice(self, &walk.leave)), _mm256_set1_ps(until));
+            // The first lane of each half takes the second one, and the third one.
+            let two = _mm256_max_ps(from, _mm256_permute_ps::<0b01>(from));
+            let from = _mm256_max_ps(two, _mm256_permute_ps::<0b10>(from));
+            let two = _mm256_min_ps(to, _mm256_permute_ps::<0b01>(to));
+            let to = _mm256_min_ps(two, _mm256_permute_ps::<0b10>(to));
+            let met = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_add_ps(to, _mm256_set1_ps(Walk::LEAST)));
+            let from = _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), from, met);
+            [_mm256_cvtss_f32(from), _mm_cvtss_f32(_mm256_extractf128_ps::<1>(from))]
+        }
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let (_, met) = met(self, records, crossing);
+        // SAFETY: `self` proves AVX2.
+        in_order(unsafe { _mm256_movemask_ps(met) })
+    }
+
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        let (times, met) = met(self, records, crossing);
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+            let times = _mm256_blendv_ps(_mm256_set1_ps(f32::NAN), times, met);
+            bytemuck::cast(_mm256_permutevar8x32_ps(times, order))
+        }
+    }
+
+    #[inline(always)]
+    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        let all: __m256i = bytemuck::cast(*numbers);
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let least = _mm256_min_epu32(all, _mm256_permute2x128_si256::<1>(all, all));
+            let least = _mm256_min_epu32(least, _mm256_shuffle_epi32::<0b01_00_11_10>(least));
+            let least = _mm256_min_epu32(least, _mm256_shuffle_epi32::<0b10_11_00_01>(least));
+            *numbers = bytemuck::cast(_mm256_or_si256(all, _mm256_cmpeq_epi32(all, least)));
+            _mm256_cvtsi256_si32(least) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn record(self, frame: &Frame, keys: __m256i, tag: u32) -> Record {
+        // SAFETY: `self` proves AVX2; the frame's rows are eight floats each.
+        unsafe {
+            let at = _mm256_sub_ps(floats(self, keys), _mm256_loadu_ps(frame.origin.as_ptr()));
+            let at = _mm256_mul_ps(at, _mm256_loadu_ps(frame.scale.as_ptr()));
+            // NaN falls to the second operand: zero.
+            let at = _mm256_min_ps(_mm256_max_ps(at, _mm256_setzero_ps()), _mm256_set1_ps(GRID_MAX));
+            let at = _mm256_cvttps_epi32(at);
+            let lanes = _mm_packus_epi32(_mm256_castsi256_si128(at), _mm256_extracti128_si256::<1>(at));
+            let lanes = _mm_xor_si128(lanes, _mm_setr_epi16(0, 0, 0, -1, -1, -1, 0, 0));
+            bytemuck::cast(_mm_insert_epi32::<3>(lanes, tag as i32))
+        }
+    }
+}

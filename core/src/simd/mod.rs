@@ -1,0 +1,257 @@
+//! What depends on the CPU, and all the `unsafe` of the core.
+//!
+//! A phase is written once, as a [`Phase`] that is generic over [`Simd`]; [`Kernels`](crate::Kernels) runs it
+//! compiled for one level. A level is a handful of operations on bytes, records and boxes, so that another CPU
+//! costs one small file. All levels give the same bytes.
+
+#[cfg(any(test, feature = "agreement"))]
+mod agreement;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod fours;
+pub(crate) mod kernels;
+pub(crate) mod scalar;
+
+use crate::access::Access;
+use crate::geometry::key::KeyBox;
+use crate::geometry::line::{Crossing, Slabs, Walk};
+use crate::geometry::record::{Frame, Record};
+use crate::id::{Index, Pair, pair};
+
+/// Bytes that a processor fetches at once.
+pub(crate) const CACHE_LINE: usize = 64;
+
+/// What two records of one leaf have to do with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Contact {
+    /// They touch on all axes, as far as the grid can tell. Conservative: apart is certain.
+    pub(crate) touches: bool,
+    /// Some two coordinates share a step of the grid, so that only the exact boxes can tell.
+    pub(crate) tied: bool,
+}
+
+/// Four bytes of a record: see [`Simd::row`].
+pub(crate) type Row = [u8; 4];
+
+/// Rows that are compared at a time: one bit each in a mask.
+pub(crate) const WINDOW: usize = 64;
+/// The same where records have few neighbours.
+pub(crate) const HALF: usize = WINDOW / 2;
+
+/// Records that are tested against a cast at a time.
+pub(crate) const EIGHT: usize = 8;
+
+/// What has become of candidates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sifted {
+    /// Pairs.
+    pub(crate) found: usize,
+    /// Candidates that only the keys can tell apart.
+    pub(crate) tied: usize,
+}
+
+impl Sifted {
+    /// Adds the candidate at an index: see [`Simd::sift`].
+    #[inline(always)]
+    pub(crate) fn add<S: Simd, I: Index>(
+        &mut self,
+        simd: S,
+        sorted: &[Record],
+        candidates: &mut [u32],
+        index: usize,
+        pairs: &mut [Pair<I>],
+    ) {
+        let candidate = candidates.at(index);
+        let a = sorted.at((candidate >> 16) as usize);
+        let b = sorted.at((candidate & 0xffff) as usize);
+        let contact = simd.contact(&a, &b);
+        // Records that share a mark belong to another leaf's report (erratum E9).
+        let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
+        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        pairs.put(self.found, pair::<I>(a.slot(), b.slot()));
+        self.found += usize::from(ours & !contact.tied);
+        candidates.put(self.tied, candidate);
+        self.tied += usize::from(ours & contact.tied);
+    }
+}
+
+/// The operations of one instruction set. A value of the type is the proof that the CPU has it.
+pub(crate) trait Simd: Copy + Send + Sync {
+    /// The six keys of a box, three minima and three maxima.
+    type Keys: Copy;
+
+    /// Where a row's bytes are in a record.
+    type Axis: Copy;
+
+    /// What rows are compared with.
+    type Query: Copy;
+
+    /// Runs a phase compiled for this level, as a call: what it needs takes no registers from its caller's loops.
+    fn call<P: Phase>(self, phase: P) -> P::Output;
+
+    /// The keys of a box.
+    fn keys(self, bounds: &KeyBox) -> Self::Keys;
+
+    /// The box of some keys.
+    fn bounds(self, keys: Self::Keys) -> KeyBox;
+
+    /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
+
+    /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
+    fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
+
+    /// As [`KeyBox::overlaps`].
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
+
+    /// Asks for an item that is needed soon, where there is one.
+    fn prefetch<T>(self, items: &[T], index: usize);
+
+    /// Asks for `N` items from a position on, a cache line at a time.
+    #[inline(always)]
+    fn prefetch_from<const N: usize, T>(self, items: &[T], start: usize) {
+        for offset in (0..N).step_by(CACHE_LINE / size_of::<T>()) {
+            self.prefetch(items, start + offset);
+        }
+    }
+
+    /// Whether all keys are the same.
+    fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
+
+    /// The lower of each two keys.
+    fn lower(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
+
+    /// The upper of each two keys.
+    fn upper(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
+
+    /// Whether the two keys of some axis are less than four apart.
+    fn narrow(self, keys: Self::Keys) -> bool;
+
+    /// Prepares the rows of a sweep along an axis.
+    fn axis(self, axis: usize) -> Self::Axis;
+
+    /// The row of a record: the high bytes of the complemented minimum and the maximum on each of the two other axes.
+    fn row(self, axis: Self::Axis, record: &Record) -> Row;
+
+    /// Prepares a comparison of rows with a record: the high bytes of its complemented maximum and its minimum on each of the
+    /// two other axes, which are at most those of the rows that it touches there.
+    fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
+
+    /// The first `count` rows, at most all, whose bytes are all at least the query's: bit `i` for row `i`.
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
+
+    /// As [`window`](Self::window), for half as many rows.
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: Self::Query) -> u32;
+
+    /// Compares the record at `base >> 16` with four others: those at `base & 0xffff` and the lowest four bits of a mask. Puts the
+    /// pairs of those that touch and share no mark at the start of `pairs`, in their order, and returns how many they are. What
+    /// stands behind these means nothing. `None` where only the keys can tell for one of the four, touch or not, and where
+    /// there are no four.
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        let a = sorted.get((base >> 16) as usize)?;
+        let (mut found, mut rest) = (0, bits);
+        for _ in 0..4 {
+            let b = sorted.get((base & 0xffff).wrapping_add(rest.trailing_zeros()) as usize)?;
+            rest &= rest.wrapping_sub(1);
+            let contact = self.contact(a, b);
+            if contact.tied {
+                return None;
+            }
+            pairs.put(found, pair::<I>(a.slot(), b.slot()));
+            found += usize::from(contact.touches & (a.tag & b.tag & !Record::SLOT == 0));
+        }
+        Some(found)
+    }
+
+    /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
+    /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can
+    /// tell apart at the start of `candidates`. What stands behind these means nothing. `pairs` has a place for each candidate.
+    #[inline(always)]
+    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
+        let mut sifted = Sifted::default();
+        for index in 0..candidates.len() {
+            sifted.add(self, sorted, candidates, index, pairs);
+        }
+        sifted
+    }
+
+    /// Compares two records.
+    fn contact(self, a: &Record, b: &Record) -> Contact;
+
+    /// Which of some records touch the one whose [`limit`] this is: bit `i` for record `i`.
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32;
+
+    /// From where and to where a line is inside a box, of the way from zero to `far`; outside of it where the first number
+    /// is above the second. Only the first three axes count.
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
+
+    /// When a cast comes to the boxes of two nodes, of the time from zero to `until`, or NaN where it does not. Their sides are
+    /// numbers.
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2];
+
+    /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
+
+    /// When a cast comes to each of some records of a leaf, or NaN for those that it cannot touch.
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
+
+    /// Takes the least of some numbers out; wherever it was, the greatest number stands then. Returns it.
+    #[inline(always)]
+    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));
+        for number in numbers {
+            *number |= if *number == least { u32::MAX } else { 0 };
+        }
+        least
+    }
+
+    /// A box on the grid of a leaf.
+    fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;
+}
+
+/// Bits of a mask that speak of minima, and of maxima.
+pub(crate) const MINIMA: u32 = 0b111;
+pub(crate) const MAXIMA: u32 = 0b111 << 3;
+
+/// The lanes that a row comes from, complemented.
+#[inline(always)]
+const fn row_lanes(axis: usize) -> [usize; 4] {
+    match axis {
+        0 => [1, 4, 2, 5],
+        1 => [2, 5, 0, 3],
+        _ => [0, 3, 1, 4],
+    }
+}
+
+/// The lanes that a query comes from.
+#[inline(always)]
+const fn query_lanes(axis: usize) -> [usize; 4] {
+    let [a, b, c, d] = row_lanes(axis);
+    [b, a, d, c]
+}
+
+/// What another record's lanes must not exceed for it to touch this one: the maxima, then the complemented minima.
+/// The tag's lanes exclude nothing.
+#[inline(always)]
+pub(crate) fn limit(record: &Record) -> Record {
+    let [x0, y0, z0, x1, y1, z1] = record.lanes.map(|lane| !lane);
+    Record { lanes: [x1, y1, z1, x0, y0, z0], tag: u32::MAX }
+}
+
+/// A piece of a step that is compiled once for each level.
+pub(crate) trait Phase {
+    /// What it returns.
+    type Output;
+    /// Does the work. Inline, so that it takes on the instruction set of its caller.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}

@@ -1,0 +1,194 @@
+//! The level that every CPU has. Also the definition of what each operation means.
+
+use super::{Contact, EIGHT, HALF, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
+use crate::access::Access;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::key::{KeyBox, value};
+use crate::geometry::line::{Crossing, Slabs, Walk};
+use crate::geometry::record::{Frame, GRID_MAX, Record};
+
+/// No more than the target's baseline.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scalar;
+
+/// A bit for each of the first rows whose bytes are all at least the query's.
+#[inline(always)]
+fn inside(rows: &[Row], count: usize, query: Row) -> u64 {
+    // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
+    const HIGH: u32 = 0x8080_8080;
+    let query = u32::from_ne_bytes(query);
+    let mut mask = 0;
+    for (index, row) in rows.iter().take(count).enumerate() {
+        let row = u32::from_ne_bytes(*row);
+        let rest = (row | HIGH) - (query & !HIGH);
+        // High bits that differ decide, else the bits below them.
+        let inside = (row & !query) | (!(row ^ query) & rest);
+        mask |= u64::from(inside & HIGH == HIGH) << index;
+    }
+    mask
+}
+
+impl Simd for Scalar {
+    type Keys = KeyBox;
+
+    type Axis = usize;
+
+    type Query = Row;
+
+    #[inline(never)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        phase.run(self)
+    }
+
+    #[inline(always)]
+    fn keys(self, bounds: &KeyBox) -> KeyBox {
+        *bounds
+    }
+
+    #[inline(always)]
+    fn bounds(self, keys: KeyBox) -> KeyBox {
+        keys
+    }
+
+    #[inline(always)]
+    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<KeyBox> {
+        // Word by word: a copy of twelve bytes would be a call.
+        let corner = |b: &[u8; 12]| {
+            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
+            [word(0), word(4), word(8)]
+        };
+        KeyBox::from_aabb(&Aabb { min: corner(min), max: corner(max) })
+    }
+
+    #[inline(always)]
+    fn above(self, a: KeyBox, b: KeyBox) -> u32 {
+        let mut mask = 0;
+        for k in 0..3 {
+            mask |= u32::from(a.min[k] > b.min[k]) << k;
+            mask |= u32::from(a.max[k] > b.max[k]) << (3 + k);
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        a.overlaps(b)
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, _: &[T], _: usize) {}
+
+    #[inline(always)]
+    fn same(self, a: KeyBox, b: KeyBox) -> bool {
+        // Not with `==`, which would be a call.
+        let differs = |k: usize| (a.min[k] ^ b.min[k]) | (a.max[k] ^ b.max[k]);
+        differs(0) | differs(1) | differs(2) == 0
+    }
+
+    #[inline(always)]
+    fn lower(self, a: KeyBox, b: KeyBox) -> KeyBox {
+        let each = |a: [i32; 3], b: [i32; 3]| [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])];
+        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
+    }
+
+    #[inline(always)]
+    fn upper(self, a: KeyBox, b: KeyBox) -> KeyBox {
+        let each = |a: [i32; 3], b: [i32; 3]| [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])];
+        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
+    }
+
+    #[inline(always)]
+    fn narrow(self, keys: KeyBox) -> bool {
+        keys.is_narrow()
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> usize {
+        axis
+    }
+
+    #[inline(always)]
+    fn row(self, axis: usize, record: &Record) -> Row {
+        row_lanes(axis).map(|lane| (!record.lanes.at(lane) >> 8) as u8)
+    }
+
+    #[inline(always)]
+    fn query(self, axis: usize, record: &Record) -> Row {
+        query_lanes(axis).map(|lane| (record.lanes.at(lane) >> 8) as u8)
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
+        inside(rows, count, query)
+    }
+
+    #[inline(always)]
+    fn half_window(self, rows: &[Row; HALF], count: usize, query: Row) -> u32 {
+        inside(rows, count, query) as u32
+    }
+
+    #[inline(always)]
+    fn contact(self, a: &Record, b: &Record) -> Contact {
+        let (mut touches, mut tied) = (true, false);
+        for k in 0..6 {
+            // b's maximum against a's minimum, then b's complemented minimum against a's complemented maximum.
+            let limit = !b.lanes[(k + 3) % 6];
+            touches &= a.lanes[k] <= limit;
+            tied |= a.lanes[k] == limit;
+        }
+        Contact { touches, tied }
+    }
+
+    #[inline(always)]
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        let mut mask = 0;
+        for (index, record) in records.iter().enumerate() {
+            let mut inside = true;
+            for k in 0..6 {
+                inside &= record.lanes[k] <= limit.lanes[k];
+            }
+            mask |= u32::from(inside) << index;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+        slabs.span(min, max, far)
+    }
+
+    #[inline(always)]
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        walk.enter(nodes, until)
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let times = self.met(records, crossing).into_iter().enumerate();
+        times.fold(0, |mask, (index, time)| mask | u32::from(!time.is_nan()) << index)
+    }
+
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        let mut times = [f32::NAN; EIGHT];
+        for (time, record) in times.iter_mut().zip(records) {
+            *time = crossing.met(record);
+        }
+        times
+    }
+
+    #[inline(always)]
+    fn record(self, frame: &Frame, bounds: KeyBox, tag: u32) -> Record {
+        let step = |k: usize, x: i32| {
+            let at = (value(x) - frame.origin[k]) * frame.scale[k];
+            // The cast takes NaN (an infinite coordinate times a zero scale) to zero, as the vectors do.
+            at.clamp(0.0, GRID_MAX) as u16
+        };
+        let mut lanes = [0; 6];
+        for k in 0..3 {
+            lanes[k] = step(k, bounds.min[k]);
+            lanes[3 + k] = !step(k, bounds.max[k]);
+        }
+        Record { lanes, tag }
+    }
+}

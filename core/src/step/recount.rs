@@ -1,0 +1,201 @@
+//! Whether pairs that came from a snapshot are all that there are: looked at by the first step that would keep them, and not
+//! when it is loaded, as a step has kernels, workers and the rule. If they are not, the step finds all pairs anew.
+//!
+//! Each of these pairs has been checked by itself. That none is missing and none there twice is seen from sums over all of them
+//! and over all overlaps, 64 mixed bits of each, as there is no room to write them down a second time.
+
+use crate::access::{Access, bits};
+use crate::filter::Rule;
+use crate::geometry::key::KeyBox;
+use crate::id::{Index, Pair, pair};
+use crate::memory::layout::ONE_LEAF;
+use crate::memory::slab::Parts;
+use crate::memory::state::{Path, Route};
+use crate::pairs::carry::is_clear_of;
+use crate::pairs::gate::{Gate, Gated};
+use crate::parallel::context::StepContext;
+use crate::step;
+use crate::sweep::leaves::Grove;
+use crate::sweep::movers::SweepMovers;
+use crate::sweep::{Collector, Sink};
+use crate::tree::Leaf;
+
+/// The fewest objects in a block of work.
+const OBJECTS_PER_BLOCK: usize = 64;
+
+/// A sum over pairs, in any order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sum {
+    count: u64,
+    /// Of the halves of 64 bits, so that no sum is too much.
+    low: u64,
+    high: u64,
+}
+
+impl Sum {
+    /// Adds a pair, the lower slot first.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, [a, b]: [u32; 2]) {
+        // Of SplitMix64, which has every bit of a number change each bit of the result for half of the numbers.
+        let mut bits = (u64::from(a) << 32 | u64::from(b)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        self.count += 1;
+        self.low += bits & 0xffff_ffff;
+        self.high += bits >> 32;
+    }
+}
+
+/// The path of a step after a load, by what it would keep.
+// Few steps come here: their frames do not hold what this takes.
+#[cold]
+#[inline(never)]
+pub(crate) fn prove<I: Index>(
+    parts: &mut Parts<'_, I>,
+    route: Route,
+    moved: u32,
+    means: StepContext<'_>,
+) -> Route {
+    parts.state.unproven = 0;
+    if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, means) {
+        return route;
+    }
+    // As after a step whose pairs cannot be kept.
+    parts.state.without_surplus = 1;
+    step::choose(parts, moved)
+}
+
+/// The same at once, where worlds are small and no rule can have a say: so steps need no code for it.
+pub(crate) fn prove_at_once<I: Index>(parts: &mut Parts<'_, I>) {
+    parts.state.unproven = 0;
+    let known = carried(parts);
+    if one_by_one(parts, None) != known {
+        parts.state.without_surplus = 1;
+    }
+}
+
+/// The pairs that a step would keep.
+pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
+    let mut sum = Sum::default();
+    for pair in parts.output.pairs.span(0, parts.state.swept_pairs as usize) {
+        if is_clear_of(parts.moved.words, pair) {
+            sum.add(pair.map(Index::slot));
+        }
+    }
+    sum
+}
+
+/// Whether the pairs that a step would keep are all that there are.
+fn is_all<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> bool {
+    let known = carried(parts);
+    if !means.is_small() && parts.state.filled != 0 {
+        return in_tree(parts, means) == known;
+    }
+    // With more objects there is a tree, or a step that keeps nothing.
+    parts.state.live as usize <= ONE_LEAF && one_by_one(parts, means.rule) == known
+}
+
+/// All overlaps of few objects that have not moved.
+fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Sum {
+    let Parts { state, boxes, moved, order, filters, .. } = parts;
+    // What was loaded has no lists.
+    state.stale_lists = 1;
+    let boxes = boxes.swept();
+    let list = &mut *order[0];
+    let mut count = 0;
+    for slot in 0..state.slots as usize {
+        if !boxes.at(slot).is_empty() && !bits::test(moved.words, slot) {
+            list.put(count, I::from_slot(slot as u32));
+            count += 1;
+        }
+    }
+    let gate = Gate::new(filters, rule);
+    let mut sum = Sum::default();
+    let mut rest = list.span(0, count);
+    while let Some((a, others)) = rest.split_first() {
+        let bounds = KeyBox::of(boxes, a.at());
+        for b in others {
+            let pair: Pair<I> = pair(a.slot(), b.slot());
+            let overlaps = KeyBox::of(boxes, b.at()).overlaps(bounds);
+            if overlaps && gate.is_none_or(|gate| gate.lets_through(&pair)) {
+                sum.add(pair.map(Index::slot));
+            }
+        }
+        rest = others;
+    }
+    sum
+}
+
+/// All overlaps of the tree's objects that have not moved: each is tested as if it had.
+fn in_tree<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> Sum {
+    let [list, _, homes] = &mut parts.order;
+    let mut count = 0;
+    let mut add = |slot: u32, home: I| {
+        if !bits::test(parts.moved.words, slot as usize) {
+            list.put(count, I::from_slot(slot));
+            homes.put(count, home);
+            count += 1;
+        }
+    };
+    for leaf in 0..parts.state.leaves() {
+        let Leaf { start, len, .. } = parts.tree.leaves.at(leaf as usize);
+        for record in parts.tree.records.span(start as usize, len as usize) {
+            add(record.slot(), I::from_slot(leaf));
+        }
+    }
+    for front in parts.tree.fronts.span(parts.state.large_start as usize, parts.state.large as usize) {
+        add(front.slot, I::LARGE);
+    }
+    // What was loaded has no lists, and so no marks of who is in them: here, everybody is.
+    parts.state.stale_lists = 1;
+    parts.listed.fill(u32::MAX);
+    let per_block = count.div_ceil(parts.state.most_blocks()).max(OBJECTS_PER_BLOCK);
+    let [list, _, homes] = &parts.order;
+    let (list, homes) = (list.span(0, count), homes.span(0, count));
+    let (everybody, moved) = (&*parts.listed, &*parts.moved.words);
+    let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let gate = Gate::new(&parts.filters, means.rule);
+    let from = parts.output.pairs.len() as u64;
+    let mut collector = Collector::new(&mut parts.output, &parts.sizes, None);
+    // From the end of the buffer, where there is no room, pairs are only counted.
+    let blocks = count.div_ceil(per_block);
+    let (end, work) = collector.collect(means.executor, from, blocks, &|block, scratch, sink| {
+        let start = block * per_block;
+        let len = per_block.min(count - start);
+        let (movers, homes) = (list.span(start, len), homes.span(start, len));
+        let mut summing = Summing { moved, sum: Sum::default(), sink };
+        let sink: &mut dyn Sink<I> = match &gate {
+            Some(gate) => &mut Gated { gate, sink: &mut summing },
+            None => &mut summing,
+        };
+        means.kernels.run(SweepMovers { grove: &grove, moved: everybody, movers, homes, scratch, sink });
+        // Nobody asks for what else is counted there.
+        scratch.copies += summing.sum.low;
+        scratch.bench.tied += summing.sum.high;
+    });
+    parts.listed.fill(0);
+    Sum { count: end - from, low: work.copies, high: work.tied }
+}
+
+/// Adds up the pairs of those who have not moved, and passes them on.
+struct Summing<'s, I> {
+    moved: &'s [u32],
+    sum: Sum,
+    sink: &'s mut dyn Sink<I>,
+}
+
+impl<I: Index> Sink<I> for Summing<'_, I> {
+    fn take(&mut self, pairs: &mut [Pair<I>]) {
+        let mut kept = 0;
+        for index in 0..pairs.len() {
+            let pair = pairs.at(index);
+            pairs.put(kept, pair);
+            if is_clear_of(self.moved, &pair) {
+                self.sum.add(pair.map(Index::slot));
+                kept += 1;
+            }
+        }
+        self.sink.take(pairs.span_mut(0, kept));
+    }
+}

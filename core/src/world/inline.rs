@@ -1,0 +1,54 @@
+//! A world with memory of its own.
+
+use super::World;
+use crate::config::Config;
+use crate::error::Error;
+use crate::id::Index;
+use bytemuck::Zeroable;
+
+/// A world that brings its own memory: for statics, structs and stacks.
+///
+/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. The
+/// value is all zero until [`init`](Self::init), so a static lands in `.bss`.
+///
+/// ```
+/// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
+///
+/// const CONFIG: Config = Config::new(Capacity { objects: 64, leaf_refs: 0, pairs: 256 });
+/// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+///
+/// let mut memory = InlineWorld::<BYTES>::EMPTY;
+/// let mut world = memory.init::<u16>(&CONFIG)?;
+/// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// # Ok::<(), trisap_core::Error>(())
+/// ```
+#[repr(C, align(64))]
+#[derive(Clone, Debug)]
+pub struct InlineWorld<const BYTES: usize>([u8; BYTES]);
+
+impl<const BYTES: usize> InlineWorld<BYTES> {
+    /// No world yet: all zero.
+    pub const EMPTY: Self = Self([0; BYTES]);
+
+    /// Makes an empty world, whatever was there before.
+    ///
+    /// # Errors
+    /// [`Error::SlabTooSmall`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    pub fn init<I: Index>(&mut self, config: &Config) -> Result<World<'_, I>, Error> {
+        World::new_in(&mut self.0, config)
+    }
+
+    /// The world that [`init`](Self::init) made.
+    ///
+    /// # Errors
+    /// [`Error::NotAWorld`] before that, or where the index width differs.
+    pub fn world<I: Index>(&mut self) -> Result<World<'_, I>, Error> {
+        World::open(&mut self.0)
+    }
+}
+
+impl<const BYTES: usize> Default for InlineWorld<BYTES> {
+    fn default() -> Self {
+        Self(Zeroable::zeroed())
+    }
+}

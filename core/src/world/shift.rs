@@ -1,0 +1,93 @@
+//! Moves the origin of a world, so that its boxes are near it, where `f32` is fine.
+
+use crate::access::Access;
+use crate::error::Error;
+use crate::geometry::aabb::{Aabb, round_down, round_up, widened};
+use crate::geometry::key::{KeyBox, key};
+use crate::id::Index;
+use crate::world::World;
+
+impl<I: Index> World<'_, I> {
+    /// Moves the origin to the point `by`: subtracts it from all boxes. From then on boxes are given relative to the new
+    /// origin. The next step finds the pairs in the leaves of a new tree; it takes as long as the first one. O(n).
+    ///
+    /// Where a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
+    /// Returns the number of objects that this befell. Shifts of which all differences are `f32`s, such as those by
+    /// multiples of the finest step of all coordinates, return zero, and pairs and events are as if nothing had
+    /// happened. Infinite bounds stay infinite, and bounds that leave the range of `f32` become so outwards.
+    ///
+    /// Fat boxes are shifted as they are, not anchored anew, so that in [`Mode::Fat`](crate::Mode::Fat) a shift alone does not
+    /// change the pairs either, but for fat boxes that are rounded; these are not counted.
+    ///
+    /// To win back precision that boxes have lost far from the origin, give them again from `f64` after the shift:
+    ///
+    /// ```
+    /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
+    ///
+    /// const CONFIG: Config = Config::new(Capacity { objects: 16, leaf_refs: 0, pairs: 64 }).with_events();
+    /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+    ///
+    /// // A metre apart, a million kilometres out.
+    /// let cube = |x: f64, origin: f64| Aabb::from_f64([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0], [origin, 0.0, 0.0]);
+    /// let mut memory = InlineWorld::<BYTES>::EMPTY;
+    /// let mut world = memory.init::<u16>(&CONFIG)?;
+    /// let ids = [world.insert(cube(1e9, 0.0))?, world.insert(cube(1e9 + 2.0, 0.0))?];
+    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.pairs(), [[0, 1]]);
+    ///
+    /// assert_eq!(world.shift_origin([1e9, 0.0, 0.0])?, 0);
+    /// assert!(world.step(Kernels::BASELINE, &Serial)?.lost().is_empty());
+    /// world.set_aabb(ids[0], cube(1e9, 1e9))?;
+    /// world.set_aabb(ids[1], cube(1e9 + 2.0, 1e9))?;
+    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.lost(), [[0, 1]]);
+    /// # Ok::<(), trisap_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::BadShift`] where a part of `by` is not finite.
+    pub fn shift_origin(&mut self, by: [f64; 3]) -> Result<u32, Error> {
+        if !by.iter().all(|x| x.is_finite()) {
+            return Err(Error::BadShift);
+        }
+        let parts = &mut self.parts;
+        let mut rounded = 0;
+        for slot in 0..parts.state.slots as usize {
+            let now = parts.boxes.now.at(slot);
+            if now.is_empty() {
+                continue;
+            }
+            let (now, exact) = shifted(now, by);
+            parts.boxes.now.put(slot, now);
+            // Rounding keeps the order of numbers, so that the fat box still holds the box.
+            if let Some(fat) = parts.boxes.fat.get_mut(slot) {
+                (*fat, _) = shifted(*fat, by);
+            }
+            rounded += u32::from(!exact);
+            parts.moved.set(slot);
+            // The boxes of the last complete step are compared with each other alone. They stay as they are, which
+            // keeps the events exact where boxes are rounded, and the next complete step replaces all of them.
+            parts.changed.set(slot);
+        }
+        // Planes and records are those of the old origin.
+        parts.state.touched = 1;
+        parts.state.planted = 0;
+        parts.state.settled = 0;
+        parts.state.filled = 0;
+        Ok(rounded)
+    }
+}
+
+/// The least box that holds a box seen from another origin, and whether it is exactly that box.
+fn shifted(bounds: KeyBox, by: [f64; 3]) -> (KeyBox, bool) {
+    let Aabb { min, max } = bounds.to_aabb();
+    let (mut low, mut high) = (min, max);
+    let mut exact = true;
+    for k in 0..3 {
+        let (min, max) = (widened(min[k]), widened(max[k]));
+        low[k] = round_down(min, by[k]);
+        high[k] = round_up(max, by[k]);
+        // Keys, since a host may take two denormals for equal.
+        exact &= key(low[k]) == key(round_up(min, by[k])) && key(high[k]) == key(round_down(max, by[k]));
+    }
+    // Never NaN, and never out of order, as nothing is infinite in `by`.
+    (KeyBox::from_aabb(&Aabb::new(low, high)).unwrap_or(bounds), exact)
+}

@@ -1,0 +1,85 @@
+//! The tree to look at: what a debug view draws.
+
+use crate::access::Access;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
+use crate::id::{Id, Index};
+use crate::tree::{UNSPLIT, axis_of, key_of};
+use crate::world::World;
+
+/// A leaf of the tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeafView {
+    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    pub cell: Aabb,
+    /// The objects that were in it at the last step.
+    pub objects: u32,
+}
+
+/// A plane of the tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneView {
+    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    pub axis: usize,
+    /// Where it stands on that axis.
+    pub position: f32,
+    /// The part of space that it divides; infinite at the rim.
+    pub cell: Aabb,
+    /// How many planes are above it.
+    pub depth: u32,
+}
+
+/// What the tree of the last step looks like; nothing where there is none.
+impl<I: Index> World<'_, I> {
+    /// The leaves, from left to right. O(leaves).
+    pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
+        let tree = &self.parts.tree;
+        (0..self.leaf_count()).map(|leaf| {
+            let cell = tree.cells.at(leaf);
+            let cell = KeyBox { min: cell.low(), max: cell.high() };
+            LeafView { cell: shown(cell), objects: tree.leaves.at(leaf).len }
+        })
+    }
+
+    /// The planes that divide a node, from the root down. O(leaves log leaves).
+    pub fn planes(&self) -> impl Iterator<Item = PlaneView> + '_ {
+        let planes = &*self.parts.tree.planes;
+        let state = &*self.parts.state;
+        let divides = move |node: usize| {
+            // The planes in a leaf that is still whole divide nothing yet.
+            let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.depth);
+            let whole = |levels| !state.is_refined((node >> levels) - (1 << state.depth));
+            key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
+        };
+        (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {
+            let depth = usize::BITS - 1 - node.leading_zeros();
+            let mut cell = KeyBox { min: [i32::MIN; 3], max: [i32::MAX; 3] };
+            for level in (0..depth).rev() {
+                let plane = planes.at(node >> (level + 1));
+                let (axis, key) = (axis_of(plane), key_of(plane));
+                if node >> level & 1 == 1 {
+                    cell.min[axis] = cell.min[axis].max(key);
+                } else {
+                    cell.max[axis] = cell.max[axis].min(key);
+                }
+            }
+            let plane = planes.at(node);
+            PlaneView { axis: axis_of(plane), position: value(key_of(plane)), cell: shown(cell), depth }
+        })
+    }
+
+    /// The objects that live in the large-object list instead of a leaf. O(large objects).
+    pub fn large(&self) -> impl Iterator<Item = Id> + '_ {
+        self.large_in_tree().filter_map(|slot| self.id_of(slot))
+    }
+
+    fn leaf_count(&self) -> usize {
+        if self.has_tree() { self.parts.state.leaves() as usize } else { 0 }
+    }
+}
+
+/// Sides beyond all floats are infinite.
+fn shown(cell: KeyBox) -> Aabb {
+    let shown = |key: i32| key.clamp(NEGATIVE_INFINITY, POSITIVE_INFINITY);
+    KeyBox { min: cell.min.map(shown), max: cell.max.map(shown) }.to_aabb()
+}
