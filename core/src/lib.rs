@@ -70,12 +70,12 @@ mod world;
 
 pub use config::{Capacity, Choice, Config, Margin, Mode};
 pub use error::{Error, Rejected};
-pub use parallel::executor::{Executor, Serial, Stage};
 pub use filter::{Filter, Rule};
 pub use geometry::aabb::{Aabb, Boxes};
 pub use id::{Id, Index, Pair};
 pub use memory::layout::{Layout, layout};
 pub use memory::state::{Path, Reason, Stats};
+pub use parallel::executor::{Executor, Serial, Stage};
 #[cfg(target_has_atomic = "32")]
 pub use parallel::offer::Offer;
 pub use query::{Cast, Hit, Region};

@@ -80,9 +80,9 @@ cp -r ../../Cargo.toml ../../core "$work/copy"
 cp -r ../recordings "$work/copy/tests"
 mkdir "$work/copy/tests/emulated"
 cp -r Cargo.toml Cargo.lock build.rs machine.ld src "$work/copy/tests/emulated"
-kernel=$work/copy/core/src/arch/avx512.rs
+kernel=$work/copy/core/src/simd/avx512.rs
 sed -i -e 's/_mm512_subs_epu8/_mm512_subs_epi8/' -e 's/count.min(WINDOW)/count.min(WINDOW - 1)/' -e 's/count.min(HALF)/count.min(HALF - 1)/' "$kernel"
-[ "$(diff ../../core/src/arch/avx512.rs "$kernel" | grep -c '^>')" = 3 ]
+[ "$(diff ../../core/src/simd/avx512.rs "$kernel" | grep -c '^>')" = 3 ]
 rom "$work/copy/tests/emulated" "$target" wrong
 boot corei7_icelake_u wrong
 found=$(sed -n 's/^operations of avx512 .*: \(.*\)\.$/\1/p' "$work/output" | tr ' ' '\n' | sort | xargs)

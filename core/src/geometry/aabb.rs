@@ -1,6 +1,6 @@
 //! Boxes as callers give them, and views of boxes in callers' memory.
 
-use crate::geometry::key::KeyBox;
+use super::key::{KeyBox, key, value};
 use bytemuck::{Pod, Zeroable};
 
 /// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
@@ -286,6 +286,21 @@ impl<'a> Boxes<'a> {
 impl<'a> From<&'a [Aabb]> for Boxes<'a> {
     fn from(boxes: &'a [Aabb]) -> Self {
         Self::new(boxes)
+    }
+}
+
+impl KeyBox {
+    /// The keys of a box, or `None` where it has NaN in it or a minimum above its maximum.
+    #[inline(always)]
+    pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
+        let [a, b, c] = aabb.min;
+        let [d, e, f] = aabb.max;
+        let keys = Self { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
+        keys.is_valid().then_some(keys)
+    }
+
+    pub(crate) fn to_aabb(self) -> Aabb {
+        Aabb { min: self.min.map(value), max: self.max.map(value) }
     }
 }
 

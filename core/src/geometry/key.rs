@@ -5,7 +5,6 @@
 //! one to one, but for -0.0, which becomes 0.0 on the way in.
 
 use crate::access::note_fault;
-use crate::geometry::aabb::Aabb;
 use bytemuck::{Pod, Zeroable};
 
 /// The key of +infinity, the largest that a box can hold.
@@ -98,15 +97,6 @@ impl KeyBox {
         self.min[1] as u32
     }
 
-    /// The keys of a box, or `None` where it has NaN in it or a minimum above its maximum.
-    #[inline(always)]
-    pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
-        let [a, b, c] = aabb.min;
-        let [d, e, f] = aabb.max;
-        let keys = Self { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
-        keys.is_valid().then_some(keys)
-    }
-
     /// Whether these are the keys of a box.
     #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
@@ -115,10 +105,6 @@ impl KeyBox {
             self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
         };
         !(wrong(0) || wrong(1) || wrong(2))
-    }
-
-    pub(crate) fn to_aabb(self) -> Aabb {
-        Aabb { min: self.min.map(value), max: self.max.map(value) }
     }
 
     #[inline(always)]
@@ -213,6 +199,7 @@ impl KeyBox {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::aabb::Aabb;
 
     #[test]
     fn keys_keep_the_order_of_floats() {

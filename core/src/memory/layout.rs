@@ -4,8 +4,11 @@
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
 use super::leaf::{Cell, Front, Leaf};
+use super::limits::{
+    CHUNK, FINER, LEAF_TARGET, LEAVES_PER_BLOCK, ONE_LEAF, SLOT_BLOCKS, SMALL, TINY, tally_row,
+};
 use super::scratch;
-use super::slot_set::{GROUP, Marks};
+use super::slot_set::Marks;
 use super::state::State;
 use super::strips::{Member, Planes};
 use crate::access::bits;
@@ -27,35 +30,6 @@ pub struct Layout {
 
 /// A cache line; also more than any item asks for.
 pub(crate) const ALIGN: usize = CACHE_LINE;
-
-/// Worlds for up to this many objects are lean, and swept where their boxes are.
-pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
-/// Lean worlds have at most this many objects.
-pub(crate) const SMALL: usize = 256;
-/// Up to this many objects are swept straight from a sorted list, without a tree. For random sequences of operations trees begin
-/// early, as they need many small worlds that take all paths.
-pub(crate) const ONE_LEAF: usize = if cfg!(fuzzing) { 16 } else { 512 };
-/// Objects that a leaf should have at most when planes are new.
-pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
-/// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
-/// few objects here and there.
-pub(crate) const FINER: u32 = 3;
-/// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
-/// divided into.
-pub(crate) const ROOM: u32 = 4 << FINER;
-/// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
-pub(crate) const SLOT_BLOCKS: usize = 32;
-/// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.
-const SLOTS_PER_BLOCK: usize = GROUP;
-/// Leaves in a block of the passes over all leaves, in a full step.
-pub(crate) const LEAVES_PER_BLOCK: usize = 2;
-/// Pairs that parallel workers write at a time.
-pub(crate) const CHUNK: usize = 512;
-
-/// Slots in a block of the passes over so many.
-pub(crate) fn block_len(slots: usize) -> usize {
-    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
-}
 
 /// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
 /// space or the number of workers (1 to 32) does not allow it, or where the margin is not valid.
@@ -215,11 +189,6 @@ impl Sizes {
     }
 }
 
-/// Entries of one block's tally at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
-pub(crate) const fn tally_row(depth: u32) -> usize {
-    (2 << depth) + 1
-}
-
 /// Adds up sections, each on its own cache line.
 struct Plan {
     bytes: Option<usize>,
@@ -244,18 +213,5 @@ pub(crate) const fn section<T>(count: usize) -> Option<usize> {
     match count.checked_mul(size_of::<T>()) {
         Some(bytes) => bytes.checked_next_multiple_of(ALIGN),
         None => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_are_few_and_whole() {
-        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
-            let len = block_len(slots);
-            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(GROUP), "{slots}: {len}");
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod layout;
 pub(crate) mod leaf;
+pub(crate) mod limits;
 pub(crate) mod scratch;
 pub(crate) mod slab;
 pub(crate) mod slot_set;

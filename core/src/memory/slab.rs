@@ -1,7 +1,8 @@
 //! The slab of a world, carved into slices.
 
-use super::layout::{ALIGN, CHUNK, Sizes, layout, section};
+use super::layout::{ALIGN, Sizes, layout, section};
 use super::leaf::{Cell, Front, Leaf};
+use super::limits::CHUNK;
 use super::scratch;
 use super::slot_set::Marks;
 use super::state::State;
@@ -98,7 +99,7 @@ pub(crate) struct TreeParts<'m> {
     pub(crate) records: &'m mut [Record],
     /// The leaves' fronts, one after another, and behind them the large-object list.
     pub(crate) fronts: &'m mut [Front],
-    /// A row for each block of slots: see [`tally_row`](crate::memory::layout::tally_row). Between two fills, where the movers of
+    /// A row for each block of slots: see [`tally_row`](crate::memory::limits::tally_row). Between two fills, where the movers of
     /// each leaf end.
     pub(crate) tally: &'m mut [u32],
 }

@@ -1,6 +1,6 @@
 //! The few numbers of a world that are not arrays, and the statistics of a step.
 
-use super::layout::{FINER, LEAVES_PER_BLOCK};
+use super::limits::{FINER, LEAVES_PER_BLOCK};
 use super::scratch::Work;
 use crate::config::{Capacity, Choice, Config, Margin, Mode};
 use crate::geometry::extent::Extent;

@@ -3,7 +3,7 @@
 use crate::access::Access;
 use crate::geometry::aabb::Boxes;
 use crate::id::Index;
-use crate::memory::layout::{SLOT_BLOCKS, block_len};
+use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::{FatBoxes, Motions, Objects};
 use crate::parallel::claim::{Chunks, Claims};

@@ -10,7 +10,7 @@ use crate::config::Mode;
 use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::layout::block_len;
+use crate::memory::limits::block_len;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::slot_set::Marks;
 use crate::pairs::carry::is_clear_of;

@@ -1,5 +1,6 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
+use super::detect::Avx2;
 use super::fours::{self, HALVES};
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
@@ -7,19 +8,6 @@ use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
 use crate::id::{Index, Pair};
 use core::arch::x86_64::*;
-
-cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
-
-/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system keeps the wide registers.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2(());
-
-impl Avx2 {
-    /// Asks the CPU.
-    pub(crate) fn detect() -> Option<Self> {
-        detected::get().then_some(Self(()))
-    }
-}
 
 /// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
 #[inline(always)]

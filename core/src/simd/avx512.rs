@@ -1,7 +1,7 @@
 //! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
 //! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
 
-use super::avx2::Avx2;
+use super::detect::Avx2;
 use super::{Contact, EIGHT, HALF, Phase, Row, Sifted, Simd, WINDOW};
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};

@@ -1,7 +1,7 @@
 //! Four tests of two records each at a time, with 256-bit integers of x86-64.
 
 use super::Sifted;
-use super::avx2::Avx2;
+use super::detect::Avx2;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use core::arch::x86_64::*;

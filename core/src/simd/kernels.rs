@@ -1,9 +1,9 @@
 //! The instruction set that a step uses.
 
-use crate::simd::{Phase, scalar::Scalar};
+use super::{Phase, scalar::Scalar};
 
 #[cfg(target_arch = "x86_64")]
-use crate::simd::{Simd, avx2::Avx2, avx512::Avx512};
+use super::{Simd, avx512::Avx512, detect::Avx2};
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
 /// Every level gives the same bytes; they differ in speed alone.

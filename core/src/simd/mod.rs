@@ -7,9 +7,11 @@
 #[cfg(any(test, feature = "agreement"))]
 mod agreement;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod avx2;
+mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod fours;
 pub(crate) mod kernels;

@@ -5,7 +5,7 @@ use crate::access::{Access, bits};
 use crate::config::Mode;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::layout::FINER;
+use crate::memory::limits::FINER;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::State;
 use crate::simd::kernels::Kernels;

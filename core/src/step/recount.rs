@@ -4,17 +4,17 @@
 //! Each of these pairs has been checked by itself. That none is missing and none there twice is seen from sums over all of them
 //! and over all overlaps, 64 mixed bits of each, as there is no room to write them down a second time.
 
+use super::policy;
 use crate::access::{Access, bits};
 use crate::filter::Rule;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::layout::ONE_LEAF;
+use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
 use crate::memory::state::{Path, Route};
 use crate::pairs::carry::is_clear_of;
 use crate::pairs::gate::{Gate, Gated};
 use crate::parallel::context::StepContext;
-use crate::step;
 use crate::sweep::leaves::Grove;
 use crate::sweep::movers::SweepMovers;
 use crate::sweep::{Collector, Sink};
@@ -63,7 +63,7 @@ pub(crate) fn prove<I: Index>(
     }
     // As after a step whose pairs cannot be kept.
     parts.state.without_surplus = 1;
-    step::choose(parts, moved)
+    policy::choose(parts, moved)
 }
 
 /// The same at once, where worlds are small and no rule can have a say: so steps need no code for it.

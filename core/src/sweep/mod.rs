@@ -14,7 +14,8 @@ pub(crate) mod strips;
 
 use crate::access::Access;
 use crate::id::{Index, Pair};
-use crate::memory::layout::{CHUNK, Sizes};
+use crate::memory::layout::Sizes;
+use crate::memory::limits::CHUNK;
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
 pub(crate) use crate::pairs::gate::Sink;

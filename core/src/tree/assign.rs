@@ -5,15 +5,14 @@
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
-use super::balance;
 use super::cells::{cut, frame};
 use super::sharpen::sharpen;
-use super::{Cell, Front, Leaf, leaf_of};
+use super::{Cell, Front, Leaf, are_few, leaf_of};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::layout::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
+use crate::memory::limits::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
 use crate::memory::slab::Parts;
 use crate::parallel::claim::{Chunks, Claims, Ends};
 use crate::parallel::executor::{self, Executor};
@@ -68,7 +67,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, execut
             large += u64::from(rest.at(0));
         }
         let fits = fronts + large <= parts.tree.fronts.len() as u64;
-        if depth == 0 || (fits && balance::are_few(large, depth, parts.state.live)) {
+        if depth == 0 || (fits && are_few(large, depth, parts.state.live)) {
             return census;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.

@@ -1,14 +1,14 @@
 //! Keeps the leaves of one size: new planes for all, or for the part of the tree that has grown out of balance.
 
-use super::Record;
 use super::build::{Build, LEAF_SAMPLE, is_divisible};
 use super::cells::Sample;
+use super::{Record, are_few};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
 use crate::lists::radix::{self, Sharing};
-use crate::memory::layout::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
+use crate::memory::limits::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
 use crate::parallel::context::StepContext;
@@ -172,11 +172,6 @@ pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
         }
         super::refine::descend(parts.home, whole - depth);
     }
-}
-
-/// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.
-pub(crate) fn are_few(large: u64, depth: u32, live: u32) -> bool {
-    large << depth <= 8 * u64::from(live)
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {

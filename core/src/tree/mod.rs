@@ -30,7 +30,7 @@ pub(crate) use crate::geometry::record::{Frame, GRID_MAX, Record};
 pub(crate) use crate::memory::leaf::{Cell, Eights, Front, Leaf, first_of_eight};
 
 use crate::access::Access;
-use crate::memory::layout::FINER;
+use crate::memory::limits::FINER;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
 
@@ -126,4 +126,9 @@ const _: () = assert!(PARTS == EIGHT);
 #[inline(always)]
 pub(crate) fn parts_of(bounds: &[Record], finer: u32, whole: usize) -> Option<&[Record; EIGHT]> {
     if finer == 0 { None } else { bounds.as_chunks().0.get(whole) }
+}
+
+/// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.
+fn are_few(large: u64, depth: u32, live: u32) -> bool {
+    large << depth <= 8 * u64::from(live)
 }

@@ -12,7 +12,7 @@ use super::{Cell, Leaf, PARTS, Record, part_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::layout::FINER;
+use crate::memory::limits::FINER;
 use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 

@@ -5,7 +5,7 @@ use super::Record;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::layout::LEAF_TARGET;
+use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 

@@ -2,7 +2,8 @@
 
 use super::{Invalid, check};
 use crate::config::Mode;
-use crate::memory::layout::{FINER, Sizes};
+use crate::memory::layout::Sizes;
+use crate::memory::limits::FINER;
 use crate::memory::state::State;
 use crate::tree::balance::depth_for;
 

@@ -6,7 +6,7 @@ use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
-use crate::memory::layout::ONE_LEAF;
+use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
 use crate::memory::state::Path;
 use crate::simd::kernels::Kernels;

@@ -5,7 +5,7 @@ use super::{Invalid, check};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::layout::FINER;
+use crate::memory::limits::FINER;
 use crate::memory::state::State;
 use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::tree::balance::depth_for;

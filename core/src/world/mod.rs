@@ -2,31 +2,31 @@
 
 mod filters;
 mod inline;
+mod objects;
 mod rest;
+mod result;
 mod shift;
 mod view;
 
 pub use inline::InlineWorld;
+pub use result::Step;
 pub use view::{LeafView, PlaneView};
 
-use crate::access::{Access, bits, faults};
+use crate::access::{Access, faults};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::filter::{Filter, Rule};
+use crate::filter::Rule;
 use crate::geometry::aabb::{Aabb, Boxes};
-use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index, Pair};
-use crate::lists::links;
 use crate::memory::slab::Parts;
 use crate::memory::state::{Path, Route, Stats};
 use crate::objects::intake::ingest;
-use crate::objects::margin_length;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{Executor, OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
-use crate::step::recount;
+use crate::step::{policy, recount};
 
 /// Boxes, and which of them overlap.
 ///
@@ -69,11 +69,11 @@ impl<I: Index> World<'_, I> {
     fn find(parts: &mut Parts<'_, I>, shared: bool, means: StepContext<'_>) -> Result<(), Error> {
         let moved = parts.moved.count();
 
-        let mut route = step::choose(parts, moved);
+        let mut route = policy::choose(parts, moved);
         if cfg!(feature = "large") && parts.state.unproven != 0 {
             route = recount::prove(parts, route, moved, means);
         }
-        step::refine_when_calm(parts, route.path, moved, means);
+        policy::refine_when_calm(parts, route.path, moved, means);
         if route.path == Path::Unchanged && parts.state.crept == 0 {
             Self::keep(parts, shared);
             return Ok(());
@@ -199,190 +199,6 @@ impl<'m, I: Index> World<'m, I> {
     }
 }
 
-/// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
-impl<I: Index> World<'_, I> {
-    /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
-    ///
-    /// # Errors
-    /// [`Error::BadBox`] or [`Error::ObjectsFull`].
-    pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
-        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
-        self.enter(bounds)
-    }
-
-    /// Gives an object another box. O(1).
-    ///
-    /// # Errors
-    /// [`Error::StaleId`] or [`Error::BadBox`]; the object keeps its box.
-    pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
-        self.slot_of(id)?;
-        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
-        self.accept(&[id], [bounds].into_iter());
-        Ok(())
-    }
-
-    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
-    /// Does nothing in a world without margins. O(1).
-    ///
-    /// # Errors
-    /// [`Error::StaleId`], or [`Error::BadMargin`] where `length` is negative or not finite.
-    pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
-        let slot = self.slot_of(id)?;
-        crate::Margin::length(length).check()?;
-        if let Some(margin) = self.parts.boxes.margins.get_mut(slot) {
-            *margin = length;
-            let bounds = self.parts.boxes.now.at(slot);
-            self.parts.objects().anchor(slot, bounds, length);
-            self.parts.state.touched = 1;
-        }
-        Ok(())
-    }
-
-    /// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
-    ///
-    /// # Errors
-    /// [`Error::StaleId`].
-    pub fn remove(&mut self, id: Id) -> Result<(), Error> {
-        let slot = self.slot_of(id)?;
-        self.leave(slot);
-        Ok(())
-    }
-
-    /// Adds objects, all or none. Their ids go to `ids`. O(n).
-    ///
-    /// # Errors
-    /// [`Error::LengthMismatch`] where `ids` is shorter than `boxes`, [`Error::BadBox`] or [`Error::ObjectsFull`].
-    pub fn insert_many(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
-        if ids.len() < boxes.len() {
-            return Err(Error::LengthMismatch { needed: boxes.len() });
-        }
-        let needed = u64::from(self.len()) + boxes.len() as u64;
-        if needed > self.parts.sizes.objects as u64 {
-            return Err(Error::ObjectsFull { needed });
-        }
-        check_all(&boxes)?;
-        for (index, id) in ids.iter_mut().enumerate().take(boxes.len()) {
-            *id = match boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
-                Some(bounds) => Some(self.enter(bounds)?),
-                None => None,
-            };
-        }
-        Ok(())
-    }
-
-    /// Gives objects other boxes, all or none. O(n).
-    ///
-    /// # Errors
-    /// [`Error::LengthMismatch`] where there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
-    pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
-        if ids.len() != boxes.len() {
-            return Err(Error::LengthMismatch { needed: ids.len() });
-        }
-        for id in ids {
-            self.slot_of(*id)?;
-        }
-        check_all(&boxes)?;
-        let bounds = |index| boxes.get(index).as_ref().and_then(KeyBox::from_aabb);
-        self.accept(ids, (0..boxes.len()).filter_map(bounds));
-        Ok(())
-    }
-
-    /// Removes objects, all or none. O(n).
-    ///
-    /// # Errors
-    /// [`Error::StaleId`], also where an id comes twice.
-    pub fn remove_many(&mut self, ids: &[Id]) -> Result<(), Error> {
-        for id in ids {
-            self.slot_of(*id)?;
-        }
-        // All of them name living objects, so that only an id that comes twice meets the mark of its first time.
-        const MARK: u32 = 1 << 31;
-        let toggle = |world: &mut Self, id: &Id| {
-            let generation = world.parts.generations.at(id.slot() as usize);
-            world.parts.generations.put(id.slot() as usize, generation ^ MARK);
-        };
-        for (index, id) in ids.iter().enumerate() {
-            if let Err(error) = self.slot_of(*id) {
-                ids.iter().take(index).for_each(|id| toggle(self, id));
-                return Err(error);
-            }
-            toggle(self, id);
-        }
-        for id in ids {
-            toggle(self, id);
-            self.leave(id.slot() as usize);
-        }
-        Ok(())
-    }
-
-    fn enter(&mut self, bounds: KeyBox) -> Result<Id, Error> {
-        let parts = &mut self.parts;
-        let free = parts.state.free;
-        let slot = if free > 0 { free - 1 } else { parts.state.slots };
-        if slot as usize >= parts.sizes.objects {
-            return Err(Error::ObjectsFull { needed: u64::from(parts.state.live) + 1 });
-        }
-        let at = slot as usize;
-        if free > 0 {
-            parts.state.free = parts.boxes.now.at(at).next_free();
-        } else {
-            parts.state.slots += 1;
-        }
-        parts.state.live += 1;
-        // After four billion objects in one slot an old id could match again; skipping zero keeps ids non-null.
-        let generation = parts.generations.at(at).wrapping_add(1).max(1);
-        parts.generations.put(at, generation);
-        if let (Some(margin), Some(length)) = (parts.state.margin(), parts.boxes.margins.get_mut(at)) {
-            *length = margin_length(&margin, &bounds);
-        }
-        parts.objects().enter(at, bounds);
-        if let Some(filter) = parts.filters.of.get_mut(at) {
-            *filter = Filter::ALL;
-        }
-        // An object that had the slot since the last step is forgotten: its pairs are lost either way.
-        if let Some(before) = parts.boxes.before.get_mut(at) {
-            *before = KeyBox::EMPTY;
-        }
-        parts.state.entered = 1;
-        parts.state.touched = 1;
-        links::append(parts, slot);
-        // The generation is not zero.
-        Id::new(slot, generation).ok_or(Error::NotAWorld)
-    }
-
-    /// Gives living objects other boxes.
-    fn accept(&mut self, ids: &[Id], boxes: impl Iterator<Item = KeyBox>) {
-        let parts = &mut self.parts;
-        for id in ids {
-            parts.state.touched = 1;
-            bits::clear(parts.resting, id.slot() as usize);
-        }
-        let mut objects = parts.objects();
-        for (id, bounds) in ids.iter().zip(boxes) {
-            objects.accept(id.slot() as usize, bounds);
-        }
-        let told = objects.fat.told;
-        parts.state.note(told);
-    }
-
-    fn leave(&mut self, slot: usize) {
-        let next = self.parts.state.free;
-        self.parts.state.touched = 1;
-        bits::clear(self.parts.resting, slot);
-        self.parts.objects().leave(slot, next);
-        self.parts.state.free = slot as u32 + 1;
-        self.parts.state.live -= 1;
-    }
-}
-
-fn check_all(boxes: &Boxes<'_>) -> Result<(), Error> {
-    let bad = (0..boxes.len()).find(|&index| boxes.get(index).as_ref().and_then(KeyBox::from_aabb).is_none());
-    match bad {
-        Some(index) => Err(Error::BadBox { index: index as u32 }),
-        None => Ok(()),
-    }
-}
-
 /// Stepping and results.
 impl<I: Index> World<'_, I> {
     /// Finds all overlapping pairs of the boxes as they are now.
@@ -465,53 +281,5 @@ impl<I: Index> World<'_, I> {
     #[must_use]
     pub fn stats(&self) -> Stats {
         self.parts.state.stats()
-    }
-}
-
-/// The result of a step, and a view of the world as it is after it.
-pub struct Step<'w, I: Index = u32> {
-    world: &'w World<'w, I>,
-    rejected: Option<Rejected>,
-}
-
-impl<'w, I: Index> Step<'w, I> {
-    /// See [`World::pairs`].
-    #[must_use]
-    pub fn pairs(&self) -> &'w [Pair<I>] {
-        self.world.pairs()
-    }
-
-    /// See [`World::found`].
-    #[must_use]
-    pub fn found(&self) -> &'w [Pair<I>] {
-        self.world.found()
-    }
-
-    /// See [`World::lost`].
-    #[must_use]
-    pub fn lost(&self) -> &'w [Pair<I>] {
-        self.world.lost()
-    }
-
-    /// What the step did.
-    #[must_use]
-    pub fn stats(&self) -> Stats {
-        self.world.stats()
-    }
-
-    /// The objects whose boxes in the bounds array were refused: NaN, or a minimum above its maximum. They have kept
-    /// their last good boxes, and all others are as if nothing had been.
-    #[must_use]
-    pub fn rejected(&self) -> Option<Rejected> {
-        self.rejected
-    }
-
-    /// How many of the pairs are there only for the margins: their boxes as given do not overlap. Always zero in
-    /// [`Mode::Exact`](crate::Mode::Exact). Counted when it is asked for: O(pairs).
-    #[must_use]
-    pub fn surplus(&self) -> u64 {
-        let now = &self.world.parts.boxes.now;
-        let apart = |pair: &&Pair<I>| !now.at(pair[0].at()).overlaps(&now.at(pair[1].at()));
-        self.pairs().iter().filter(apart).count() as u64
     }
 }

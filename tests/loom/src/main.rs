@@ -18,9 +18,9 @@ pub mod sync {
 
 // The models need a part of it.
 #[allow(dead_code)]
-#[path = "../../../core/src/arch/claim.rs"]
+#[path = "../../../core/src/parallel/claim.rs"]
 mod claim;
-#[path = "../../../core/src/arch/offer.rs"]
+#[path = "../../../core/src/parallel/offer.rs"]
 mod offer;
 
 use claim::{Chunks, Claims, Ends, Indices, Pool};

@@ -1,0 +1,77 @@
+//! Which kind of step finds the pairs. All kinds give the same pairs; which one is cheapest follows from counts alone, so equal
+//! calls choose equally.
+
+use crate::config::Choice;
+use crate::id::Index;
+use crate::memory::limits::ONE_LEAF;
+use crate::memory::slab::Parts;
+use crate::memory::state::{Path, Reason, Route};
+use crate::parallel::context::StepContext;
+use crate::parallel::executor::Stage;
+use crate::tree::balance;
+use crate::tree::refine::Refine;
+
+/// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
+const MOVERS_SHARE: u32 = 9;
+
+/// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
+const CALM: u32 = 2;
+
+/// The path for a number of objects that have moved, and why.
+pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
+    let state = &parts.state;
+    let known = state.complete != 0 && state.without_surplus == 0;
+    let fixed = state.movers_only().fixed();
+    if known && moved == 0 && fixed != Some(false) {
+        Route::UNCHANGED
+    } else if parts.sizes.is_small() || state.live as usize <= ONE_LEAF {
+        Route { path: Path::Lists, reason: Reason::FewObjects }
+    } else if !known || state.filled == 0 {
+        anew(parts, Reason::NothingKept)
+    } else {
+        let few = moved <= state.live / MOVERS_SHARE;
+        match (fixed, fixed.unwrap_or(few)) {
+            (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
+            (None, false) => anew(parts, Reason::ManyMovers),
+            (Some(_), true) => Route { path: Path::Movers, reason: Reason::Fixed },
+            (Some(_), false) => anew(parts, Reason::Fixed),
+        }
+    }
+}
+
+/// The path that finds all pairs anew, for a reason if there is none for new planes.
+pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
+    if !balance::needs_planes(parts) {
+        Route { path: Path::Full, reason }
+    } else if parts.state.planted == 0 {
+        Route { path: Path::Rebuilt, reason: Reason::NothingKept }
+    } else if parts.state.divisible != 0 {
+        Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
+    } else {
+        Route { path: Path::Rebuilt, reason: Reason::Outgrown }
+    }
+}
+
+/// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
+pub(crate) fn refine_when_calm<I: Index>(
+    parts: &mut Parts<'_, I>,
+    path: Path,
+    moved: u32,
+    means: StepContext<'_>,
+) {
+    let (few, due) = match parts.state.fine_leaves() {
+        Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
+        Choice::Always => (true, 1),
+        Choice::Never => return,
+    };
+    let calm = few && matches!(path, Path::Unchanged | Path::Movers);
+    if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
+        return;
+    }
+    parts.state.calm = parts.state.calm.saturating_add(1);
+    let some_are_whole = parts.state.refined <= 1 << parts.state.depth;
+    if parts.state.calm >= due && some_are_whole {
+        means.executor.enter(Stage::Fill);
+        means.kernels.run(Refine(parts));
+    }
+}
