@@ -31,8 +31,8 @@
 //! |---|---|
 //! | pre-sorted, shared linked lists | `links` |
 //! | construction of the KD-tree | `tree::build`, `tree::cells` |
-//! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::tighten`, `tree::balance` |
-//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `resting`, `paths`, `carry`, `results` |
+//! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::refit`, `tree::balance` |
+//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `resting`, `paths`, `persistent`, `results` |
 //! | sweep-and-prune in the leaves | `sweep` |
 //! | control pipeline | `world` |
 //!

@@ -14,6 +14,7 @@ mod filters;
 mod forged;
 mod golden;
 mod large;
+mod layers;
 mod numerics;
 mod properties;
 mod queries;

@@ -3,7 +3,7 @@
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor, Serial};
 use crate::parallel::shared::Shared;
 
@@ -29,18 +29,18 @@ impl Sharing<'static> {
 type Entry = [u32; 2];
 
 /// Sorts slots by their minima on an axis and then by slot. `spare` holds 4 words a slot; there are as many blocks as there
-/// are `tallies` for, at least one. O(n).
+/// are `histograms` for, at least one. O(n).
 pub(crate) fn sort<I: Index>(
     order: &mut [I],
     boxes: &[KeyBox],
     axis: usize,
     spare: &mut [u32],
-    tallies: &mut [Tally],
+    histograms: &mut [Tally],
     sharing: Sharing<'_>,
 ) {
     let count = order.len();
-    let len = count.div_ceil(tallies.len().max(1)).max(SLOTS_PER_BLOCK);
-    let mut passes = Passes { tallies: tallies.span_mut(0, count.div_ceil(len)), len, sharing };
+    let len = count.div_ceil(histograms.len().max(1)).max(SLOTS_PER_BLOCK);
+    let mut passes = Passes { histograms: histograms.span_mut(0, count.div_ceil(len)), len, sharing };
     let (from, to) = spare.split_at_mut_checked(2 * count).unwrap_or_default();
     let to = to.span_mut(0, 2 * count);
     let (mut from, _) = from.as_chunks_mut::<2>();
@@ -70,7 +70,7 @@ pub(crate) fn sort<I: Index>(
 
 struct Passes<'s> {
     /// One for each block.
-    tallies: &'s mut [Tally],
+    histograms: &'s mut [Tally],
     /// The length of a block.
     len: usize,
     sharing: Sharing<'s>,
@@ -85,22 +85,22 @@ impl Passes<'_> {
         job: &(impl Fn(&mut [A], &mut [B]) + Sync),
     ) {
         let Sharing { executor, workers } = self.sharing;
-        let claims = Claims::new((Chunks::new(a, self.len), Chunks::new(b, self.len)));
-        executor::run(executor, workers, self.tallies.len(), &|| {
+        let claims = BlockQueue::new((Chunks::new(a, self.len), Chunks::new(b, self.len)));
+        executor::run(executor, workers, self.histograms.len(), &|| {
             while let Some((_, (a, b))) = claims.claim() {
                 job(a, b);
             }
         });
     }
 
-    /// Calls `job` with each block of entries and its tally.
+    /// Calls `job` with each block of entries and its histogram.
     fn each_tally(&mut self, entries: &mut [Entry], job: &(impl Fn(&mut [Entry], &mut Tally) + Sync)) {
         let Sharing { executor, workers } = self.sharing;
-        let blocks = self.tallies.len();
-        let claims = Claims::new((Chunks::new(entries, self.len), Chunks::new(self.tallies, 1)));
+        let blocks = self.histograms.len();
+        let claims = BlockQueue::new((Chunks::new(entries, self.len), Chunks::new(self.histograms, 1)));
         executor::run(executor, workers, blocks, &|| {
-            while let Some((_, (entries, tallies))) = claims.claim() {
-                tallies.iter_mut().for_each(|tally| job(entries, tally));
+            while let Some((_, (entries, histograms))) = claims.claim() {
+                histograms.iter_mut().for_each(|histogram| job(entries, histogram));
             }
         });
     }
@@ -114,26 +114,26 @@ impl Passes<'_> {
         shift: u32,
     ) -> (&'s mut [Entry], &'s mut [Entry]) {
         let byte = |entry: &Entry| (entry[word & 1] >> shift & 0xff) as usize;
-        self.each_tally(from, &|entries, tally| {
-            tally.fill(0);
+        self.each_tally(from, &|entries, histogram| {
+            histogram.fill(0);
             for entry in entries {
-                tally[byte(entry)] += 1;
+                histogram[byte(entry)] += 1;
             }
         });
         let mut start = 0;
         for value in 0..256 {
             let first = start;
-            for tally in &mut *self.tallies {
-                start += core::mem::replace(&mut tally[value], start);
+            for histogram in &mut *self.histograms {
+                start += core::mem::replace(&mut histogram[value], start);
             }
             if (start - first) as usize == from.len() {
                 return (from, to);
             }
         }
         let target = Shared::new(to);
-        self.each_tally(from, &|entries, tally| {
+        self.each_tally(from, &|entries, histogram| {
             for entry in entries {
-                let at = &mut tally[byte(entry)];
+                let at = &mut histogram[byte(entry)];
                 target.store(*at as usize, entry);
                 *at += 1;
             }

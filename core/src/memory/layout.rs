@@ -3,14 +3,14 @@
 //! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
 //! the bytes and once to carve the slab, so that the two cannot disagree.
 
-use super::leaf::{Cell, Front, Leaf};
+use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::{
-    CHUNK, FINER, LEAF_TARGET, LEAVES_PER_BLOCK, ONE_LEAF, SLOT_BLOCKS, SMALL, TINY, tally_row,
+    CHUNK, LEAF_TARGET, LEAVES_PER_BLOCK, ONE_LEAF, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, histogram_row,
 };
 use super::scratch;
-use super::slot_set::Marks;
+use super::slot_set::SlotSet;
 use super::state::State;
-use super::strips::{Member, Planes};
+use super::stripes::{Member, Planes};
 use crate::access::bits;
 use crate::config::{Config, Mode};
 use crate::filter::{CLASSES, FILTERS, Filter};
@@ -55,7 +55,7 @@ pub(crate) struct Sizes {
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
     /// Bits that tell whether a reported box has changed, one an object. Events need them. So does an exact world with margins
-    /// and a tree: a pair may be set aside only if both boxes stay, also inside their fat boxes.
+    /// and a tree: a pair may be parked only if both boxes stay, also inside their fat boxes.
     pub(crate) changed: usize,
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,
@@ -63,7 +63,7 @@ pub(crate) struct Sizes {
     /// Objects in the tree: all, or none where one leaf holds them all.
     pub(crate) tree: usize,
     pub(crate) records: usize,
-    pub(crate) fronts: usize,
+    pub(crate) straddlers: usize,
     /// The depth of the deepest tree.
     pub(crate) depth: u32,
     pub(crate) leaves: usize,
@@ -75,10 +75,10 @@ pub(crate) struct Sizes {
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects of a world that is swept in strips.
+    /// Objects of a world that is swept in stripes.
     pub(crate) members: usize,
     /// Records in one worker's scratch.
-    pub(crate) bag: usize,
+    pub(crate) bucket: usize,
 }
 
 impl Sizes {
@@ -106,45 +106,45 @@ impl Sizes {
         }
         let blocks = if tree > 0 { (1usize << depth).div_ceil(LEAVES_PER_BLOCK) } else { 0 };
         if tree > 0 {
-            depth += FINER;
+            depth += SUB_LEVELS;
         }
         let leaves = if tree > 0 { 1 << depth } else { 0 };
-        let creeping = config.margin.is_some() && matches!(config.mode, Mode::Exact);
+        let moves_inside_margin = config.margin.is_some() && matches!(config.mode, Mode::Exact);
         Some(Self {
             objects,
             fat: if config.margin.is_some() { objects } else { 0 },
             before: if config.events { objects } else { 0 },
-            changed: if config.events || creeping && tree > 0 { objects } else { 0 },
+            changed: if config.events || moves_inside_margin && tree > 0 { objects } else { 0 },
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
             tree,
             // Casts look at whole groups of records, also of the last leaf's.
             records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
-            fronts: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
+            straddlers: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
             depth,
             leaves,
-            whole_leaves: leaves >> FINER,
+            whole_leaves: leaves >> SUB_LEVELS,
             pairs,
             previous: if config.events { pairs } else { 0 },
             // Every block may leave a chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
             members: if small && objects > TINY { objects } else { 0 },
-            bag: if small { 0 } else { scratch::bag(objects) },
+            bucket: if small { 0 } else { scratch::bucket(objects) },
         })
     }
 
     /// Whether the world is swept box by box.
     pub(crate) const fn is_small(&self) -> bool {
-        !cfg!(feature = "large") || self.bag == 0
+        !cfg!(feature = "large") || self.bucket == 0
     }
 
-    /// Entries of the tally at the greatest depth of a full step.
-    pub(crate) const fn tally(&self) -> usize {
-        if self.tree > 0 { SLOT_BLOCKS * tally_row(self.depth - FINER) } else { 0 }
+    /// Entries of the histogram at the greatest depth of a full step.
+    pub(crate) const fn histogram(&self) -> usize {
+        if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.depth - SUB_LEVELS) } else { 0 }
     }
 
-    /// Whether the world is swept in strips, as a count.
+    /// Whether the world is swept in stripes, as a count.
     pub(crate) const fn striped(&self) -> usize {
         (self.members > 0) as usize
     }
@@ -159,22 +159,22 @@ impl Sizes {
         plan.add::<KeyBox>(self.before);
         plan.add::<Filter>(self.filters);
         plan.add::<u32>(self.classes);
-        plan.add::<u32>(Marks::len(self.filters));
+        plan.add::<u32>(SlotSet::len(self.filters));
         plan.add::<u32>(objects);
-        plan.add::<u32>(2 * bits::words(objects) + Marks::len(objects));
-        plan.add::<u32>(Marks::len(self.changed));
+        plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
+        plan.add::<u32>(SlotSet::len(self.changed));
         plan.add::<u32>(bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);
         plan.add::<Record>(self.records);
-        plan.add::<Front>(self.fronts);
+        plan.add::<Straddler>(self.straddlers);
         plan.add::<i32>(self.leaves);
         plan.add::<Cell>(self.leaves);
         plan.add::<Frame>(self.whole_leaves);
         plan.add::<Leaf>(self.leaves);
         plan.add::<Record>(self.leaves);
         plan.add::<KeyBox>(2 * self.whole_leaves);
-        plan.add::<u32>(self.tally());
+        plan.add::<u32>(self.histogram());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);
         match self.staged.checked_mul(CHUNK) {
@@ -184,7 +184,7 @@ impl Sizes {
         plan.add::<[u32; 3]>(self.staged);
         plan.add::<Member>(self.members);
         plan.add::<Planes>(self.striped());
-        plan.add::<Record>(self.workers * scratch::records::<I>(self.bag));
+        plan.add::<Record>(self.workers * scratch::records::<I>(self.bucket));
         plan.bytes
     }
 }

@@ -56,9 +56,9 @@ impl Cell {
 
     /// Where a box stands.
     #[inline(always)]
-    pub(crate) fn standing<S: Simd>(&self, simd: S, keys: S::Keys) -> Standing {
+    pub(crate) fn classify<S: Simd>(&self, simd: S, keys: S::Keys) -> Classification {
         let (from, until) = (simd.keys(&self.from), simd.keys(&self.until));
-        Standing { before: simd.above(from, keys), inside: simd.above(until, keys) }
+        Classification { before: simd.above(from, keys), inside: simd.above(until, keys) }
     }
 
     /// The low sides, ready to be compared with boxes.
@@ -76,14 +76,14 @@ impl Cell {
 
 /// Where a box stands in regard to a cell: bits of its keys, as [`Simd::above`] has them.
 #[derive(Clone, Copy)]
-pub(crate) struct Standing {
+pub(crate) struct Classification {
     /// Those that do not reach the low sides, or the far ones.
     before: u32,
     /// Those that do not reach the high sides.
     inside: u32,
 }
 
-impl Standing {
+impl Classification {
     /// Whether its minimum corner is at home here.
     #[inline(always)]
     pub(crate) const fn is_home(self) -> bool {
@@ -113,12 +113,12 @@ pub(crate) struct Leaf {
     pub(crate) len: u32,
     /// Records that would fit before the next leaf's.
     pub(crate) room: u32,
-    /// First box of the front.
-    pub(crate) front_start: u32,
-    /// Boxes of the front.
-    pub(crate) front_len: u32,
+    /// First box of the straddlers.
+    pub(crate) straddler_start: u32,
+    /// Boxes of the straddlers.
+    pub(crate) straddler_len: u32,
     /// The count that the leaf had when its planes were new: what a rebalance can achieve here.
-    pub(crate) settled: u32,
+    pub(crate) baseline: u32,
     /// The axis that the leaf is swept along.
     pub(crate) axis: u32,
     pub(crate) unused: u32,
@@ -128,19 +128,19 @@ impl Leaf {
     /// The leaf's records, eight at a time, and how many of them there are from each eight on; behind the last one others make up
     /// the eight: room, or records of the next leaf.
     #[inline(always)]
-    pub(crate) fn eights<'r>(&self, records: &'r [Record]) -> Eights<'r> {
+    pub(crate) fn chunks_of_eight<'r>(&self, records: &'r [Record]) -> ChunksOfEight<'r> {
         let records = records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT));
-        Eights { rest: records.as_chunks().0.iter(), left: self.len }
+        ChunksOfEight { rest: records.as_chunks().0.iter(), left: self.len }
     }
 }
 
-/// See [`Leaf::eights`].
-pub(crate) struct Eights<'r> {
+/// See [`Leaf::chunks_of_eight`].
+pub(crate) struct ChunksOfEight<'r> {
     rest: core::slice::Iter<'r, [Record; EIGHT]>,
     left: u32,
 }
 
-impl<'r> Iterator for Eights<'r> {
+impl<'r> Iterator for ChunksOfEight<'r> {
     type Item = (&'r [Record; EIGHT], u32);
 
     #[inline(always)]
@@ -162,7 +162,7 @@ pub(crate) const fn first_of_eight(left: u32) -> u32 {
 /// A box that reaches beyond its leaf, or a large object: exact, since every leaf it enters has its own frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct Front {
+pub(crate) struct Straddler {
     pub(crate) bounds: KeyBox,
     pub(crate) slot: u32,
     pub(crate) unused: u32,

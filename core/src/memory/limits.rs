@@ -13,10 +13,10 @@ pub(crate) const ONE_LEAF: usize = if cfg!(fuzzing) { 16 } else { 512 };
 pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
 /// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
 /// few objects here and there.
-pub(crate) const FINER: u32 = 3;
+pub(crate) const SUB_LEVELS: u32 = 3;
 /// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
 /// divided into.
-pub(crate) const ROOM: u32 = 4 << FINER;
+pub(crate) const ROOM: u32 = 4 << SUB_LEVELS;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.
@@ -31,8 +31,8 @@ pub(crate) fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
-/// Entries of one block's tally at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
-pub(crate) const fn tally_row(depth: u32) -> usize {
+/// Entries of one block's histogram at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
+pub(crate) const fn histogram_row(depth: u32) -> usize {
     (2 << depth) + 1
 }
 

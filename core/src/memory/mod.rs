@@ -7,4 +7,4 @@ pub(crate) mod scratch;
 pub(crate) mod slab;
 pub(crate) mod slot_set;
 pub(crate) mod state;
-pub(crate) mod strips;
+pub(crate) mod stripes;

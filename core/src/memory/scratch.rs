@@ -1,4 +1,4 @@
-//! A worker's scratch: everything that a leaf's sweep needs, for a bag of records that stays in the cache.
+//! A worker's scratch: everything that a leaf's sweep needs, for a bucket of records that stays in the cache.
 
 use crate::access::Access;
 use crate::geometry::record::Record;
@@ -7,34 +7,34 @@ use crate::simd::{Row, WINDOW};
 use bytemuck::{Pod, Zeroable};
 
 /// The most records that are swept at once; larger leaves are swept tile by tile.
-const BAG: usize = 2048;
+const BUCKET: usize = 2048;
 
-/// The fewest: `rounds` has to find room for the candidates of so many masks, or it would lose them. Smaller worlds have no bag.
+/// The fewest: `rounds` has to find room for the candidates of so many masks, or it would lose them. Smaller worlds have no bucket.
 const LEAST: usize = 128;
 const _: () = assert!(batch(LEAST) + WINDOW >= ROOM);
 
-/// Records in the bag of a world of this capacity, in whole blocks of columns.
-pub(crate) const fn bag(objects: usize) -> usize {
-    let bag = objects.next_multiple_of(64);
-    let bag = if bag > LEAST { bag } else { LEAST };
-    if bag < BAG { bag } else { BAG }
+/// Records in the bucket of a world of this capacity, in whole blocks of columns.
+pub(crate) const fn bucket(objects: usize) -> usize {
+    let bucket = objects.next_multiple_of(64);
+    let bucket = if bucket > LEAST { bucket } else { LEAST };
+    if bucket < BUCKET { bucket } else { BUCKET }
 }
 
 /// Candidates that are collected before they are tested.
-const fn batch(bag: usize) -> usize {
+const fn batch(bucket: usize) -> usize {
     // A worker of a small world must not cost more than the world.
-    if bag < 1024 { bag } else { 1024 }
+    if bucket < 1024 { bucket } else { 1024 }
 }
 
 /// The length of a worker's area.
-pub(crate) const fn records<I>(bag: usize) -> usize {
-    if bag == 0 {
+pub(crate) const fn records<I>(bucket: usize) -> usize {
+    if bucket == 0 {
         return 0;
     }
-    let candidates = batch(bag) + WINDOW;
+    let candidates = batch(bucket) + WINDOW;
     of::<Work>(1)
-        + 2 * bag
-        + of::<Row>(bag + WINDOW)
+        + 2 * bucket
+        + of::<Row>(bucket + WINDOW)
         + of::<Lists>(1)
         + of::<u32>(candidates)
         + of::<Pair<I>>(candidates)
@@ -101,19 +101,19 @@ pub(crate) struct Scratch<'s, I> {
     /// Copies so far.
     pub(crate) copies: u64,
     /// Records that come from other leaves, or the tiles of a leaf.
-    pub(crate) visitors: &'s mut [Record],
-    pub(crate) bench: Bench<'s, I>,
+    pub(crate) ghosts: &'s mut [Record],
+    pub(crate) leaf_scratch: LeafScratch<'s, I>,
 }
 
-/// What the sweep of one bag works on.
-pub(crate) struct Bench<'s, I> {
-    /// The bag, sorted along the sweep axis.
+/// What the sweep of one bucket works on.
+pub(crate) struct LeafScratch<'s, I> {
+    /// The bucket, sorted along the sweep axis.
     pub(crate) sorted: &'s mut [Record],
-    /// The bag's rows, and room for a window behind them.
+    /// The bucket's rows, and room for a window behind them.
     pub(crate) rows: &'s mut [Row],
     /// Masks, and rows that have further windows.
     pub(crate) lists: &'s mut [Lists],
-    /// Positions in the bag: `low << 16 | high`.
+    /// Positions in the bucket: `low << 16 | high`.
     pub(crate) candidates: &'s mut [u32],
     /// Pairs on their way out.
     pub(crate) pairs: &'s mut [Pair<I>],
@@ -125,16 +125,16 @@ pub(crate) struct Bench<'s, I> {
 
 impl<'s, I: Index> Scratch<'s, I> {
     /// Divides a worker's area.
-    pub(crate) fn carve(area: &'s mut [Record], bag: usize) -> Self {
+    pub(crate) fn carve(area: &'s mut [Record], bucket: usize) -> Self {
         let mut rest = area;
-        let candidates = batch(bag) + WINDOW;
+        let candidates = batch(bucket) + WINDOW;
         Self {
             work: cut(&mut rest, 1),
             copies: 0,
-            visitors: cut(&mut rest, bag),
-            bench: Bench {
-                sorted: cut(&mut rest, bag),
-                rows: cut(&mut rest, bag + WINDOW),
+            ghosts: cut(&mut rest, bucket),
+            leaf_scratch: LeafScratch {
+                sorted: cut(&mut rest, bucket),
+                rows: cut(&mut rest, bucket + WINDOW),
                 lists: cut(&mut rest, 1),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
@@ -150,13 +150,13 @@ impl<I> Scratch<'_, I> {
     pub(crate) fn finish(self) {
         if let [work] = self.work {
             work.copies += self.copies;
-            work.candidates += self.bench.tested;
-            work.tied += self.bench.tied;
+            work.candidates += self.leaf_scratch.tested;
+            work.tied += self.leaf_scratch.tied;
         }
     }
 }
 
-/// Cuts `count` items off the front. By the layout's arithmetic there is always enough.
+/// Cuts `count` items off the straddlers. By the layout's arithmetic there is always enough.
 fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
     let taken = core::mem::take(rest);
     let (section, left) = taken.split_at_mut_checked(of::<T>(count)).unwrap_or_default();

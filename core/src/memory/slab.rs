@@ -1,12 +1,12 @@
 //! The slab of a world, carved into slices.
 
 use super::layout::{ALIGN, Sizes, layout, section};
-use super::leaf::{Cell, Front, Leaf};
+use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::CHUNK;
 use super::scratch;
-use super::slot_set::Marks;
+use super::slot_set::SlotSet;
 use super::state::State;
-use super::strips::{Member, Planes};
+use super::stripes::{Member, Planes};
 use crate::access::{bits, faults};
 use crate::config::{Config, Mode};
 use crate::error::Error;
@@ -25,14 +25,14 @@ pub(crate) struct Parts<'m, I> {
     /// How many objects have held the slot.
     pub(crate) generations: &'m mut [u32],
     /// The swept box has changed since the last complete step (the paper's dynamic objects).
-    pub(crate) moved: Marks<'m>,
+    pub(crate) moved: SlotSet<'m>,
     /// One bit a slot: the caller has put the object to rest.
     pub(crate) resting: &'m mut [u32],
     /// With events, and in an exact world with margins and a tree: the swept or the reported box has changed since the last
     /// complete step, or a filter has.
-    pub(crate) changed: Marks<'m>,
-    /// With a tree, one bit a slot: the object's pairs are not set aside.
-    pub(crate) awake: &'m mut [u32],
+    pub(crate) changed: SlotSet<'m>,
+    /// With a tree, one bit a slot: the object's pairs are not parked.
+    pub(crate) active: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
     pub(crate) listed: &'m mut [u32],
     /// The tri-linked lists: slots by ascending minimum on x, y and z.
@@ -65,7 +65,7 @@ pub(crate) struct FilterParts<'m> {
     /// One bit for each class that a class meets.
     pub(crate) classes: &'m mut [u32],
     /// Another answer may be due since the last complete step.
-    pub(crate) changed: Marks<'m>,
+    pub(crate) changed: SlotSet<'m>,
 }
 
 impl BoxParts<'_> {
@@ -97,24 +97,24 @@ pub(crate) struct TreeParts<'m> {
     pub(crate) nodes: &'m mut [KeyBox],
     /// The leaves' records, one leaf after another, each with some room.
     pub(crate) records: &'m mut [Record],
-    /// The leaves' fronts, one after another, and behind them the large-object list.
-    pub(crate) fronts: &'m mut [Front],
-    /// A row for each block of slots: see [`tally_row`](crate::memory::limits::tally_row). Between two fills, where the movers of
+    /// The leaves' straddlers, one after another, and behind them the large-object list.
+    pub(crate) straddlers: &'m mut [Straddler],
+    /// A row for each block of slots: see [`histogram_row`](crate::memory::limits::histogram_row). Between two fills, where the movers of
     /// each leaf end.
-    pub(crate) tally: &'m mut [u32],
+    pub(crate) histogram: &'m mut [u32],
 }
 
 /// What the sweeps write to.
 pub(crate) struct OutputParts<'m, I> {
     /// The pairs of swept boxes: see [`State::swept_pairs`].
     pub(crate) pairs: &'m mut [Pair<I>],
-    /// With events: the pairs of the last complete step that were not set aside; after a step, the lost ones come first.
+    /// With events: the pairs of the last complete step that were not parked; after a step, the lost ones come first.
     pub(crate) previous: &'m mut [Pair<I>],
     /// With workers: pairs in the order in which they were found, in chunks.
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a world that is swept in strips: the room for that, and where the strips begin.
+    /// In a world that is swept in stripes: the room for that, and where the stripes begin.
     pub(crate) members: &'m mut [Member],
     pub(crate) planes: &'m mut [Planes],
     /// The workers' scratch, in equal areas.
@@ -144,15 +144,16 @@ impl<'m, I: Index> Parts<'m, I> {
         let filters = FilterParts {
             of: slab.take(sizes.filters)?,
             classes: slab.take(sizes.classes)?,
-            changed: Marks::carve(slab.take(Marks::len(sizes.filters))?, sizes.filters)?,
+            changed: SlotSet::carve(slab.take(SlotSet::len(sizes.filters))?, sizes.filters)?,
         };
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
-        let (listed, rest) = slab.take(2 * words + Marks::len(sizes.objects))?.split_at_mut_checked(words)?;
+        let (listed, rest) =
+            slab.take(2 * words + SlotSet::len(sizes.objects))?.split_at_mut_checked(words)?;
         let (resting, rest) = rest.split_at_mut_checked(words)?;
-        let moved = Marks::carve(rest, sizes.objects)?;
-        let changed = Marks::carve(slab.take(Marks::len(sizes.changed))?, sizes.changed)?;
-        let awake = slab.take(bits::words(sizes.tree))?;
+        let moved = SlotSet::carve(rest, sizes.objects)?;
+        let changed = SlotSet::carve(slab.take(SlotSet::len(sizes.changed))?, sizes.changed)?;
+        let active = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
@@ -165,21 +166,21 @@ impl<'m, I: Index> Parts<'m, I> {
             moved,
             resting,
             changed,
-            awake,
+            active,
             listed,
             order: [x, y, z],
             home,
             place,
             tree: TreeParts {
                 records: slab.take(sizes.records)?,
-                fronts: slab.take(sizes.fronts)?,
+                straddlers: slab.take(sizes.straddlers)?,
                 planes: slab.take(sizes.leaves)?,
                 cells: slab.take(sizes.leaves)?,
                 frames: slab.take(sizes.whole_leaves)?,
                 leaves: slab.take(sizes.leaves)?,
                 bounds: slab.take(sizes.leaves)?,
                 nodes: slab.take(2 * sizes.whole_leaves)?,
-                tally: slab.take(sizes.tally())?,
+                histogram: slab.take(sizes.histogram())?,
             },
             output: OutputParts {
                 pairs: slab.take(sizes.pairs)?,
@@ -188,7 +189,7 @@ impl<'m, I: Index> Parts<'m, I> {
                 chunks: slab.take(sizes.staged)?,
                 members: slab.take(sizes.members)?,
                 planes: slab.take(sizes.striped())?,
-                scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bag))?,
+                scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bucket))?,
             },
             sizes,
         })
@@ -218,11 +219,11 @@ impl<'m, I: Index> Parts<'m, I> {
         self.boxes.before.fill(KeyBox::EMPTY);
         self.filters.classes.fill(u32::MAX);
         self.generations.fill(0);
-        for mut marks in [self.moved.lend(), self.changed.lend(), self.filters.changed.lend()] {
+        for mut marks in [self.moved.reborrow(), self.changed.reborrow(), self.filters.changed.reborrow()] {
             marks.words.fill(0);
             marks.regroup();
         }
-        for bits in [&mut *self.awake, self.resting, self.listed] {
+        for bits in [&mut *self.active, self.resting, self.listed] {
             bits.fill(0);
         }
         self.home.fill(I::NONE);

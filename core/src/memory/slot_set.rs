@@ -3,7 +3,7 @@
 
 use crate::access::{Access, bits};
 use crate::id::Index;
-use crate::parallel::claim::Chunks;
+use crate::parallel::block_queue::Chunks;
 
 /// Slots in a group: a parallel pass gives each worker whole ones.
 pub(crate) const GROUP: usize = 32 * 32;
@@ -11,20 +11,20 @@ pub(crate) const GROUP: usize = 32 * 32;
 const GROUPED: bool = cfg!(feature = "large");
 
 /// A set of slots, or of some consecutive ones, counted from the first of them.
-pub(crate) struct Marks<'m> {
+pub(crate) struct SlotSet<'m> {
     /// One bit a slot.
     pub(crate) words: &'m mut [u32],
     /// One bit for each word, set where bits of the word are: what has none is passed over 1,024 slots at a time.
     groups: &'m mut [u32],
 }
 
-impl<'m> From<(&'m mut [u32], &'m mut [u32])> for Marks<'m> {
+impl<'m> From<(&'m mut [u32], &'m mut [u32])> for SlotSet<'m> {
     fn from((words, groups): (&'m mut [u32], &'m mut [u32])) -> Self {
         Self { words, groups }
     }
 }
 
-impl<'m> Marks<'m> {
+impl<'m> SlotSet<'m> {
     /// The length of the memory for so many slots.
     pub(crate) const fn len(slots: usize) -> usize {
         bits::words(slots) + if GROUPED { slots.div_ceil(GROUP) } else { 0 }
@@ -36,8 +36,8 @@ impl<'m> Marks<'m> {
     }
 
     /// The same set, lent.
-    pub(crate) fn lend(&mut self) -> Marks<'_> {
-        Marks { words: self.words, groups: self.groups }
+    pub(crate) fn reborrow(&mut self) -> SlotSet<'_> {
+        SlotSet { words: self.words, groups: self.groups }
     }
 
     /// The same set in parts of so many slots, for the workers of a pass: whole groups.
@@ -139,8 +139,8 @@ mod tests {
             slots in 1usize..5000,
             picks in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>()), 0..99),
         ) {
-            let mut memory = vec![0; Marks::len(slots)];
-            let mut marks = Marks::carve(&mut memory, slots).unwrap();
+            let mut memory = vec![0; SlotSet::len(slots)];
+            let mut marks = SlotSet::carve(&mut memory, slots).unwrap();
             let mut expected = BTreeSet::new();
             for (pick, bits) in picks {
                 let slot = pick.index(slots);

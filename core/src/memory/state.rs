@@ -1,6 +1,6 @@
 //! The few numbers of a world that are not arrays, and the statistics of a step.
 
-use super::limits::{FINER, LEAVES_PER_BLOCK};
+use super::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
 use super::scratch::Work;
 use crate::config::{Capacity, Choice, Config, Margin, Mode};
 use crate::geometry::extent::Extent;
@@ -158,42 +158,42 @@ pub(crate) struct State {
     pub(crate) listed: u32,
 
     /// Living objects when the planes were made, or zero where there are none.
-    pub(crate) planted: u32,
+    pub(crate) built: u32,
     /// The depth that full steps use the planes to; less than planned where copies would take too much room.
     pub(crate) depth: u32,
     /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
     /// first.
-    pub(crate) refined: u32,
+    pub(crate) subdivided: u32,
     /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
-    pub(crate) tightened: u32,
-    /// First large object among the fronts, and how many there are.
+    pub(crate) moved_since_refit: u32,
+    /// First large object among the straddlers, and how many there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
     /// Bounds of the minima.
     pub(crate) low: [i32; 3],
     pub(crate) high: [i32; 3],
     /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
-    pub(crate) settled: u64,
+    pub(crate) baseline: u64,
     /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
-    pub(crate) settled_work: u64,
+    pub(crate) baseline_work: u64,
 
-    /// Overlaps of swept boxes in the pair buffer: those set aside, the persisting ones, the found ones, then, in exact
+    /// Overlaps of swept boxes in the pair buffer: those parked, the persisting ones, the found ones, then, in exact
     /// mode with a margin, the surplus.
     pub(crate) swept_pairs: u64,
-    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `carry`. The
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `persistent`. The
     /// surplus among them comes first.
-    pub(crate) aside: u32,
-    pub(crate) surplus_aside: u32,
+    pub(crate) parked: u32,
+    pub(crate) surplus_parked: u32,
     /// All but the surplus: see [`result`](Self::result).
     pub(crate) result_pairs: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
-    /// With events: pairs of the last complete result in the other buffer, all but those set aside.
+    /// With events: pairs of the last complete result in the other buffer, all but those parked.
     pub(crate) previous_result: u64,
     /// Steps in a row in which few objects have moved.
     pub(crate) calm: u32,
-    /// How many objects are awake, or more.
-    pub(crate) awake: u32,
+    /// How many objects are active, or more.
+    pub(crate) active: u32,
     /// Boxes since the last complete step that outran their object's margin.
     pub(crate) outran: u32,
     /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
@@ -216,7 +216,7 @@ pub(crate) struct State {
 
     // Small numbers, and what is so or not.
     /// Whether an object may differ from what the last complete step has seen.
-    pub(crate) touched: u8,
+    pub(crate) dirty: u8,
     /// Whether the caller has ever put an object to rest.
     pub(crate) resting: u8,
     /// Whether the lists do not hold the living objects any more.
@@ -227,15 +227,15 @@ pub(crate) struct State {
     pub(crate) complete: u8,
     coarse: u8,
     /// Whether an object has come since the last complete step.
-    pub(crate) entered: u8,
+    pub(crate) has_inserted: u8,
     /// Whether a tight box has changed inside its fat box since the last complete step.
-    pub(crate) crept: u8,
+    pub(crate) moved_inside_margin: u8,
     /// The axis that a small world is swept along.
     pub(crate) list_axis: u8,
-    /// The axis across which its strips lie.
-    pub(crate) strip_axis: u8,
+    /// The axis across which its stripes lie.
+    pub(crate) stripe_axis: u8,
     /// Steps until the axes are chosen anew.
-    pub(crate) survey_in: u8,
+    pub(crate) scan_in: u8,
     /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
     pub(crate) without_surplus: u8,
     /// Whether the planes could not part the objects well when they were made.
@@ -300,18 +300,18 @@ impl State {
 
     /// The leaves that there are now, or those of the last step where there is no tree.
     pub(crate) const fn leaves(&self) -> u32 {
-        if self.filled != 0 { 1 << (self.depth + self.finer()) } else { self.leaves }
+        if self.filled != 0 { 1 << (self.depth + self.sub_levels()) } else { self.leaves }
     }
 
     /// How many levels below `depth` leaves stand: those of the last full step are divided into that, or being divided.
     #[inline(always)]
-    pub(crate) const fn finer(&self) -> u32 {
-        if self.refined == 0 { 0 } else { FINER }
+    pub(crate) const fn sub_levels(&self) -> u32 {
+        if self.subdivided == 0 { 0 } else { SUB_LEVELS }
     }
 
     /// Whether a leaf of the last full step is divided.
-    pub(crate) const fn is_refined(&self, leaf: usize) -> bool {
-        leaf + 1 < self.refined as usize
+    pub(crate) const fn is_subdivided(&self, leaf: usize) -> bool {
+        leaf + 1 < self.subdivided as usize
     }
 
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
@@ -416,7 +416,7 @@ impl State {
 
     /// Where the result stands in the pair buffer.
     pub(crate) fn result(&self) -> core::ops::Range<usize> {
-        let start = self.surplus_aside as usize;
+        let start = self.surplus_parked as usize;
         start..start + self.result_pairs as usize
     }
 
@@ -434,7 +434,7 @@ impl State {
             moved: self.moved,
             path: Path::ALL.get((self.chosen & 0xff) as usize).copied().unwrap_or_default(),
             reason: Reason::ALL.get((self.chosen >> 8 & 0xff) as usize).copied().unwrap_or_default(),
-            fine_leaves: self.refined != 0 && self.leaves > 1,
+            fine_leaves: self.subdivided != 0 && self.leaves > 1,
             shared: self.chosen >> 16 != 0,
             outran: self.last_outran,
             leaves: self.leaves,

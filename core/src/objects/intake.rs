@@ -6,7 +6,7 @@ use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::{FatBoxes, Motions, Objects};
-use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor};
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
@@ -14,7 +14,7 @@ use crate::simd::{Phase, Simd};
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Intake {
-    pub(crate) told: Motions,
+    pub(crate) motions: Motions,
     /// Boxes that were refused.
     pub(crate) rejected: u32,
     /// The lowest slot among them.
@@ -35,8 +35,8 @@ pub(crate) fn ingest<I: Index>(
         let slots = (parts.state.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
-        let (moved, changed) = (parts.moved.lend(), parts.changed.lend());
-        let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
+        let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
+        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
         let objects = Objects { now, fat, moved, changed, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
@@ -44,7 +44,7 @@ pub(crate) fn ingest<I: Index>(
     let len = block_len(slots);
     let margins = &*parts.boxes.margins;
     let mut found = [Intake::default(); SLOT_BLOCKS];
-    let claims = Claims::new((
+    let claims = BlockQueue::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         Chunks::optional(parts.boxes.fat, len),
         parts.moved.blocks(len),
@@ -55,7 +55,7 @@ pub(crate) fn ingest<I: Index>(
         while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let fat = FatBoxes { boxes: fat, margins, fixed_margins, told: Motions::default() };
+            let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
             let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
@@ -63,8 +63,8 @@ pub(crate) fn ingest<I: Index>(
     });
     let mut sum = Intake::default();
     for intake in &found {
-        sum.told.crept |= intake.told.crept;
-        sum.told.outran += intake.told.outran;
+        sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
+        sum.motions.outran += intake.motions.outran;
         if sum.rejected == 0 {
             sum.first_rejected = intake.first_rejected;
         }
@@ -94,7 +94,7 @@ impl Phase for IngestBlock<'_, '_> {
                 take_in(simd, first, bounds, &mut objects, word, resting, &mut intake);
             }
         }
-        intake.told = objects.fat.told;
+        intake.motions = objects.fat.motions;
         intake
     }
 }
@@ -115,7 +115,7 @@ fn take_in<S: Simd>(
     let now = now.get_mut(word * 32..end).unwrap_or_default();
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
-    let (mut changed, mut held, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
+    let (mut changed, mut contained, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
@@ -130,7 +130,7 @@ fn take_in<S: Simd>(
             Some(keys) => {
                 let bounds = simd.bounds(keys);
                 if fat.exist() {
-                    held |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
+                    contained |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
                 }
                 *old = bounds;
                 changed |= 1 << 31;
@@ -143,5 +143,5 @@ fn take_in<S: Simd>(
             }
         }
     }
-    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), held);
+    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), contained);
 }

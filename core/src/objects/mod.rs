@@ -7,15 +7,15 @@ use crate::config::{Margin, Mode};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::memory::slot_set::Marks;
+use crate::memory::slot_set::SlotSet;
 use crate::memory::state::State;
 
 /// The arrays of some consecutive slots; positions count from the first of them.
 pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
     pub(crate) fat: FatBoxes<'o>,
-    pub(crate) moved: Marks<'o>,
-    pub(crate) changed: Marks<'o>,
+    pub(crate) moved: SlotSet<'o>,
+    pub(crate) changed: SlotSet<'o>,
     pub(crate) mode: Mode,
 }
 
@@ -24,14 +24,14 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
     pub(crate) margins: &'o [f32],
     pub(crate) fixed_margins: bool,
-    pub(crate) told: Motions,
+    pub(crate) motions: Motions,
 }
 
 /// What new boxes meant to objects with margins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Motions {
     /// Whether a box changed inside its fat box, which then stays.
-    pub(crate) crept: bool,
+    pub(crate) moved_inside_margin: bool,
     /// Boxes that were farther from the last one than the margin.
     pub(crate) outran: u32,
 }
@@ -49,13 +49,13 @@ impl FatBoxes<'_> {
     pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let fat = KeyBox::of(self.boxes, at);
         if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, self.margins.at(at))) {
-            self.told.crept = true;
+            self.motions.moved_inside_margin = true;
             return true;
         }
         let margin = self.margins.at(at);
         // The last box says how fast the object is: a margin around it would not have held this one either.
         let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
-        self.told.outran += u32::from(outran);
+        self.motions.outran += u32::from(outran);
         self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
         false
     }
@@ -68,13 +68,13 @@ impl<I: Index> Parts<'_, I> {
             boxes: self.boxes.fat,
             margins: self.boxes.margins,
             fixed_margins: self.state.has_fixed_margins(),
-            told: Motions::default(),
+            motions: Motions::default(),
         };
         Objects {
             now: self.boxes.now,
             fat,
-            moved: self.moved.lend(),
-            changed: self.changed.lend(),
+            moved: self.moved.reborrow(),
+            changed: self.changed.reborrow(),
             mode: self.state.mode(),
         }
     }
@@ -82,9 +82,9 @@ impl<I: Index> Parts<'_, I> {
 
 impl State {
     /// Notes what boxes that came have meant to their objects.
-    pub(crate) fn note(&mut self, told: Motions) {
-        self.crept |= u8::from(told.crept);
-        self.outran = self.outran.saturating_add(told.outran);
+    pub(crate) fn note(&mut self, motions: Motions) {
+        self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
+        self.outran = self.outran.saturating_add(motions.outran);
     }
 }
 
@@ -104,15 +104,15 @@ impl Objects<'_> {
         let old = self.now.at(at);
         if bounds != old {
             self.now.put(at, bounds);
-            let held = self.fat.exist() && self.fat.follow(at, &old, &bounds);
-            self.note(at / 32, 1 << (at % 32), u32::from(held) << (at % 32));
+            let contained = self.fat.exist() && self.fat.follow(at, &old, &bounds);
+            self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }
 
     /// Notes that some objects of a word of the bit sets have other boxes now, and that fat boxes have held some of them.
     #[inline(always)]
-    pub(crate) fn note(&mut self, word: usize, changed: u32, held: u32) {
-        let moved = changed & !held;
+    pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
+        let moved = changed & !contained;
         let reported = if self.mode == Mode::Exact { changed } else { moved };
         self.moved.add(word, moved);
         self.changed.add(word, reported);

@@ -1,5 +1,5 @@
 //! Pairs on their way from the sweeps to the result: filters, the pairs that stay from step to step, events.
 
-pub(crate) mod carry;
-pub(crate) mod gate;
+pub(crate) mod pair_filter;
+pub(crate) mod persistent;
 pub(crate) mod results;

@@ -12,77 +12,77 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::block_len;
 use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::slot_set::Marks;
-use crate::pairs::carry::is_clear_of;
-use crate::parallel::claim::{Chunks, Claims};
+use crate::memory::slot_set::SlotSet;
+use crate::pairs::persistent::is_clear_of;
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor;
 use crate::simd::{Phase, Simd};
 use crate::sort::heapsort;
 use core::cell::Cell;
 
-/// Orders the first `swept` pairs of the buffer, but for those set aside: persisting, found, surplus; and finds the lost
+/// Orders the first `swept` pairs of the buffer, but for those parked: persisting, found, surplus; and finds the lost
 /// ones. Events only where the pairs are complete: of a part nobody can tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,
     complete: bool,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) {
     let events = parts.sizes.previous > 0 && complete;
     let mode = parts.state.mode();
     let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
-    let aside = parts.state.aside as usize;
-    let pairs = parts.output.pairs.span_mut(aside, swept - aside);
+    let parked = parts.state.parked as usize;
+    let pairs = parts.output.pairs.span_mut(parked, swept - parked);
     let margins = !parts.boxes.fat.is_empty();
     let result =
-        if mode == Mode::Exact && margins { partition(means, pairs, Overlap(now)) } else { pairs.len() };
+        if mode == Mode::Exact && margins { partition(context, pairs, Overlap(now)) } else { pairs.len() };
     let mut persisting = result;
     parts.state.lost = 0;
     if events {
         let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
         let pairs = pairs.span_mut(0, result);
-        persisting = partition(means, pairs, Overlap(before));
+        persisting = partition(context, pairs, Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
         let asked = &*parts.filters.changed.words;
         let lost = if FILTERS && parts.filters.changed.count() > 0 {
-            let staying = staying(means, pairs.span_mut(0, persisting), previous, asked);
+            let staying = staying(context, pairs.span_mut(0, persisting), previous, asked);
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
-            partition(means, previous, Dropped { now, before, asked, staying })
-        } else if parts.state.entered != 0 {
-            partition(means, previous, Ended { now, before })
+            partition(context, previous, Dropped { now, before, asked, staying })
+        } else if parts.state.has_inserted != 0 {
+            partition(context, previous, Ended { now, before })
         } else {
-            partition(means, previous, Apart(now))
+            partition(context, previous, Apart(now))
         };
         parts.state.lost = lost as u64;
     }
     parts.state.swept_pairs = swept as u64;
-    parts.state.result_pairs = (aside + result) as u64 - u64::from(parts.state.surplus_aside);
+    parts.state.result_pairs = (parked + result) as u64 - u64::from(parts.state.surplus_parked);
     parts.state.found = (result - persisting) as u64;
 }
 
 /// Keeps the boxes that a complete step reports, for the events of the next one.
-pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) {
+pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let mode = parts.state.mode();
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
-    if means.is_small() {
-        return remember_block(boxes, before, parts.changed.lend());
+    if context.is_small() {
+        return remember_block(boxes, before, parts.changed.reborrow());
     }
     if before.is_empty() {
         return parts.changed.clear();
     }
     let len = block_len(before.len());
-    let claims = Claims::new((Chunks::new(before, len), parts.changed.blocks(len)));
-    executor::run(means.executor, means.workers, claims.count(), &|| {
+    let claims = BlockQueue::new((Chunks::new(before, len), parts.changed.blocks(len)));
+    executor::run(context.executor, context.workers, claims.count(), &|| {
         while let Some((block, (before, changed))) = claims.claim() {
             remember_block(boxes.span(block * len, before.len()), before, changed.into());
         }
     });
 }
 
-fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], mut changed: Marks<'_>) {
+fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], mut changed: SlotSet<'_>) {
     changed.for_each_word(|word, bits| {
         let first = word * 32;
         if bits == u32::MAX {
@@ -99,18 +99,18 @@ fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], mut changed: Marks<'_
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the
 /// pairs of then can tell: the range of those that they tell stay, in order, behind all the others that stay.
 fn staying<I: Index>(
-    means: StepContext<'_>,
+    context: StepContext<'_>,
     pairs: &mut [Pair<I>],
     previous: &mut [Pair<I>],
     asked: &[u32],
 ) -> core::ops::Range<usize> {
-    let others = partition(means, pairs, ClearOf(asked));
-    let known = partition(means, previous, Touch(asked));
+    let others = partition(context, pairs, ClearOf(asked));
+    let known = partition(context, previous, Touch(asked));
     let known = previous.span_mut(0, known);
     heapsort(known, |a, b| a < b);
     let open = pairs.len() - others;
     let open = pairs.span_mut(others, open);
-    let stay = partition(means, open, Among(known));
+    let stay = partition(context, open, Among(known));
     heapsort(open.span_mut(0, stay), |a, b| a < b);
     others..others + stay
 }
@@ -120,25 +120,25 @@ const BLOCKS: usize = 32;
 /// The fewest pairs in a block.
 const PAIRS_PER_BLOCK: usize = 8192;
 
-/// Brings the pairs that the test holds of to the front and returns how many there are: block by block, and then those on
+/// Brings the pairs that the test holds of to the straddlers and returns how many there are: block by block, and then those on
 /// the wrong side of the border change places.
-fn partition<I: Index>(means: StepContext<'_>, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
-    if means.is_small() {
-        return means.kernels.run(PartitionBlock { pairs, test });
+fn partition<I: Index>(context: StepContext<'_>, pairs: &mut [Pair<I>], test: impl Test<I>) -> usize {
+    if context.is_small() {
+        return context.kernels.run(PartitionBlock { pairs, test });
     }
     let count = pairs.len();
     let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = count.div_ceil(len);
-    let mut fronts = [0; BLOCKS];
-    let claims = Claims::new((Chunks::new(pairs, len), Chunks::new(&mut fronts, 1)));
-    executor::run(means.executor, means.workers, blocks, &|| {
-        while let Some((_, (pairs, front))) = claims.claim() {
-            front.fill(means.kernels.run(PartitionBlock { pairs, test }));
+    let mut straddlers = [0; BLOCKS];
+    let claims = BlockQueue::new((Chunks::new(pairs, len), Chunks::new(&mut straddlers, 1)));
+    executor::run(context.executor, context.workers, blocks, &|| {
+        while let Some((_, (pairs, straddler))) = claims.claim() {
+            straddler.fill(context.kernels.run(PartitionBlock { pairs, test }));
         }
     });
-    let border = fronts.iter().sum();
+    let border = straddlers.iter().sum();
     if blocks > 1 {
-        let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
+        let ends = || (0..blocks).map(|block| (block * len, block * len + straddlers.at(block)));
         let late = ends().flat_map(|(start, end)| start.max(border)..end);
         let early = ends().flat_map(|(start, end)| end..(start + len).min(border));
         for (late, early) in late.zip(early) {
@@ -168,33 +168,33 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
         let pairs = Cell::from_mut(pairs).as_slice_of_cells();
         let boxes = test.boxes();
         let ahead = if cfg!(feature = "large") && boxes.len() > NEAR { AHEAD } else { pairs.len() };
-        let mut front = 0;
+        let mut straddler = 0;
         let later = pairs.get(ahead..).unwrap_or_default();
         for (pair, later) in pairs.iter().zip(later) {
             let later = later.get();
             simd.prefetch(boxes, later[0].at());
             simd.prefetch(boxes, later[1].at());
-            front += exchange(simd, pairs, front, pair, &test);
+            straddler += exchange(simd, pairs, straddler, pair, &test);
         }
         for pair in pairs.get(later.len()..).unwrap_or_default() {
-            front += exchange(simd, pairs, front, pair, &test);
+            straddler += exchange(simd, pairs, straddler, pair, &test);
         }
-        front
+        straddler
     }
 }
 
-/// Exchanges a pair with the one at `front` and returns how far the front moves up: one where the test holds of the pair.
+/// Exchanges a pair with the one at `front` and returns how far the straddlers moves up: one where the test holds of the pair.
 /// Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are those that the
 /// test does not hold of, in any order.
 #[inline(always)]
 fn exchange<S: Simd, I: Index>(
     simd: S,
     pairs: &[Cell<Pair<I>>],
-    front: usize,
+    straddler: usize,
     pair: &Cell<Pair<I>>,
     test: &impl Test<I>,
 ) -> usize {
-    let Some(first) = pairs.get(front) else { return 0 };
+    let Some(first) = pairs.get(straddler) else { return 0 };
     let next = pair.get();
     pair.set(first.get());
     first.set(next);

@@ -1,6 +1,6 @@
 //! Work that several threads share: the caller's executor, the blocks that they claim, and the memory that they share.
 
-pub(crate) mod claim;
+pub(crate) mod block_queue;
 pub(crate) mod context;
 pub(crate) mod executor;
 #[cfg(target_has_atomic = "32")]

@@ -4,7 +4,7 @@ use super::{Cast, Hit, Region};
 use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
-use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor};
 use crate::simd::kernels::Kernels;
 use crate::world::World;
@@ -28,7 +28,7 @@ impl<I: Index> World<'_, I> {
     ) -> Result<(), Error> {
         let out = out.get_mut(..casts.len()).ok_or(Error::LengthMismatch { needed: casts.len() })?;
         check(casts, Cast::is_valid)?;
-        let claims = Claims::new(Chunks::new(out, BLOCK));
+        let claims = BlockQueue::new(Chunks::new(out, BLOCK));
         executor::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
@@ -59,7 +59,7 @@ impl<I: Index> World<'_, I> {
             counts.get_mut(..regions.len()).ok_or(Error::LengthMismatch { needed: regions.len() })?;
         check(regions, Region::is_valid)?;
         let share = out.len() / regions.len().max(1);
-        let claims = Claims::new((
+        let claims = BlockQueue::new((
             Chunks::optional(out.span_mut(0, share * regions.len()), BLOCK * share),
             Chunks::new(counts, BLOCK),
         ));

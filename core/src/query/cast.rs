@@ -10,7 +10,7 @@ use crate::id::{Id, Index};
 use crate::simd::kernels::Kernels;
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
-use crate::tree::{Frame, first_of_eight, leaf_of, parts_of};
+use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -64,7 +64,7 @@ impl Hit {
 }
 
 impl<I: Index> World<'_, I> {
-    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor returns how
+    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The ghost returns how
     /// far to look on: the cast's distance to see everything, the hit's to see only nearer ones, less than zero to stop.
     ///
     /// # Errors
@@ -243,7 +243,7 @@ impl Met {
     /// Takes the first one out; returns the part and when it is met, NaN where none is left.
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S) -> (usize, f32) {
-        let first = simd.take_least(&mut self.0);
+        let first = simd.pop_min(&mut self.0);
         ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
     }
 }
@@ -264,11 +264,11 @@ impl<I: Index> Search<'_, '_, I> {
     #[inline(always)]
     fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
         let parts = &self.world.parts;
-        let finer = parts.state.finer();
+        let sub_levels = parts.state.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
-        let first = whole << finer;
-        let mut met = Met::new(match parts_of(parts.tree.bounds, finer, whole) {
+        let first = whole << sub_levels;
+        let mut met = Met::new(match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
             Some(bounds) => simd.met(bounds, &crossing),
             None => Met::WHOLE,
         });
@@ -289,7 +289,7 @@ impl<I: Index> Search<'_, '_, I> {
     fn visit_members<S: Simd>(&mut self, simd: S, leaf: usize, crossing: &Crossing) {
         let parts = &self.world.parts;
         let mut count = 0;
-        for (eight, left) in parts.tree.leaves.at(leaf).eights(parts.tree.records) {
+        for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
             let mut mask = simd.crossed(eight, crossing);
             if mask != 0 {
                 mask &= first_of_eight(left);

@@ -18,7 +18,7 @@ use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
 use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd, limit};
-use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
+use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -29,7 +29,7 @@ impl<I: Index> World<'_, I> {
 
     /// Whether there is more than what stands in the tree's leaves. Asked first, as it is less than an iterator over nothing.
     fn has_others(&self) -> bool {
-        !self.has_tree() || self.parts.state.large != 0 || self.parts.state.touched != 0
+        !self.has_tree() || self.parts.state.large != 0 || self.parts.state.dirty != 0
     }
 
     /// The slots that the tree's leaves do not answer for.
@@ -39,9 +39,9 @@ impl<I: Index> World<'_, I> {
 
     /// The slots that the tree does not answer for: all, or those that were touched since the last step.
     fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
-        let (has_tree, touched) = (self.has_tree(), self.parts.state.touched != 0);
+        let (has_tree, dirty) = (self.has_tree(), self.parts.state.dirty != 0);
         let all = 0..if has_tree { 0 } else { self.parts.state.slots as usize };
-        let moved = (has_tree && touched).then(|| self.parts.moved.slots());
+        let moved = (has_tree && dirty).then(|| self.parts.moved.slots());
         all.chain(moved.into_iter().flatten()).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
     }
 
@@ -49,8 +49,8 @@ impl<I: Index> World<'_, I> {
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let state = &*self.parts.state;
         let count = if self.has_tree() { state.large as usize } else { 0 };
-        let large = self.parts.tree.fronts.span(state.large_start as usize, count);
-        large.iter().map(|front| front.slot as usize).filter(|&slot| is_current(&self.parts, slot))
+        let large = self.parts.tree.straddlers.span(state.large_start as usize, count);
+        large.iter().map(|straddler| straddler.slot as usize).filter(|&slot| is_current(&self.parts, slot))
     }
 
     /// The id of a living object.
@@ -62,7 +62,7 @@ impl<I: Index> World<'_, I> {
 /// Whether the tree's record of an object is that of its box.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
-    parts.state.touched == 0 || !bits::test(parts.moved.words, slot)
+    parts.state.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
 /// Records that are asked for ahead.
@@ -75,7 +75,7 @@ struct MembersNear<'q, S> {
     simd: S,
     /// Members that are touched since the last step, where there are any.
     moved: &'q [u32],
-    eights: Eights<'q>,
+    chunks_of_eight: ChunksOfEight<'q>,
     /// The region in the leaf's frame.
     region: Record,
     limit: Record,
@@ -87,10 +87,10 @@ impl<'q, S: Simd> MembersNear<'q, S> {
     #[inline(always)]
     fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: Record) -> Self {
         const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
-        let bag = parts.tree.leaves.at(leaf);
-        let eights = bag.eights(parts.tree.records);
-        let moved = if parts.state.touched != 0 { &*parts.moved.words } else { &[] };
-        Self { simd, moved, eights, region, limit: limit(&region), eight: NONE, mask: 0 }
+        let bucket = parts.tree.leaves.at(leaf);
+        let chunks_of_eight = bucket.chunks_of_eight(parts.tree.records);
+        let moved = if parts.state.dirty != 0 { &*parts.moved.words } else { &[] };
+        Self { simd, moved, chunks_of_eight, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 
     /// The slot of the next one, and whether its swept box overlaps the region for certain.
@@ -98,7 +98,7 @@ impl<'q, S: Simd> MembersNear<'q, S> {
     fn next(&mut self) -> Option<(usize, bool)> {
         loop {
             while self.mask == 0 {
-                let (eight, left) = self.eights.next()?;
+                let (eight, left) = self.chunks_of_eight.next()?;
                 self.mask = self.simd.touching(eight, self.limit);
                 if self.mask != 0 {
                     self.mask &= first_of_eight(left);
@@ -127,7 +127,7 @@ fn parts_near<S: Simd, I: Index>(
 ) -> (Record, u32) {
     let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
     let region = simd.record(frame, simd.keys(region), 0);
-    let bounds = parts_of(parts.tree.bounds, parts.state.finer(), whole);
+    let bounds = sub_leaves_of(parts.tree.bounds, parts.state.sub_levels(), whole);
     (region, bounds.map_or(1, |bounds| simd.touching(bounds, limit(&region))))
 }
 
@@ -135,9 +135,9 @@ fn parts_near<S: Simd, I: Index>(
 #[inline(always)]
 fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
     simd.prefetch(parts.tree.frames, whole);
-    let first = whole << parts.state.finer();
-    simd.prefetch_from::<PARTS, _>(parts.tree.bounds, first);
-    simd.prefetch_from::<PARTS, _>(parts.tree.leaves, first);
+    let first = whole << parts.state.sub_levels();
+    simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.bounds, first);
+    simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.leaves, first);
 }
 
 /// Asks for the first members of a leaf; the processor sees for itself that the others follow.

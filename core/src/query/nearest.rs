@@ -97,7 +97,7 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             }
         }
         let has_tree = world.has_tree();
-        let finer = parts.state.finer();
+        let sub_levels = parts.state.sub_levels();
         let home = if has_tree { home_of(parts.tree.planes, parts.state, &point.map(key)) } else { 0 };
         let first = 1u32 << parts.state.depth;
         let mut stack = [Waiting::default(); STACK];
@@ -113,13 +113,14 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             if node >= first {
                 let whole = (node - first) as usize;
                 // The part around the point first, if it is one of these: the others are hardly near enough then.
-                let around_point = if home >> finer == whole { 1 << (home - (whole << finer)) } else { 0 };
-                let all = u32::MAX >> (u32::BITS - (1 << finer));
+                let around_point =
+                    if home >> sub_levels == whole { 1 << (home - (whole << sub_levels)) } else { 0 };
+                let all = u32::MAX >> (u32::BITS - (1 << sub_levels));
                 for some in [around_point, all & !around_point].into_iter().filter(|some| *some != 0) {
                     let (record, near) = parts_near(simd, parts, whole, &around(&point, best.limit()));
                     let mut mask = near & some;
                     while mask != 0 {
-                        let leaf = (whole << finer) + mask.trailing_zeros() as usize;
+                        let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
                         mask &= mask - 1;
                         let mut members = MembersNear::new(simd, parts, leaf, record);
                         while let Some((slot, _)) = members.next() {

@@ -10,7 +10,7 @@ use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
-use crate::tree::{PARTS, Record, leaf_of};
+use crate::tree::{Record, SUB_LEAVES, leaf_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -81,7 +81,7 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
 }
 
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks; always in the same order for
+    /// Visits the objects whose boxes overlap a region, each once, until the ghost breaks; always in the same order for
     /// the same calls. O(log n + answers + movers since the last step), or O(n) where there is no tree yet.
     ///
     /// # Errors
@@ -145,7 +145,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let (depth, finer) = (parts.state.depth, parts.state.finer());
+            let (depth, sub_levels) = (parts.state.depth, parts.state.sub_levels());
             let home = leaf_of(tree.planes, depth, &bounds.min);
             let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
             let mut wholes = [0; WHOLES];
@@ -154,7 +154,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                 region,
                 bounds,
                 records: [Record::NOTHING; WHOLES],
-                leaves: [(0, 0); WHOLES * PARTS],
+                leaves: [(0, 0); WHOLES * SUB_LEAVES],
                 leaf_count: 0,
                 slots: [(0, false); TOGETHER],
                 slot_count: 0,
@@ -171,7 +171,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                     let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
                     near.records.put(index, record);
                     while mask != 0 {
-                        let leaf = (whole << finer) + mask.trailing_zeros() as usize;
+                        let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
                         mask &= mask - 1;
                         simd.prefetch(tree.leaves, leaf);
                         near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
@@ -207,7 +207,7 @@ struct Near<'n, 'm, I: Index> {
     /// The region in the frames of the leaves of the last full step.
     records: [Record; WHOLES],
     /// A leaf, and which of these is its frame.
-    leaves: [(u32, u32); WHOLES * PARTS],
+    leaves: [(u32, u32); WHOLES * SUB_LEAVES],
     leaf_count: usize,
     /// A slot, and whether the object overlaps the region for certain.
     slots: [(usize, bool); TOGETHER],

@@ -120,9 +120,9 @@ fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let mut lists = [[(); WINDOW].map(|()| (random.below(RECORDS) << 16 | random.below(RECORDS)) as u32); 2];
     let mut pairs = [[Pair::<I>::default(); WINDOW]; 2];
     let ([list, expected_list], [kept, expected_kept]) = (&mut lists, &mut pairs);
-    let sifted = simd.sift(&sorted, &mut list[..count], &mut kept[..count]);
-    let expected = Scalar.sift(&sorted, &mut expected_list[..count], &mut expected_kept[..count]);
-    let sift = (sifted.found, sifted.tied) == (expected.found, expected.tied)
+    let sifted = simd.test_candidates(&sorted, &mut list[..count], &mut kept[..count]);
+    let expected = Scalar.test_candidates(&sorted, &mut expected_list[..count], &mut expected_kept[..count]);
+    let test_candidates = (sifted.found, sifted.tied) == (expected.found, expected.tied)
         && kept[..sifted.found] == expected_kept[..sifted.found]
         && list[..sifted.tied] == expected_list[..sifted.tied];
     // Of 40 records a window reaches up to 64, some of them behind the end.
@@ -133,7 +133,7 @@ fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let found = simd.four(&sorted, base, bits, kept);
     let four = found == Scalar.four(&sorted, base, bits, expected_kept)
         && kept.iter().zip(expected_kept).take(found.unwrap_or_default()).all(|(a, b)| a == b);
-    rounds.check([("sift", sift), ("four", four)]);
+    rounds.check([("sift", test_candidates), ("four", four)]);
 }
 
 #[inline(always)]
@@ -167,12 +167,12 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let times = |times: [f32; EIGHT]| times.map(f32::to_bits);
     let met = times(simd.met(&records, &crossing)) == times(Scalar.met(&records, &crossing));
     let nodes = [(); 2].map(|()| if random.below(8) == 0 { KeyBox::NOTHING } else { random.bounds() });
-    let entered = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
-    let enter = entered == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let has_inserted = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let enter = has_inserted == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
     let mut numbers = [[(); EIGHT].map(|()| random.below(8) as u32 * 0x2000_0000); 2];
     let [taken, expected] = &mut numbers;
-    let take_least = simd.take_least(taken) == Scalar.take_least(expected) && taken == expected;
-    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("take_least", take_least)]);
+    let pop_min = simd.pop_min(taken) == Scalar.pop_min(expected) && taken == expected;
+    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("take_least", pop_min)]);
 }
 
 /// SplitMix64.

@@ -2,7 +2,7 @@
 
 use super::detect::Avx2;
 use super::fours::{self, HALVES};
-use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Sifted, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
@@ -294,8 +294,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        fours::sift(self, sorted, candidates, pairs)
+    fn test_candidates<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &mut [u32],
+        pairs: &mut [Pair<I>],
+    ) -> Tested {
+        fours::test_candidates(self, sorted, candidates, pairs)
     }
 
     #[inline(always)]
@@ -405,7 +410,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
         let all: __m256i = bytemuck::cast(*numbers);
         // SAFETY: `self` proves AVX2.
         unsafe {

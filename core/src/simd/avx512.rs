@@ -2,7 +2,7 @@
 //! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
 
 use super::detect::Avx2;
-use super::{Contact, EIGHT, HALF, Phase, Row, Sifted, Simd, WINDOW};
+use super::{Contact, EIGHT, HALF, Phase, Row, Simd, Tested, WINDOW};
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -163,8 +163,13 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        self.0.sift(sorted, candidates, pairs)
+    fn test_candidates<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &mut [u32],
+        pairs: &mut [Pair<I>],
+    ) -> Tested {
+        self.0.test_candidates(sorted, candidates, pairs)
     }
 
     #[inline(always)]
@@ -198,8 +203,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
-        self.0.take_least(numbers)
+    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        self.0.pop_min(numbers)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Four tests of two records each at a time, with 256-bit integers of x86-64.
 
-use super::Sifted;
+use super::Tested;
 use super::detect::Avx2;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
@@ -43,15 +43,15 @@ const KEPT_WIDE: [[u32; 8]; 16] = {
     table
 };
 
-/// As [`Simd::sift`](super::Simd::sift).
+/// As [`Simd::test_candidates`](super::Simd::test_candidates).
 #[inline(always)]
-pub(super) fn sift<I: Index>(
+pub(super) fn test_candidates<I: Index>(
     simd: Avx2,
     sorted: &[Record],
     candidates: &mut [u32],
     pairs: &mut [Pair<I>],
-) -> Sifted {
-    let mut sifted = Sifted::default();
+) -> Tested {
+    let mut sifted = Tested::default();
     let mut from = 0;
     while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
         // No closures: they would not share the instruction set of their function.

@@ -48,15 +48,15 @@ pub(crate) const EIGHT: usize = 8;
 
 /// What has become of candidates.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sifted {
+pub(crate) struct Tested {
     /// Pairs.
     pub(crate) found: usize,
     /// Candidates that only the keys can tell apart.
     pub(crate) tied: usize,
 }
 
-impl Sifted {
-    /// Adds the candidate at an index: see [`Simd::sift`].
+impl Tested {
+    /// Adds the candidate at an index: see [`Simd::test_candidates`].
     #[inline(always)]
     pub(crate) fn add<S: Simd, I: Index>(
         &mut self,
@@ -179,8 +179,13 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can
     /// tell apart at the start of `candidates`. What stands behind these means nothing. `pairs` has a place for each candidate.
     #[inline(always)]
-    fn sift<I: Index>(self, sorted: &[Record], candidates: &mut [u32], pairs: &mut [Pair<I>]) -> Sifted {
-        let mut sifted = Sifted::default();
+    fn test_candidates<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &mut [u32],
+        pairs: &mut [Pair<I>],
+    ) -> Tested {
+        let mut sifted = Tested::default();
         for index in 0..candidates.len() {
             sifted.add(self, sorted, candidates, index, pairs);
         }
@@ -209,7 +214,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Takes the least of some numbers out; wherever it was, the greatest number stands then. Returns it.
     #[inline(always)]
-    fn take_least(self, numbers: &mut [u32; EIGHT]) -> u32 {
+    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
         let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));
         for number in numbers {
             *number |= if *number == least { u32::MAX } else { 0 };

@@ -7,7 +7,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::state::State;
-use crate::memory::strips::Planes;
+use crate::memory::stripes::Planes;
 use crate::tree::{Frame, Record};
 use crate::validate::content::{Content, LeafCounts, Set, Stand};
 use crate::validate::{pairs, tree};
@@ -81,8 +81,8 @@ pub(super) struct Stored<'b, I> {
     pub(super) moved: Packed<'b, u32>,
     pub(super) resting: Packed<'b, u32>,
     pub(super) changed: Packed<'b, u32>,
-    pub(super) awake: Packed<'b, u32>,
-    pub(super) strips: Packed<'b, Planes>,
+    pub(super) active: Packed<'b, u32>,
+    pub(super) stripes: Packed<'b, Planes>,
     pub(super) planes: Packed<'b, i32>,
     pub(super) leaves: Packed<'b, LeafCounts>,
     /// Of each leaf of the last full step: from where on boxes are large objects.
@@ -126,7 +126,7 @@ impl Lengths {
             planes: tree::planes(state, sizes.depth),
             leaves: tree::leaves(state),
             whole_leaves: filled(1 << state.depth),
-            bounds: if state.refined != 0 { filled(tree::leaves(state)) } else { 0 },
+            bounds: if state.subdivided != 0 { filled(tree::leaves(state)) } else { 0 },
             nodes: filled((2 << state.depth) - 1),
             large: filled(state.large as usize),
             pairs: state.swept_pairs as usize,
@@ -152,8 +152,8 @@ impl<'b, I: Index> Stored<'b, I> {
         let moved = body.cut(words)?;
         let resting = body.cut(words)?;
         let changed: Packed<'b, u32> = body.cut(kept(sizes.changed, words))?;
-        let awake = body.cut(kept(sizes.tree, words))?;
-        let strips = body.cut(sizes.striped())?;
+        let active = body.cut(kept(sizes.tree, words))?;
+        let stripes = body.cut(sizes.striped())?;
         let planes = body.cut(lengths.planes)?;
         let leaves: Packed<'b, LeafCounts> = body.cut(lengths.leaves)?;
         let far = body.cut(lengths.whole_leaves)?;
@@ -174,8 +174,8 @@ impl<'b, I: Index> Stored<'b, I> {
             moved,
             resting,
             changed,
-            awake,
-            strips,
+            active,
+            stripes,
             planes,
             leaves,
             far,
@@ -199,7 +199,7 @@ pub(super) struct Image<'b, 'm, I> {
     pub(super) state: &'b State,
     pub(super) stored: Stored<'b, I>,
     /// Which slots have a place in the tree, as far as that is known: one bit for each that there can be.
-    pub(super) standing: &'m mut [u32],
+    pub(super) classify: &'m mut [u32],
 }
 
 impl<I: Index> Content<I> for Image<'_, '_, I> {
@@ -247,14 +247,14 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
             Set::Moved => &self.stored.moved,
             Set::Resting => &self.stored.resting,
             Set::Changed => &self.stored.changed,
-            Set::Awake => &self.stored.awake,
+            Set::Awake => &self.stored.active,
             Set::Refiltered => &self.stored.refiltered,
         }
         .get(index)
     }
 
-    fn strips(&self) -> Option<Planes> {
-        self.stored.strips.get(0)
+    fn stripes(&self) -> Option<Planes> {
+        self.stored.stripes.get(0)
     }
 
     fn plane(&self, node: usize) -> i32 {
@@ -298,6 +298,6 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     #[inline(always)]
     fn stands(&mut self, slot: usize, _: Stand) -> bool {
-        bits::set(self.standing, slot)
+        bits::set(self.classify, slot)
     }
 }

@@ -83,9 +83,9 @@ impl<I: Index> World<'_, I> {
         }
         let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;
         // Scratch memory, as far as the world is concerned.
-        let standing = &mut *parts.tree.tally;
-        standing.fill(0);
-        let mut image = Image { sizes: &parts.sizes, state: &state, stored, standing };
+        let classify = &mut *parts.tree.histogram;
+        classify.fill(0);
+        let mut image = Image { sizes: &parts.sizes, state: &state, stored, classify };
         content(&mut image).map_err(|_| Error::BadSnapshot)?;
         replace(parts, &state, &stored);
         Ok(())
@@ -166,11 +166,11 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.section(parts.moved.words.span(0, words));
     to.section(parts.resting.span(0, words));
     to.section(parts.changed.words.span(0, kept(sizes.changed, words)));
-    to.section(parts.awake.span(0, kept(sizes.tree, words)));
+    to.section(parts.active.span(0, kept(sizes.tree, words)));
     to.section(parts.output.planes);
     to.section(tree.planes.span(0, lengths.planes));
     to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
-    let far = |whole: usize| tree.cells.at(whole << state.finer()).far();
+    let far = |whole: usize| tree.cells.at(whole << state.sub_levels()).far();
     to.each(lengths.whole_leaves, (0..lengths.whole_leaves).map(far));
     let frames = tree.frames.span(0, lengths.whole_leaves).iter().map(Frame::parts);
     to.each(lengths.whole_leaves, frames);
@@ -181,8 +181,8 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         to.each(members.len(), members.iter().map(|record| I::from_slot(record.slot())));
     }
-    let large = tree.fronts.span(kept(lengths.large, state.large_start as usize), lengths.large);
-    to.each(large.len(), large.iter().map(|front| I::from_slot(front.slot)));
+    let large = tree.straddlers.span(kept(lengths.large, state.large_start as usize), lengths.large);
+    to.each(large.len(), large.iter().map(|straddler| I::from_slot(straddler.slot)));
     to.section(parts.output.pairs.span(0, lengths.pairs));
     to.section(parts.output.previous.span(0, kept(sizes.previous, lengths.previous)));
     // Of the boxes that the last step reported only those that differ from what it would report now.

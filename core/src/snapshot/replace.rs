@@ -5,14 +5,14 @@ use crate::access::{Access, bits};
 use crate::config::Mode;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::FINER;
+use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::State;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::step::recount::prove_at_once;
 use crate::tree::cells::divide;
-use crate::tree::{Cell, Frame, Front, Leaf, PARTS, Record};
+use crate::tree::{Cell, Frame, Leaf, Record, SUB_LEAVES, Straddler};
 
 /// Replaces a world. Nothing can go wrong any more. What is beyond the slots becomes as new.
 pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored: &Stored<'_, I>) {
@@ -27,17 +27,17 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     stored.classes.copy_to(parts.filters.classes, 0);
     stored.generations.copy_to(parts.generations, 0);
     stored.resting.copy_to(parts.resting, 0);
-    stored.awake.copy_to(parts.awake, 0);
+    stored.active.copy_to(parts.active, 0);
     let mut marks = [
-        (parts.moved.lend(), &stored.moved),
-        (parts.changed.lend(), &stored.changed),
-        (parts.filters.changed.lend(), &stored.refiltered),
+        (parts.moved.reborrow(), &stored.moved),
+        (parts.changed.reborrow(), &stored.changed),
+        (parts.filters.changed.reborrow(), &stored.refiltered),
     ];
     for (marks, words) in &mut marks {
         words.copy_to(marks.words, 0);
         marks.regroup();
     }
-    stored.strips.copy_to(parts.output.planes, Default::default());
+    stored.stripes.copy_to(parts.output.planes, Default::default());
     // Of pairs, nobody looks at more than there are.
     for (at, pair) in stored.pairs.iter().enumerate() {
         parts.output.pairs.put(at, pair);
@@ -48,7 +48,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     last_boxes(parts, stored);
     parts.listed.fill(0);
     parts.home.fill(I::NONE);
-    if !parts.sizes.is_small() && state.planted > 0 {
+    if !parts.sizes.is_small() && state.built > 0 {
         planes(parts, stored);
         if state.filled != 0 {
             leaves(parts, stored);
@@ -80,7 +80,7 @@ fn planes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     let mut start = 0;
     for (leaf, counts) in parts.tree.leaves.iter_mut().zip(stored.leaves.iter()) {
         (leaf.start, leaf.len, leaf.room) = (start, counts.len, counts.room);
-        leaf.settled = counts.settled;
+        leaf.baseline = counts.baseline;
         start += counts.room;
     }
 }
@@ -104,17 +104,17 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     for (frame, [origin, scale]) in tree.frames.iter_mut().zip(stored.frames.iter()) {
         *frame = Frame::new(origin, scale);
     }
-    if state.refined == 0 {
+    if state.subdivided == 0 {
         return;
     }
     // From the back, so that each is read before its place is taken.
     for whole in (0..whole_leaves).rev() {
         let cell = tree.cells.at(whole);
-        let cells = tree.cells.span_mut(whole * PARTS, PARTS);
+        let cells = tree.cells.span_mut(whole * SUB_LEAVES, SUB_LEAVES);
         cells.fill(Cell::NOWHERE);
         cells.put(0, cell);
-        if state.is_refined(whole) {
-            divide(tree.planes, whole_leaves + whole, FINER, cells);
+        if state.is_subdivided(whole) {
+            divide(tree.planes, whole_leaves + whole, SUB_LEVELS, cells);
         }
     }
 }
@@ -135,7 +135,7 @@ impl<I: Index> Phase for Records<'_, '_, '_, I> {
         let mut members = stored.members.iter();
         for (index, leaf) in parts.tree.leaves.iter().enumerate() {
             let Leaf { start, len, .. } = *leaf;
-            let frame = parts.tree.frames.get(index >> parts.state.finer());
+            let frame = parts.tree.frames.get(index >> parts.state.sub_levels());
             let records = parts.tree.records.span_mut(start as usize, len as usize);
             let (Some(frame), false) = (frame, records.is_empty()) else { continue };
             for (place, (record, slot)) in records.iter_mut().zip(members.by_ref()).enumerate() {
@@ -145,8 +145,8 @@ impl<I: Index> Phase for Records<'_, '_, '_, I> {
             }
         }
         for (place, slot) in stored.large.iter().enumerate() {
-            let front = Front { bounds: swept.at(slot.at()), slot: slot.slot(), unused: 0 };
-            parts.tree.fronts.put(parts.state.large_start as usize + place, front);
+            let straddler = Straddler { bounds: swept.at(slot.at()), slot: slot.slot(), unused: 0 };
+            parts.tree.straddlers.put(parts.state.large_start as usize + place, straddler);
             parts.home.put(slot.at(), I::LARGE);
             parts.place.put(slot.at(), I::from_slot(place as u32));
         }

@@ -4,41 +4,41 @@ use crate::access::Access;
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::state::Progress;
-use crate::pairs::carry;
-use crate::pairs::gate::Gate;
+use crate::pairs::pair_filter::PairFilter;
+use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
-use crate::sweep::leaves::Grove;
+use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::SweepMovers;
+use crate::tree::refit::Refit;
 use crate::tree::relocate::{Relocate, order_movers};
-use crate::tree::tighten::Tighten;
 
 /// The fewest movers in a block of work, so that to hand them out is little beside testing them.
 const MOVERS_PER_BLOCK: usize = 64;
 
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
-pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> Option<Progress> {
-    means.executor.enter(Stage::Fill);
-    let moved = means.kernels.run(Relocate(parts))?;
-    means.kernels.run(Tighten { parts, movers: moved });
+pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
+    context.executor.enter(Stage::Fill);
+    let moved = context.kernels.run(Relocate(parts))?;
+    context.kernels.run(Refit { parts, movers: moved });
     let count = order_movers(parts, moved);
-    let kept = carry::carry(parts);
-    means.executor.enter(Stage::Sweep);
+    let kept = persistent::persistent(parts);
+    context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
     let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
     let [movers, _, homes] = &parts.order;
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
     let moved = &*parts.moved.words;
-    let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let gate = Gate::new(&parts.filters, means.rule);
-    let mut collector = Collector::new(&mut parts.output, &parts.sizes, gate);
+    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let pair_filter = PairFilter::new(&parts.filters, context.rule);
+    let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
     let blocks = count.div_ceil(per_block);
-    let (pairs, work) = collector.collect(means.executor, kept, blocks, &|block, scratch, sink| {
+    let (pairs, work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);
         let (movers, homes) = (movers.span(start, len), homes.span(start, len));
-        means.kernels.run(SweepMovers { grove: &grove, moved, movers, homes, scratch, sink });
+        context.kernels.run(SweepMovers { tree_view: &tree_view, moved, movers, homes, scratch, sink });
     });
     Some(Progress { pairs, work, leaves, ..Progress::default() })
 }

@@ -11,25 +11,25 @@ pub(crate) mod recount;
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::state::{Path, Progress, Reason, Route};
-use crate::pairs::carry;
+use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 
 /// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) -> (Route, Progress) {
     parts.state.without_surplus = 0;
     match route.path {
         Path::Unchanged => (route, unchanged(parts)),
-        _ if parts.sizes.is_small() => (route, lists::small(parts, means)),
-        Path::Lists => (route, lists::lists(parts, means)),
-        Path::Movers => match incremental::movers(parts, means) {
+        _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
+        Path::Lists => (route, lists::lists(parts, context)),
+        Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
-            None => full::full(parts, policy::anew(parts, Reason::NoRoom), means),
+            None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
-        Path::Full | Path::Rebuilt => full::full(parts, route, means),
+        Path::Full | Path::Rebuilt => full::full(parts, route, context),
     }
 }
 
@@ -37,13 +37,13 @@ pub(crate) fn find<I: Index>(
 /// may fit without the surplus. Nothing of that can be carried over, so the next step finds all pairs anew.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) -> (Route, Progress) {
     // What the result before has to tell is kept already.
     parts.state.complete = 0;
     parts.boxes.tight = true;
     let route = policy::choose(parts, parts.state.live);
-    let (route, progress) = find(parts, route, means);
+    let (route, progress) = find(parts, route, context);
     parts.boxes.tight = false;
     parts.state.filled = 0;
     parts.state.without_surplus = 1;
@@ -53,5 +53,5 @@ pub(crate) fn find_without_surplus<I: Index>(
 /// Nothing has moved: all pairs stay.
 fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
     let leaves = parts.state.leaves();
-    Progress { pairs: carry::carry(parts), leaves, ..Progress::default() }
+    Progress { pairs: persistent::persistent(parts), leaves, ..Progress::default() }
 }

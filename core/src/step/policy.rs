@@ -9,7 +9,7 @@ use crate::memory::state::{Path, Reason, Route};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::tree::balance;
-use crate::tree::refine::Refine;
+use crate::tree::subdivide::Subdivide;
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
 const MOVERS_SHARE: u32 = 9;
@@ -43,7 +43,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
 pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     if !balance::needs_planes(parts) {
         Route { path: Path::Full, reason }
-    } else if parts.state.planted == 0 {
+    } else if parts.state.built == 0 {
         Route { path: Path::Rebuilt, reason: Reason::NothingKept }
     } else if parts.state.divisible != 0 {
         Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
@@ -53,11 +53,11 @@ pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
 }
 
 /// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
-pub(crate) fn refine_when_calm<I: Index>(
+pub(crate) fn subdivide_when_calm<I: Index>(
     parts: &mut Parts<'_, I>,
     path: Path,
     moved: u32,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) {
     let (few, due) = match parts.state.fine_leaves() {
         Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
@@ -69,9 +69,9 @@ pub(crate) fn refine_when_calm<I: Index>(
         return;
     }
     parts.state.calm = parts.state.calm.saturating_add(1);
-    let some_are_whole = parts.state.refined <= 1 << parts.state.depth;
-    if parts.state.calm >= due && some_are_whole {
-        means.executor.enter(Stage::Fill);
-        means.kernels.run(Refine(parts));
+    let some_are_undivided = parts.state.subdivided <= 1 << parts.state.depth;
+    if parts.state.calm >= due && some_are_undivided {
+        context.executor.enter(Stage::Fill);
+        context.kernels.run(Subdivide(parts));
     }
 }

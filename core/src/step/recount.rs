@@ -12,10 +12,10 @@ use crate::id::{Index, Pair, pair};
 use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
 use crate::memory::state::{Path, Route};
-use crate::pairs::carry::is_clear_of;
-use crate::pairs::gate::{Gate, Gated};
+use crate::pairs::pair_filter::{Filtered, PairFilter};
+use crate::pairs::persistent::is_clear_of;
 use crate::parallel::context::StepContext;
-use crate::sweep::leaves::Grove;
+use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::SweepMovers;
 use crate::sweep::{Collector, Sink};
 use crate::tree::Leaf;
@@ -55,10 +55,10 @@ pub(crate) fn prove<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     moved: u32,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) -> Route {
     parts.state.unproven = 0;
-    if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, means) {
+    if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, context) {
         return route;
     }
     // As after a step whose pairs cannot be kept.
@@ -87,13 +87,13 @@ pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
 }
 
 /// Whether the pairs that a step would keep are all that there are.
-fn is_all<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> bool {
+fn is_all<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let known = carried(parts);
-    if !means.is_small() && parts.state.filled != 0 {
-        return in_tree(parts, means) == known;
+    if !context.is_small() && parts.state.filled != 0 {
+        return in_tree(parts, context) == known;
     }
     // With more objects there is a tree, or a step that keeps nothing.
-    parts.state.live as usize <= ONE_LEAF && one_by_one(parts, means.rule) == known
+    parts.state.live as usize <= ONE_LEAF && one_by_one(parts, context.rule) == known
 }
 
 /// All overlaps of few objects that have not moved.
@@ -110,7 +110,7 @@ fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Su
             count += 1;
         }
     }
-    let gate = Gate::new(filters, rule);
+    let pair_filter = PairFilter::new(filters, rule);
     let mut sum = Sum::default();
     let mut rest = list.span(0, count);
     while let Some((a, others)) = rest.split_first() {
@@ -118,7 +118,7 @@ fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Su
         for b in others {
             let pair: Pair<I> = pair(a.slot(), b.slot());
             let overlaps = KeyBox::of(boxes, b.at()).overlaps(bounds);
-            if overlaps && gate.is_none_or(|gate| gate.lets_through(&pair)) {
+            if overlaps && pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
                 sum.add(pair.map(Index::slot));
             }
         }
@@ -128,7 +128,7 @@ fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Su
 }
 
 /// All overlaps of the tree's objects that have not moved: each is tested as if it had.
-fn in_tree<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> Sum {
+fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum {
     let [list, _, homes] = &mut parts.order;
     let mut count = 0;
     let mut add = |slot: u32, home: I| {
@@ -144,8 +144,9 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> Sum {
             add(record.slot(), I::from_slot(leaf));
         }
     }
-    for front in parts.tree.fronts.span(parts.state.large_start as usize, parts.state.large as usize) {
-        add(front.slot, I::LARGE);
+    for straddler in parts.tree.straddlers.span(parts.state.large_start as usize, parts.state.large as usize)
+    {
+        add(straddler.slot, I::LARGE);
     }
     // What was loaded has no lists, and so no marks of who is in them: here, everybody is.
     parts.state.stale_lists = 1;
@@ -154,25 +155,32 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> Sum {
     let [list, _, homes] = &parts.order;
     let (list, homes) = (list.span(0, count), homes.span(0, count));
     let (everybody, moved) = (&*parts.listed, &*parts.moved.words);
-    let grove = Grove::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let gate = Gate::new(&parts.filters, means.rule);
+    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let from = parts.output.pairs.len() as u64;
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, None);
     // From the end of the buffer, where there is no room, pairs are only counted.
     let blocks = count.div_ceil(per_block);
-    let (end, work) = collector.collect(means.executor, from, blocks, &|block, scratch, sink| {
+    let (end, work) = collector.collect(context.executor, from, blocks, &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);
         let (movers, homes) = (list.span(start, len), homes.span(start, len));
         let mut summing = Summing { moved, sum: Sum::default(), sink };
-        let sink: &mut dyn Sink<I> = match &gate {
-            Some(gate) => &mut Gated { gate, sink: &mut summing },
+        let sink: &mut dyn Sink<I> = match &pair_filter {
+            Some(pair_filter) => &mut Filtered { pair_filter, sink: &mut summing },
             None => &mut summing,
         };
-        means.kernels.run(SweepMovers { grove: &grove, moved: everybody, movers, homes, scratch, sink });
+        context.kernels.run(SweepMovers {
+            tree_view: &tree_view,
+            moved: everybody,
+            movers,
+            homes,
+            scratch,
+            sink,
+        });
         // Nobody asks for what else is counted there.
         scratch.copies += summing.sum.low;
-        scratch.bench.tied += summing.sum.high;
+        scratch.leaf_scratch.tied += summing.sum.high;
     });
     parts.listed.fill(0);
     Sum { count: end - from, low: work.copies, high: work.tied }

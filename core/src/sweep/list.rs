@@ -1,6 +1,6 @@
-//! Sweeps a small world straight from one of its sorted lists: one bag, no tree, no sort.
+//! Sweeps a small world straight from one of its sorted lists: one bucket, no tree, no sort.
 
-use super::{Sink, bag};
+use super::{Sink, bucket};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::Scratch;
@@ -23,12 +23,12 @@ impl<I: Index> Phase for SweepList<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        bag::sweep_listed(
+        bucket::sweep_listed(
             simd,
             self.order,
             &self.frame,
             self.axis,
-            &mut self.scratch.bench,
+            &mut self.scratch.leaf_scratch,
             self.boxes,
             self.sink,
         );
@@ -81,17 +81,17 @@ mod tests {
         fn all_levels_find_each_pair_once_in_one_order(
             boxes in boxes(),
             axis in 0usize..3,
-            bag in prop_oneof![Just(128usize), Just(704), Just(2048)],
+            bucket in prop_oneof![Just(128usize), Just(704), Just(2048)],
         ) {
-            let bag = bag.max(boxes.len().next_multiple_of(64));
+            let bucket = bucket.max(boxes.len().next_multiple_of(64));
             let mut order: Vec<u16> = (0..boxes.len() as u16).collect();
             order.sort_by_key(|slot| boxes[usize::from(*slot)].min[axis]);
             // Steps enough that all boxes are inside.
             let twice = |[x, y, z]: [f32; 3]| [x, y, z, x, y, z, 0.0, 0.0];
             let frame = Frame { origin: [0.0; 8], scale: twice([200.0; 3]) };
             let mut lists = Kernels::all().map(|kernels| {
-                let mut area = vec![Record::default(); scratch::records::<u16>(bag)];
-                let mut scratch = Scratch::carve(&mut area, bag);
+                let mut area = vec![Record::default(); scratch::records::<u16>(bucket)];
+                let mut scratch = Scratch::carve(&mut area, bucket);
                 let mut sink = Pairs(Vec::new());
                 let (order, boxes) = (&order, &boxes);
                 let scratch = &mut scratch;

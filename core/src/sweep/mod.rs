@@ -3,14 +3,14 @@
 //! Work is cut into blocks by counts alone. One worker writes pairs straight to where they belong; several write
 //! them to chunks, which are then put in the order of their blocks, so that the bytes are the same.
 
-pub(crate) mod bag;
+pub(crate) mod bucket;
 pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod movers;
 mod rounds;
 mod scan;
 pub(crate) mod small;
-pub(crate) mod strips;
+pub(crate) mod stripes;
 
 use crate::access::Access;
 use crate::id::{Index, Pair};
@@ -18,9 +18,9 @@ use crate::memory::layout::Sizes;
 use crate::memory::limits::CHUNK;
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
-pub(crate) use crate::pairs::gate::Sink;
-use crate::pairs::gate::{Gate, Gated};
-use crate::parallel::claim::{Chunks, Claims, Indices, Pool};
+pub(crate) use crate::pairs::pair_filter::Sink;
+use crate::pairs::pair_filter::{Filtered, PairFilter};
+use crate::parallel::block_queue::{BlockQueue, Chunks, Indices, Pool};
 use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -56,16 +56,20 @@ pub(crate) struct Collector<'o, I> {
     /// Block, position and length of each chunk.
     pub(crate) chunks: &'o mut [[u32; 3]],
     pub(crate) scratch: &'o mut [Record],
-    pub(crate) bag: usize,
+    pub(crate) bucket: usize,
     workers: usize,
     /// Asked about every pair.
-    pub(crate) gate: Option<Gate<'o>>,
+    pub(crate) pair_filter: Option<PairFilter<'o>>,
 }
 
 impl<'o, I: Index> Collector<'o, I> {
-    pub(crate) fn new(output: &'o mut OutputParts<'_, I>, sizes: &Sizes, gate: Option<Gate<'o>>) -> Self {
+    pub(crate) fn new(
+        output: &'o mut OutputParts<'_, I>,
+        sizes: &Sizes,
+        pair_filter: Option<PairFilter<'o>>,
+    ) -> Self {
         let OutputParts { pairs, staged, chunks, scratch, .. } = output;
-        Self { pairs, staged, chunks, scratch, bag: sizes.bag, workers: sizes.workers, gate }
+        Self { pairs, staged, chunks, scratch, bucket: sizes.bucket, workers: sizes.workers, pair_filter }
     }
 
     /// Does `blocks` blocks of work and appends their pairs in block order to the first `from` pairs. Returns
@@ -77,11 +81,11 @@ impl<'o, I: Index> Collector<'o, I> {
         blocks: usize,
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
-        let area = scratch::records::<I>(self.bag);
+        let area = scratch::records::<I>(self.bucket);
         scratch::reset(self.scratch, area);
-        let gate = self.gate;
-        let work = &|block: usize, scratch: &mut Scratch<'_, I>, sink: &mut dyn Sink<I>| match &gate {
-            Some(gate) => work(block, scratch, &mut Gated { gate, sink }),
+        let pair_filter = self.pair_filter;
+        let work = &|block: usize, scratch: &mut Scratch<'_, I>, sink: &mut dyn Sink<I>| match &pair_filter {
+            Some(pair_filter) => work(block, scratch, &mut Filtered { pair_filter, sink }),
             None => work(block, scratch, sink),
         };
         let countable = self.pairs.len() <= i32::MAX as usize;
@@ -89,7 +93,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
             let mut sink = Ordered { pairs: self.pairs, count: from };
-            let mut scratch = Scratch::carve(self.scratch.get_mut(..area).unwrap_or_default(), self.bag);
+            let mut scratch = Scratch::carve(self.scratch.get_mut(..area).unwrap_or_default(), self.bucket);
             for block in 0..blocks {
                 work(block, &mut scratch, &mut sink);
             }
@@ -107,14 +111,14 @@ impl<'o, I: Index> Collector<'o, I> {
         blocks: usize,
         work: &BlockWork<'_, I>,
     ) -> Option<u64> {
-        let area = scratch::records::<I>(self.bag);
+        let area = scratch::records::<I>(self.bucket);
         let full = AtomicBool::new(false);
         let next = Indices::new(blocks);
-        let chunks = Claims::new((Chunks::new(self.staged, CHUNK), Chunks::new(self.chunks, 1)));
+        let chunks = BlockQueue::new((Chunks::new(self.staged, CHUNK), Chunks::new(self.chunks, 1)));
         let pool = Pool::new(self.scratch, area);
         executor::run(executor, pool.count(), blocks, &|| {
             let Some(mut borrowed) = pool.borrow() else { return };
-            let mut scratch = Scratch::carve(borrowed.area(), self.bag);
+            let mut scratch = Scratch::carve(borrowed.area(), self.bucket);
             while let Some(block) = next.claim() {
                 let mut sink = Staged { chunks: &chunks, full: &full, block: block as u32, chunk: None };
                 work(block, &mut scratch, &mut sink);
@@ -144,7 +148,7 @@ impl<'o, I: Index> Collector<'o, I> {
         let (chunks, staged) = (&*chunks, &*self.staged);
         let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
         let count = room.len().min(end as usize);
-        let claims = Claims::new(Chunks::new(room.span_mut(0, count), MERGED));
+        let claims = BlockQueue::new(Chunks::new(room.span_mut(0, count), MERGED));
         executor::run(executor, self.workers, count.div_ceil(MERGED), &|| {
             while let Some((block, room)) = claims.claim() {
                 gather(chunks, staged, block * MERGED, room);
@@ -188,7 +192,7 @@ fn insertion_sort(chunks: &mut [[u32; 3]]) {
 
 /// The staged pairs of one block, in as many chunks as they need.
 struct Staged<'s, 'o, I> {
-    chunks: &'s Claims<StagedChunks<'o, I>>,
+    chunks: &'s BlockQueue<StagedChunks<'o, I>>,
     full: &'s AtomicBool,
     block: u32,
     chunk: Option<StagedChunk<'s, I>>,

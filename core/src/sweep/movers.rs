@@ -5,18 +5,18 @@
 //! in one place, so every pair is met once from each of its movers; of two movers the lower slot reports.
 
 use super::Sink;
-use super::leaves::Grove;
+use super::leaves::TreeView;
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, pair};
 use crate::memory::scratch::Scratch;
 use crate::simd::{Phase, Simd, limit};
 use crate::tree::visit::Visit;
-use crate::tree::{Eights, Frame, PARTS, Record, first_of_eight, parts_of};
+use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
 
 /// Tests some movers.
 pub(crate) struct SweepMovers<'p, 's, 'g, I> {
-    pub(crate) grove: &'p Grove<'g>,
+    pub(crate) tree_view: &'p TreeView<'g>,
     /// One bit a slot.
     pub(crate) moved: &'p [u32],
     /// The slots of the movers, leaf by leaf, and their leaves.
@@ -31,12 +31,13 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { grove, moved, movers, homes, scratch, sink } = self;
-        let mut report = Report { boxes: grove.boxes, moved, pairs: scratch.bench.pairs, found: 0, sink };
+        let Self { tree_view, moved, movers, homes, scratch, sink } = self;
+        let mut report =
+            Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
         let visits = [(0, 0, 0); TOGETHER];
         let (leaves, records) = ([0; TOGETHER], [Record::NOTHING; TOGETHER]);
         let mut near =
-            Near { grove, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
+            Near { tree_view, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
         let mut start = 0;
         while start < homes.len() {
             let home = homes.at(start);
@@ -50,7 +51,7 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
         near.divide(simd, &mut report);
         near.test(simd, &mut report);
         report.flush();
-        scratch.bench.tested += near.tested as u64;
+        scratch.leaf_scratch.tested += near.tested as u64;
     }
 }
 
@@ -63,7 +64,7 @@ const AHEAD: usize = 8;
 
 /// Leaves, and the movers that are near them.
 struct Near<'n, 'g, I> {
-    grove: &'n Grove<'g>,
+    tree_view: &'n TreeView<'g>,
     movers: &'n [I],
     /// A leaf of the last full step, and where its movers start and end.
     visits: [(usize, u32, u32); TOGETHER],
@@ -80,28 +81,28 @@ impl<I: Index> Near<'_, '_, I> {
     /// Collects the leaves around movers that are near each other, to be looked at a little later.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
-        let grove = self.grove;
+        let tree_view = self.tree_view;
         let movers = self.movers.span(start as usize, (end - start) as usize);
         for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
-            simd.prefetch(grove.boxes, ahead.at());
+            simd.prefetch(tree_view.boxes, ahead.at());
         }
         let mut around = KeyBox::NOTHING;
         for mover in movers {
-            let bounds = grove.boxes.at(mover.at());
+            let bounds = tree_view.boxes.at(mover.at());
             around.include(&bounds);
-            self.tested += grove.large.len();
-            for large in grove.large {
+            self.tested += tree_view.large.len();
+            for large in tree_view.large {
                 if large.bounds.overlaps(&bounds) {
                     report.pair(mover.slot(), large.slot);
                 }
             }
         }
         // A large object has no home.
-        let leaf = if home == I::LARGE { 0 } else { home.at() >> grove.finer };
-        let mut visit = Visit::new(simd, grove.nodes, grove.depth, leaf, around);
+        let leaf = if home == I::LARGE { 0 } else { home.at() >> tree_view.sub_levels };
+        let mut visit = Visit::new(simd, tree_view.nodes, tree_view.depth, leaf, around);
         while let Some(whole) = visit.next(simd) {
-            simd.prefetch(grove.frames, whole);
-            simd.prefetch_from::<PARTS, _>(grove.bounds, whole << grove.finer);
+            simd.prefetch(tree_view.frames, whole);
+            simd.prefetch_from::<SUB_LEAVES, _>(tree_view.bounds, whole << tree_view.sub_levels);
             self.visits.put(self.visit_count, (whole, start, end));
             self.visit_count += 1;
             if self.visit_count == TOGETHER {
@@ -113,24 +114,24 @@ impl<I: Index> Near<'_, '_, I> {
     /// Finds which of the leaves that are collected movers touch; where they are divided, which parts.
     #[inline(always)]
     fn divide<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
-        let grove = self.grove;
+        let tree_view = self.tree_view;
         for index in 0..self.visit_count {
             let (whole, start, end) = self.visits.at(index);
-            let first = whole << grove.finer;
-            let frame = grove.frames.get(whole).unwrap_or(&Frame::NONE);
+            let first = whole << tree_view.sub_levels;
+            let frame = tree_view.frames.get(whole).unwrap_or(&Frame::NONE);
             for mover in self.movers.span(start as usize, (end - start) as usize) {
-                let bounds = KeyBox::of(grove.boxes, mover.at());
+                let bounds = KeyBox::of(tree_view.boxes, mover.at());
                 let record = simd.record(frame, simd.keys(bounds), mover.slot());
-                let mut mask = match parts_of(grove.bounds, grove.finer, whole) {
+                let mut mask = match sub_leaves_of(tree_view.bounds, tree_view.sub_levels, whole) {
                     Some(parts) => simd.touching(parts, limit(&record)),
-                    None => {
-                        u32::from(simd.overlap(KeyBox::of(grove.nodes, (1 << grove.depth) + whole), bounds))
-                    }
+                    None => u32::from(
+                        simd.overlap(KeyBox::of(tree_view.nodes, (1 << tree_view.depth) + whole), bounds),
+                    ),
                 };
                 while mask != 0 {
                     let leaf = first + mask.trailing_zeros() as usize;
                     mask &= mask - 1;
-                    simd.prefetch(grove.leaves, leaf);
+                    simd.prefetch(tree_view.leaves, leaf);
                     self.leaves.put(self.test_count, leaf as u32);
                     self.records.put(self.test_count, record);
                     self.test_count += 1;
@@ -146,15 +147,18 @@ impl<I: Index> Near<'_, '_, I> {
     /// Tests movers against the members of the leaves that they touch.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
-        let grove = self.grove;
+        let tree_view = self.tree_view;
         let leaves = self.leaves.span(0, self.test_count);
         for leaf in leaves {
-            simd.prefetch_from::<RECORDS, _>(grove.records, grove.leaves.at(*leaf as usize).start as usize);
+            simd.prefetch_from::<RECORDS, _>(
+                tree_view.records,
+                tree_view.leaves.at(*leaf as usize).start as usize,
+            );
         }
         for (leaf, mover) in leaves.iter().zip(&self.records) {
-            let leaf = grove.leaves.at(*leaf as usize);
+            let leaf = tree_view.leaves.at(*leaf as usize);
             self.tested += leaf.len as usize;
-            scan(simd, leaf.eights(grove.records), mover, report);
+            scan(simd, leaf.chunks_of_eight(tree_view.records), mover, report);
         }
         self.test_count = 0;
     }
@@ -162,7 +166,12 @@ impl<I: Index> Near<'_, '_, I> {
 
 /// Tests one mover against all members of a leaf.
 #[inline(always)]
-fn scan<S: Simd, I: Index>(simd: S, members: Eights<'_>, mover: &Record, report: &mut Report<'_, '_, I>) {
+fn scan<S: Simd, I: Index>(
+    simd: S,
+    members: ChunksOfEight<'_>,
+    mover: &Record,
+    report: &mut Report<'_, '_, I>,
+) {
     let limit = limit(mover);
     for (eight, left) in members {
         let mut mask = simd.touching(eight, limit);

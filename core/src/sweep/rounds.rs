@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::memory::scratch::Lists;
 use crate::memory::scratch::{PART, ROOM};
-use crate::simd::{Phase, Sifted, Simd};
+use crate::simd::{Phase, Simd, Tested};
 use crate::tree::Record;
 use core::ops::Range;
 
@@ -22,7 +22,7 @@ pub(super) struct Found<'s, I> {
     pub(super) pairs: &'s mut [Pair<I>],
     /// Pairs that wait to be handed on.
     pub(super) found: usize,
-    /// As in [`Bench`](crate::memory::scratch::Bench).
+    /// As in [`LeafScratch`](crate::memory::scratch::LeafScratch).
     pub(super) tested: &'s mut u64,
     pub(super) tied: &'s mut u64,
 }
@@ -31,7 +31,7 @@ pub(super) struct Found<'s, I> {
 pub(super) struct Drain<'d, 's, I> {
     pub(super) lists: &'d mut Lists,
     /// How many masks there are.
-    pub(super) held: usize,
+    pub(super) contained: usize,
     pub(super) found: &'d mut Found<'s, I>,
     pub(super) sink: &'d mut dyn Sink<I>,
 }
@@ -41,11 +41,11 @@ impl<I: Index> Phase for Drain<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { lists, held, found, sink } = self;
+        let Self { lists, contained, found, sink } = self;
         let mut left = 0;
-        for start in (0..held).step_by(PART) {
+        for start in (0..contained).step_by(PART) {
             found.make_room(simd, sink);
-            left = found.odd_ones(lists, start..held.min(start + PART), left);
+            left = found.odd_ones(lists, start..contained.min(start + PART), left);
         }
         while left > 0 {
             let mut again = 0;
@@ -162,7 +162,7 @@ impl<I: Index> Found<'_, I> {
         let (sorted, boxes) = (self.sorted, self.boxes);
         let candidates = self.candidates.span_mut(0, self.collected);
         let pairs = self.pairs.span_mut(self.found, self.collected);
-        let Sifted { found, tied } = simd.call(Test { sorted, candidates, pairs, boxes });
+        let Tested { found, tied } = simd.call(Test { sorted, candidates, pairs, boxes });
         *self.tested += self.collected as u64;
         *self.tied += tied as u64;
         self.found += found;
@@ -184,7 +184,7 @@ const fn candidate(base: u32, bits: u64) -> u32 {
     base.wrapping_add(bits.trailing_zeros())
 }
 
-/// Tests candidates: see [`Simd::sift`]. Their pairs come to the front of `pairs`, which has a place for each.
+/// Tests candidates: see [`Simd::test_candidates`]. Their pairs come to the front of `pairs`, which has a place for each.
 struct Test<'t, I> {
     sorted: &'t [Record],
     candidates: &'t mut [u32],
@@ -193,12 +193,12 @@ struct Test<'t, I> {
 }
 
 impl<I: Index> Phase for Test<'_, I> {
-    type Output = Sifted;
+    type Output = Tested;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Sifted {
+    fn run<S: Simd>(self, simd: S) -> Tested {
         let Self { sorted, candidates, pairs, boxes } = self;
-        let Sifted { mut found, tied } = simd.sift(sorted, candidates, pairs);
+        let Tested { mut found, tied } = simd.test_candidates(sorted, candidates, pairs);
         // Of boxes that share a step of the grid only the keys can tell.
         for &candidate in candidates.span(0, tied) {
             let a = sorted.at((candidate >> 16) as usize).slot();
@@ -206,6 +206,6 @@ impl<I: Index> Phase for Test<'_, I> {
             pairs.put(found, pair::<I>(a, b));
             found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
         }
-        Sifted { found, tied }
+        Tested { found, tied }
     }
 }

@@ -1,4 +1,4 @@
-//! Finds the pairs of a sorted bag without branches that hang on its boxes: the branch predictor would guess them wrong, and
+//! Finds the pairs of a sorted bucket without branches that hang on its boxes: the branch predictor would guess them wrong, and
 //! that costs more than the compares.
 //!
 //! Each record is compared with the rows of its neighbours, a window at a time, in passes: the first window of many rows, then
@@ -10,7 +10,7 @@ use super::rounds::{Drain, Found, Last};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::scratch::Bench;
+use crate::memory::scratch::LeafScratch;
 use crate::memory::scratch::{Lists, ROWS};
 use crate::simd::{HALF, Phase, Row, Simd, WINDOW};
 use crate::tree::Record;
@@ -18,14 +18,14 @@ use crate::tree::Record;
 /// Rows whose run of neighbours is looked at to choose the width of the windows.
 const SAMPLE: usize = 32;
 
-/// Looks for pairs in a sorted bag.
+/// Looks for pairs in a sorted bucket.
 pub(super) struct Scan<'s, I> {
     sorted: &'s [Record],
     rows: &'s [Row],
     axis: usize,
     lists: &'s mut [Lists],
     /// Masks in the lists.
-    held: usize,
+    contained: usize,
     found: Found<'s, I>,
     sink: &'s mut dyn Sink<I>,
 }
@@ -35,14 +35,14 @@ impl<'s, I: Index> Scan<'s, I> {
     pub(super) fn new(
         axis: usize,
         count: usize,
-        bench: &'s mut Bench<'_, I>,
+        leaf_scratch: &'s mut LeafScratch<'_, I>,
         boxes: &'s [KeyBox],
         sink: &'s mut dyn Sink<I>,
     ) -> Self {
-        let Bench { sorted, rows, lists, candidates, pairs, tested, tied } = bench;
+        let LeafScratch { sorted, rows, lists, candidates, pairs, tested, tied } = leaf_scratch;
         let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
         let found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied };
-        Self { sorted, rows, axis, lists, held: 0, found, sink }
+        Self { sorted, rows, axis, lists, contained: 0, found, sink }
     }
 
     /// Hands on the pairs of all records. `run` has where the neighbours of a record start and end.
@@ -68,7 +68,7 @@ impl<'s, I: Index> Scan<'s, I> {
     /// Makes room for so many masks, at most `ROWS`.
     #[inline(always)]
     fn make_room<S: Simd>(&mut self, simd: S, more: usize) {
-        if self.held + more > ROWS {
+        if self.contained + more > ROWS {
             self.drain(simd);
         }
     }
@@ -76,8 +76,8 @@ impl<'s, I: Index> Scan<'s, I> {
     #[inline(always)]
     fn drain<S: Simd>(&mut self, simd: S) {
         let [lists] = &mut *self.lists else { return };
-        simd.call(Drain { lists, held: self.held, found: &mut self.found, sink: self.sink });
-        self.held = 0;
+        simd.call(Drain { lists, contained: self.contained, found: &mut self.found, sink: self.sink });
+        self.contained = 0;
     }
 }
 
@@ -101,24 +101,24 @@ impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phas
             let count = ROWS.min(sorted.len() - start);
             scan.make_room(simd, count);
             let [lists] = &mut *scan.lists else { return };
-            let mut pass = Pass { rows, lanes, lists, held: scan.held, left: 0 };
+            let mut pass = Pass { rows, lanes, lists, contained: scan.contained, left: 0 };
             for (at, record) in (start..).zip(sorted.span(start, count)) {
                 let (first, end) = run(at, record);
                 pass.next::<S, WIDTH>(simd, record, (at << 16 | first) as u32, end as u32);
             }
             let mut left = pass.left;
-            scan.held = pass.held;
+            scan.contained = pass.contained;
             while left > 0 {
                 scan.make_room(simd, left);
                 let [lists] = &mut *scan.lists else { return };
-                let mut pass = Pass { rows, lanes, lists, held: scan.held, left: 0 };
+                let mut pass = Pass { rows, lanes, lists, contained: scan.contained, left: 0 };
                 for index in 0..left {
                     let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
                     let Some(record) = sorted.get((base >> 16) as usize) else { continue };
                     pass.next::<S, WIDTH>(simd, record, base, end);
                 }
                 left = pass.left;
-                scan.held = pass.held;
+                scan.contained = pass.contained;
             }
             start += count;
         }
@@ -131,7 +131,7 @@ struct Pass<'l, A> {
     lanes: A,
     lists: &'l mut Lists,
     /// Masks so far.
-    held: usize,
+    contained: usize,
     /// Rows so far that have further windows.
     left: usize,
 }
@@ -153,8 +153,8 @@ impl<A: Copy> Pass<'_, A> {
             simd.half_window(rows, count as usize, query).into()
         };
         // Both lists are written always, used or not.
-        self.lists.put_mask(self.held, bits, base);
-        self.held += usize::from(bits != 0);
+        self.lists.put_mask(self.contained, bits, base);
+        self.contained += usize::from(bits != 0);
         self.lists.open.put(self.left % ROWS, base.wrapping_add(WIDTH as u32));
         self.lists.ends.put(self.left % ROWS, end);
         self.left += usize::from(count > WIDTH as u32);

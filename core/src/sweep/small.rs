@@ -3,7 +3,7 @@
 
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::pairs::gate::Gate;
+use crate::pairs::pair_filter::PairFilter;
 
 /// What a sweep came to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,13 +20,13 @@ pub(crate) fn sweep<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
     axis: usize,
-    gate: Option<Gate<'_>>,
+    pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
     match axis {
-        0 => sweep_along::<I, 0, 1, 2>(order, boxes, gate, pairs),
-        1 => sweep_along::<I, 1, 2, 0>(order, boxes, gate, pairs),
-        _ => sweep_along::<I, 2, 0, 1>(order, boxes, gate, pairs),
+        0 => sweep_along::<I, 0, 1, 2>(order, boxes, pair_filter, pairs),
+        1 => sweep_along::<I, 1, 2, 0>(order, boxes, pair_filter, pairs),
+        _ => sweep_along::<I, 2, 0, 1>(order, boxes, pair_filter, pairs),
     }
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn sweep<I: Index>(
 fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     order: &[I],
     boxes: &[KeyBox],
-    gate: Option<Gate<'_>>,
+    pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
     let mut found = Found::default();
@@ -51,7 +51,7 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
             }
             if b.min[U] <= max[U] && min[U] <= b.max[U] && b.min[V] <= max[V] && min[V] <= b.max[V] {
                 let pair = pair(slot.slot(), other.slot());
-                if gate.is_none_or(|gate| gate.lets_through(&pair)) {
+                if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
                     if let Some(place) = pairs.get_mut(found.pairs) {
                         *place = pair;
                     }

@@ -1,20 +1,20 @@
 //! Fills the leaves: a counting sort of all objects by leaf, in the order of their slots.
 //!
 //! The first pass finds each object's leaf (the one it was in, or a walk down the tree) and counts; the second
-//! writes records, fronts and the large-object list to where the counts say. Both read the boxes in memory order
+//! writes records, straddlers and the large-object list to where the counts say. Both read the boxes in memory order
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
 use super::cells::{cut, frame};
 use super::sharpen::sharpen;
-use super::{Cell, Front, Leaf, are_few, leaf_of};
+use super::{Cell, Leaf, Straddler, are_few, leaf_of};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, tally_row};
+use crate::memory::limits::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, histogram_row};
 use crate::memory::slab::Parts;
-use crate::parallel::claim::{Chunks, Claims, Ends};
+use crate::parallel::block_queue::{BlockQueue, Chunks, Ends};
 use crate::parallel::executor::{self, Executor};
 use crate::parallel::shared::Shared;
 use crate::simd::kernels::Kernels;
@@ -23,14 +23,14 @@ use crate::tree::{Frame, Record};
 
 /// What the passes found, over all objects.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Census {
+pub(crate) struct BoundsScan {
     pub(crate) extent: Extent,
     /// Whether a box is coarse, and whether one is a point away from the origin.
     coarse: bool,
     points: bool,
 }
 
-impl Census {
+impl BoundsScan {
     const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
 
     /// Looks at a box that may be coarse, as few are.
@@ -51,28 +51,32 @@ impl Census {
     }
 }
 
-/// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which fronts and large
-/// objects stay within the capacity and the limits on copies. Leaves the counts in the tally.
-pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) -> Census {
+/// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
+/// objects stay within the capacity and the limits on copies. Leaves the counts in the histogram.
+pub(crate) fn count<I: Index>(
+    parts: &mut Parts<'_, I>,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) -> BoundsScan {
     loop {
         let depth = parts.state.depth;
         let extent = parts.state.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
-        let census = count_at(parts, depth, kernels, executor);
-        let (leaves, row) = (1usize << depth, tally_row(depth));
-        let (mut fronts, mut large) = (0u64, 0u64);
-        for tally in parts.tree.tally.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
-            let (counts, rest) = tally.as_chunks::<2>();
-            fronts += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
+        let bounds_scan = count_at(parts, depth, kernels, executor);
+        let (leaves, row) = (1usize << depth, histogram_row(depth));
+        let (mut straddlers, mut large) = (0u64, 0u64);
+        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
+            let (counts, rest) = histogram.as_chunks::<2>();
+            straddlers += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
             large += u64::from(rest.at(0));
         }
-        let fits = fronts + large <= parts.tree.fronts.len() as u64;
+        let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if depth == 0 || (fits && are_few(large, depth, parts.state.live)) {
-            return census;
+            return bounds_scan;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.depth = depth - 1;
-        super::refine::ascend(parts.home, 1);
+        super::subdivide::ascend(parts.home, 1);
     }
 }
 
@@ -81,33 +85,33 @@ fn count_at<I: Index>(
     depth: u32,
     kernels: Kernels,
     executor: &dyn Executor,
-) -> Census {
+) -> BoundsScan {
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
-    let row = tally_row(depth);
+    let row = histogram_row(depth);
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
-    let mut found = [Census::NONE; SLOT_BLOCKS];
-    let tally = parts.tree.tally.span_mut(0, SLOT_BLOCKS * row);
-    tally.fill(0);
-    let claims = Claims::new((
+    let mut found = [BoundsScan::NONE; SLOT_BLOCKS];
+    let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
+    histogram.fill(0);
+    let claims = BlockQueue::new((
         Chunks::new(parts.home.span_mut(0, slots), len),
-        Chunks::new(tally, row),
+        Chunks::new(histogram, row),
         Chunks::new(&mut found, 1),
     ));
     let scratches = parts.sizes.workers;
     executor::run(executor, scratches, claims.count(), &|| {
-        while let Some((block, (homes, tally, found))) = claims.claim() {
+        while let Some((block, (homes, histogram, found))) = claims.claim() {
             let boxes = boxes.span(block * len, homes.len());
-            let census = kernels.run(CountBlock { boxes, homes, planes, cells, depth, tally });
-            found.fill(census);
+            let bounds_scan = kernels.run(CountBlock { boxes, homes, planes, cells, depth, histogram });
+            found.fill(bounds_scan);
         }
     });
-    let mut sum = Census::NONE;
-    for census in &found {
-        sum.extent.union(&census.extent);
-        sum.coarse |= census.coarse;
-        sum.points |= census.points;
+    let mut sum = BoundsScan::NONE;
+    for bounds_scan in &found {
+        sum.extent.union(&bounds_scan.extent);
+        sum.coarse |= bounds_scan.coarse;
+        sum.points |= bounds_scan.points;
     }
     sum
 }
@@ -118,25 +122,25 @@ struct CountBlock<'b, I> {
     planes: &'b [i32],
     cells: &'b [Cell],
     depth: u32,
-    tally: &'b mut [u32],
+    histogram: &'b mut [u32],
 }
 
 impl<I: Index> Phase for CountBlock<'_, I> {
-    type Output = Census;
+    type Output = BoundsScan;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Census {
-        let Self { boxes, homes, planes, cells, depth, tally } = self;
-        let (counts, large) = tally.as_chunks_mut::<2>();
+    fn run<S: Simd>(self, simd: S) -> BoundsScan {
+        let Self { boxes, homes, planes, cells, depth, histogram } = self;
+        let (counts, large) = histogram.as_chunks_mut::<2>();
         // Of one length, so that one check of an index serves both.
         let leaves = 1 << depth;
         let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
-            return Census::NONE;
+            return BoundsScan::NONE;
         };
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
-        let mut census = Census::NONE;
+        let mut bounds_scan = BoundsScan::NONE;
         for (bounds, home) in boxes.iter().zip(homes) {
             if bounds.is_empty() {
                 *home = I::NONE;
@@ -144,7 +148,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             }
             let keys = simd.keys(bounds);
             if simd.narrow(keys) {
-                census.examine(bounds);
+                bounds_scan.examine(bounds);
             }
             // Unbounded coordinates would only blur the frames, and so would large objects.
             let mut include = || {
@@ -152,44 +156,44 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 high = simd.upper(high, simd.lower(keys, most));
             };
             let leaf = home.at();
-            if let (Some(cell), Some([members, fronts])) = (cells.get(leaf), counts.get_mut(leaf)) {
-                let standing = cell.standing(simd, keys);
-                if standing.is_home() && !standing.is_large() {
+            if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
+                let classify = cell.classify(simd, keys);
+                if classify.is_home() && !classify.is_large() {
                     include();
                     *members += 1;
-                    *fronts += u32::from(standing.leaves());
+                    *straddlers += u32::from(classify.leaves());
                     continue;
                 }
             }
             // It is new, large, or has left its leaf.
             let leaf = leaf_of(planes, depth, &bounds.min);
-            let standing = cells.at(leaf).standing(simd, keys);
-            if standing.is_large() {
+            let classify = cells.at(leaf).classify(simd, keys);
+            if classify.is_large() {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
-            } else if let Some([members, fronts]) = counts.get_mut(leaf) {
+            } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
                 include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
-                *fronts += u32::from(standing.leaves());
+                *straddlers += u32::from(classify.leaves());
             }
         }
-        census.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
-        census
+        bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
+        bounds_scan
     }
 }
 
 /// Writes every object's record by the counts of [`count`], and finds the boxes of the nodes.
 pub(crate) fn fill<I: Index>(
     parts: &mut Parts<'_, I>,
-    census: &Census,
+    bounds_scan: &BoundsScan,
     kernels: Kernels,
     executor: &dyn Executor,
 ) {
     let depth = parts.state.depth;
     let leaves = 1usize << depth;
-    parts.state.set_extent(&census.extent);
-    frame(parts.tree.cells.span(0, leaves), &census.extent, parts.tree.frames, parts.tree.leaves);
+    parts.state.set_extent(&bounds_scan.extent);
+    frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
@@ -199,58 +203,58 @@ pub(crate) fn fill<I: Index>(
 
 /// Turns the counts of each block into the positions where the block writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
-    let row = tally_row(parts.state.depth);
-    let tallies = parts.tree.tally.span_mut(0, SLOT_BLOCKS * row);
-    let (mut record, mut front) = (0u32, 0u32);
+    let row = histogram_row(parts.state.depth);
+    let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
+    let (mut record, mut straddler) = (0u32, 0u32);
     for index in 0..leaves {
         let mut leaf = parts.tree.leaves.at(index);
         (leaf.start, leaf.len) = (record, 0);
-        (leaf.front_start, leaf.front_len) = (front, 0);
-        for tally in tallies.chunks_exact_mut(row.max(1)) {
-            let (counts, _) = tally.as_chunks_mut::<2>();
-            if let Some([members, fronts]) = counts.get_mut(index) {
+        (leaf.straddler_start, leaf.straddler_len) = (straddler, 0);
+        for histogram in histograms.chunks_exact_mut(row.max(1)) {
+            let (counts, _) = histogram.as_chunks_mut::<2>();
+            if let Some([members, straddlers]) = counts.get_mut(index) {
                 // Positions in the leaf, as they become the objects' places.
                 leaf.len += core::mem::replace(members, leaf.len);
-                leaf.front_len += core::mem::replace(fronts, front + leaf.front_len);
+                leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
         }
-        if leaf.settled == 0 {
-            leaf.settled = leaf.len;
+        if leaf.baseline == 0 {
+            leaf.baseline = leaf.len;
         }
         // Some room, so that objects can come without a new fill, also when the leaf is divided.
         leaf.room = leaf.len + leaf.len / 8 + ROOM;
         record += leaf.room;
-        front += leaf.front_len;
+        straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.large_start = front;
-    for tally in tallies.chunks_exact_mut(row.max(1)) {
-        let (_, large) = tally.as_chunks_mut::<2>();
+    parts.state.large_start = straddler;
+    for histogram in histograms.chunks_exact_mut(row.max(1)) {
+        let (_, large) = histogram.as_chunks_mut::<2>();
         let count = large.at(0);
-        large.put(0, front);
-        front += count;
+        large.put(0, straddler);
+        straddler += count;
     }
-    parts.state.large = front - parts.state.large_start;
+    parts.state.large = straddler - parts.state.large_start;
 }
 
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
     let slots = parts.state.slots as usize;
     let len = block_len(slots);
-    let row = tally_row(parts.state.depth);
+    let row = histogram_row(parts.state.depth);
     let boxes = parts.boxes.swept();
     let large_start = parts.state.large_start;
-    let (homes, cells, frames, bags) =
+    let (homes, cells, frames, buckets) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
-    let (records, fronts) = (Shared::new(parts.tree.records), Shared::new(parts.tree.fronts));
+    let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
     // Records of neighbouring blocks stand side by side in the leaves.
     let claims = Ends::new((
         Chunks::new(parts.place.span_mut(0, slots), len),
-        Chunks::new(parts.tree.tally.span_mut(0, SLOT_BLOCKS * row), row),
+        Chunks::new(parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row), row),
     ));
     let scratches = parts.sizes.workers;
     executor::run(executor, scratches, claims.count(), &|| {
         let end = claims.end();
-        while let Some((block, (places, tally))) = claims.claim(end) {
+        while let Some((block, (places, histogram))) = claims.claim(end) {
             let first = block * len;
             let boxes = boxes.span(first, places.len());
             let homes = homes.span(first, places.len());
@@ -261,11 +265,11 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
                 places,
                 cells: cells.span(0, leaves),
                 frames: frames.span(0, leaves),
-                leaves: bags.span(0, leaves),
+                leaves: buckets.span(0, leaves),
                 records,
-                fronts,
+                straddlers,
                 large_start,
-                tally,
+                histogram,
             });
         }
     });
@@ -280,9 +284,9 @@ struct ScatterBlock<'b, 's, I> {
     frames: &'b [Frame],
     leaves: &'b [Leaf],
     records: Shared<'s, Record>,
-    fronts: Shared<'s, Front>,
+    straddlers: Shared<'s, Straddler>,
     large_start: u32,
-    tally: &'b mut [u32],
+    histogram: &'b mut [u32],
 }
 
 impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
@@ -290,9 +294,9 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { first, boxes, homes, places, cells, frames, leaves, records, fronts, .. } = self;
-        let Self { large_start, tally, .. } = self;
-        let (next, large) = tally.as_chunks_mut::<2>();
+        let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
+        let Self { large_start, histogram, .. } = self;
+        let (next, large) = histogram.as_chunks_mut::<2>();
         // Of one length, for the same reason as the counts.
         let (Some(next), Some(cells), Some(frames)) =
             (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
@@ -302,7 +306,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
             let leaf = home.at();
-            if let (Some([member, front]), Some(cell), Some(frame), Some(leaf)) =
+            if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
                 (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
             {
                 let at = *member;
@@ -311,15 +315,15 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 let keys = simd.keys(bounds);
                 let record = simd.record(frame, keys, slot);
                 records.store((leaf.start + at) as usize, &record);
-                if cell.standing(simd, keys).leaves() {
-                    fronts.store(*front as usize, &Front { bounds: *bounds, slot, unused: 0 });
-                    *front += 1;
+                if cell.classify(simd, keys).leaves() {
+                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                    *straddler += 1;
                 }
             } else if *home == I::LARGE {
                 let at = large.at(0);
                 large.put(0, at + 1);
                 *place = I::from_slot(at - large_start);
-                fronts.store(at as usize, &Front { bounds: *bounds, slot, unused: 0 });
+                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
             }
         }
     }
@@ -328,20 +332,22 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
 /// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
 fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
     let leaves = 1usize << depth;
-    let (cells, bags, fronts) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.fronts);
+    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
     let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
-    let claims = Claims::new(Chunks::new(outer, LEAVES_PER_BLOCK));
+    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
     executor::run(executor, parts.sizes.workers, claims.count(), &|| {
         while let Some((block, nodes)) = claims.claim() {
             for (offset, node) in nodes.iter_mut().enumerate() {
                 let index = block * LEAVES_PER_BLOCK + offset;
-                let leaf = bags.at(index);
+                let leaf = buckets.at(index);
                 *node = KeyBox::NOTHING;
                 if leaf.len > 0 {
                     *node = cells.at(index).inside();
-                    for front in fronts.span(leaf.front_start as usize, leaf.front_len as usize) {
-                        node.include(&front.bounds);
+                    for straddler in
+                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
+                    {
+                        node.include(&straddler.bounds);
                     }
                 }
             }
@@ -361,7 +367,7 @@ fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Execut
 
 /// Grows the boxes of a node and of those above it to hold a box.
 #[inline(always)]
-pub(crate) fn enlarge(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
+pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
     while node > 0 {
         let mut around = nodes.at(node);
         // So do those above.
@@ -376,14 +382,14 @@ pub(crate) fn enlarge(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
 
 /// The bounds of the minima of some boxes, and whether one of them may be coarse.
 #[inline(never)]
-pub(crate) fn survey<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> Census {
-    let mut census = Census::NONE;
+pub(crate) fn scan_bounds<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> BoundsScan {
+    let mut bounds_scan = BoundsScan::NONE;
     for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
-        census.extent.include(&bounds.min);
+        bounds_scan.extent.include(&bounds.min);
         if bounds.is_narrow() {
-            census.examine(bounds);
+            bounds_scan.examine(bounds);
         }
     }
-    census.extent.make_finite();
-    census
+    bounds_scan.extent.make_finite();
+    bounds_scan
 }

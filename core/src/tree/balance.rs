@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
 use crate::lists::radix::{self, Sharing};
-use crate::memory::limits::{FINER, LEAF_TARGET, SLOT_BLOCKS, tally_row};
+use crate::memory::limits::{LEAF_TARGET, SLOT_BLOCKS, SUB_LEVELS, histogram_row};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
 use crate::parallel::context::StepContext;
@@ -46,21 +46,21 @@ pub(crate) fn overfull(state: &State) -> usize {
 /// The depth of the tree in full steps for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians
 /// (erratum E14). `deepest` is the greatest depth of planes.
 pub(crate) fn depth_for(objects: usize, deepest: u32) -> u32 {
-    let deepest = deepest.saturating_sub(FINER);
+    let deepest = deepest.saturating_sub(SUB_LEVELS);
     (0..deepest).find(|&depth| objects <= LEAF_TARGET << depth).unwrap_or(deepest)
 }
 
 /// Whether there are no planes, or the number of objects has outgrown them, or new ones would be better.
 pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let State { live, planted, divisible, .. } = *parts.state;
+    let State { live, built, divisible, .. } = *parts.state;
     let depth = |objects| depth_for(objects as usize, parts.sizes.depth);
-    planted == 0 || divisible != 0 || depth(live) > depth(planted) || live < planted / 4
+    built == 0 || divisible != 0 || depth(live) > depth(built) || live < built / 4
 }
 
 /// Whether the leaves that have just been counted are so uneven that the whole tree needs new planes now.
 pub(crate) fn is_out_of_balance<I: Index>(parts: &Parts<'_, I>) -> bool {
     let quarters = OUT_OF_BALANCE.min((1 << parts.state.depth) + 3);
-    4 * squares(parts) > quarters * parts.state.settled.max(even(parts.state))
+    4 * squares(parts) > quarters * parts.state.baseline.max(even(parts.state))
 }
 
 /// The least sum of squares: of leaves that all have as many members.
@@ -69,11 +69,11 @@ fn even(state: &State) -> u64 {
 }
 
 /// Notes what the planes achieve, right after they were made and the leaves were counted.
-pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>) {
-    let settled = squares(parts);
+pub(crate) fn set_baseline<I: Index>(parts: &mut Parts<'_, I>) {
+    let baseline = squares(parts);
     let state = &mut *parts.state;
-    state.settled = settled;
-    state.poor = u8::from(4 * settled > GOOD * even(state));
+    state.baseline = baseline;
+    state.poor = u8::from(4 * baseline > GOOD * even(state));
     if state.poor == 0 {
         (state.planes_in, state.planes_after) = (0, 1);
     } else {
@@ -112,7 +112,7 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
             if state.poor != 0 {
                 state.divisible = 1;
             } else {
-                leaf.settled = DIVISIBLE;
+                leaf.baseline = DIVISIBLE;
                 tree.leaves.put(fullest, leaf);
                 put_off_planes(state);
             }
@@ -136,10 +136,10 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
 /// into the same leaves from far apart, say, and their counts do not tell.
 pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
     if planes_are_new {
-        (state.settled_work, state.heavy) = (in_vain, 0);
+        (state.baseline_work, state.heavy) = (in_vain, 0);
         return;
     }
-    let is_heavy = in_vain > HEAVY.saturating_mul(state.settled_work).saturating_add(u64::from(state.live));
+    let is_heavy = in_vain > HEAVY.saturating_mul(state.baseline_work).saturating_add(u64::from(state.live));
     state.heavy = if is_heavy { state.heavy.saturating_add(1) } else { 0 };
     if state.heavy >= HEAVY_STEPS && state.planes_in == 0 {
         state.divisible = 1;
@@ -150,8 +150,8 @@ pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
 /// Uses all levels of the planes again, where copies that were too many for that have become fewer. The leaves must be counted
 /// anew.
 pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
-    let State { live, planted, depth, large, large_start, deeper_in, deeper_after, .. } = *parts.state;
-    let whole = depth_for(live.min(planted) as usize, parts.sizes.depth);
+    let State { live, built, depth, large, large_start, deeper_in, deeper_after, .. } = *parts.state;
+    let whole = depth_for(live.min(built) as usize, parts.sizes.depth);
     if depth >= whole {
         (parts.state.deeper_in, parts.state.deeper_after) = (0, 1);
         return;
@@ -161,43 +161,44 @@ pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
         return;
     }
     // Each level has about as many more copies as there are, at most.
-    let (fronts, large) = (u64::from(large_start) << (whole - depth), u64::from(large));
-    let fits = fronts + large <= parts.tree.fronts.len() as u64;
+    let (straddlers, large) = (u64::from(large_start) << (whole - depth), u64::from(large));
+    let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
     if fits && are_few(large, whole, live) {
         parts.state.deeper_in = deeper_after.max(1);
         parts.state.deeper_after = parts.state.deeper_in.saturating_mul(2).min(PATIENCE);
         parts.state.depth = whole;
         for leaf in &mut *parts.tree.leaves {
-            leaf.settled = 0;
+            leaf.baseline = 0;
         }
-        super::refine::descend(parts.home, whole - depth);
+        super::subdivide::descend(parts.home, whole - depth);
     }
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
-    let row = tally_row(parts.state.depth);
-    let tallies = parts.tree.tally.span(0, SLOT_BLOCKS * row);
-    let count =
-        |leaf| tallies.chunks_exact(row.max(1)).map(|tally| u64::from(tally.at(2 * leaf))).sum::<u64>();
+    let row = histogram_row(parts.state.depth);
+    let histograms = parts.tree.histogram.span(0, SLOT_BLOCKS * row);
+    let count = |leaf| {
+        histograms.chunks_exact(row.max(1)).map(|histogram| u64::from(histogram.at(2 * leaf))).sum::<u64>()
+    };
     (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
 }
 
 /// Makes all planes anew from sorted lists of all living objects.
-pub(crate) fn plant<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) {
+pub(crate) fn build_planes<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let live = parts.state.live as usize;
     let depth = depth_for(live, parts.sizes.depth);
     links::list_all(parts);
     parts.state.depth = depth;
-    parts.state.planted = parts.state.live;
+    parts.state.built = parts.state.live;
     parts.state.divisible = 0;
     let boxes = parts.boxes.swept();
     let slots = parts.order[0].span(0, live);
-    let extent = super::assign::survey(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
+    let extent = super::assign::scan_bounds(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
     parts.state.set_extent(&extent);
     for leaf in &mut *parts.tree.leaves {
-        leaf.settled = 0;
+        leaf.baseline = 0;
     }
-    make_planes(parts, live, 1, depth + FINER, 0, means);
+    make_planes(parts, live, 1, depth + SUB_LEVELS, 0, context);
     // Homes are numbers of leaves that are no more.
     parts.home.fill(I::NONE);
     parts.state.filled = 0;
@@ -211,31 +212,31 @@ fn make_planes<I: Index>(
     root: usize,
     levels: u32,
     first: usize,
-    means: StepContext<'_>,
+    context: StepContext<'_>,
 ) {
     let boxes: &[KeyBox] = parts.boxes.swept();
     let room = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
         .unwrap_or_default();
     let [x, y, z] = &mut parts.order;
     let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
-    let (tallies, _) =
+    let (histograms, _) =
         bytemuck::try_cast_slice_mut::<Record, u32>(parts.output.scratch).unwrap_or_default().as_chunks_mut();
-    let sharing = Sharing { executor: means.executor, workers: means.workers };
+    let sharing = Sharing { executor: context.executor, workers: context.workers };
     for (axis, list) in lists.iter_mut().enumerate() {
-        radix::sort(list, boxes, axis, room, tallies, sharing);
+        radix::sort(list, boxes, axis, room, histograms, sharing);
     }
     let (starts, sides) =
-        parts.tree.tally.split_at_mut_checked(tally_row(parts.sizes.depth)).unwrap_or_default();
+        parts.tree.histogram.split_at_mut_checked(histogram_row(parts.sizes.depth)).unwrap_or_default();
     let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
     sides.fill(0);
     Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }
-        .share(root, levels, room, means);
+        .share(root, levels, room, context);
     parts.state.stale_lists = 1;
 }
 
 /// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. The leaves must be those of the
 /// last full step; they have to be filled anew. Returns how many objects are concerned.
-pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'_>) -> u32 {
+pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     if parts.state.filled == 0 {
         return 0;
     }
@@ -250,8 +251,8 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'
         let leaf = parts.tree.leaves.at(index);
         // A leaf that new planes could not divide is not tried again until it has grown by half.
         let overfull =
-            leaf.len as usize > overfull(parts.state) && leaf.len > leaf.settled + leaf.settled / 2;
-        if !overfull && leaf.settled != DIVISIBLE {
+            leaf.len as usize > overfull(parts.state) && leaf.len > leaf.baseline + leaf.baseline / 2;
+        if !overfull && leaf.baseline != DIVISIBLE {
             index += 1;
             continue;
         }
@@ -259,7 +260,7 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, means: StepContext<'
         if count <= budget && levels > 0 {
             budget -= count;
             done += count;
-            replant(parts, node, levels, means);
+            rebuild(parts, node, levels, context);
         }
         // The next leaf behind that part of the tree.
         index = ((node + 1) << levels) - leaves;
@@ -287,7 +288,7 @@ fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (u
 }
 
 /// Makes the planes below a node anew from the records of its leaves, which are lost.
-fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, means: StepContext<'_>) {
+fn rebuild<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, context: StepContext<'_>) {
     let first = (node << levels) - (1usize << parts.state.depth);
     let range = first..first + (1 << levels);
     let mut count = 0;
@@ -303,11 +304,11 @@ fn replant<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, means: 
             }
             count += 1;
         }
-        leaf.settled = 0;
+        leaf.baseline = 0;
         parts.tree.leaves.put(index, leaf);
     }
     let start = parts.tree.leaves.at(range.start).start as usize;
-    let finer = (depth_for(parts.state.planted as usize, parts.sizes.depth) + FINER)
+    let sub_levels = (depth_for(parts.state.built as usize, parts.sizes.depth) + SUB_LEVELS)
         .saturating_sub(parts.state.depth);
-    make_planes(parts, count, node, levels + finer, start, means);
+    make_planes(parts, count, node, levels + sub_levels, start, context);
 }

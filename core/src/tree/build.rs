@@ -9,7 +9,7 @@ use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
-use crate::parallel::claim::{Chunks, Claims};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor;
 use crate::sort::heapsort;
@@ -26,7 +26,7 @@ const LOPSIDED: usize = 4;
 
 /// Below this level parts of the tree are made at once.
 const SHARED_BELOW: u32 = 3;
-const PARTS: usize = 1 << SHARED_BELOW;
+const SUB_LEAVES: usize = 1 << SHARED_BELOW;
 /// The fewest objects for which that is worth it.
 const SHARED_FROM: usize = if cfg!(miri) { 0 } else { 1 << 14 };
 
@@ -46,29 +46,35 @@ pub(crate) struct Build<'b, I> {
 
 impl<I: Index> Build<'_, I> {
     /// As [`run`](Self::run); parts of the tree at once, if there are enough objects and `room` for what each part needs.
-    pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], means: StepContext<'_>) {
+    pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], context: StepContext<'_>) {
         let below = levels.saturating_sub(SHARED_BELOW);
         let nodes = 1usize << below;
         let [sides, starts] = [bits::words(self.boxes.len()), nodes + 1];
         let few = self.lists[0].len() < SHARED_FROM;
-        if few || below == 0 || room.len() < PARTS * (sides + starts + nodes) {
+        if few || below == 0 || room.len() < SUB_LEAVES * (sides + starts + nodes) {
             return self.run(root, levels);
         }
         self.run(root, SHARED_BELOW);
         let Build { boxes, lists: [mut x, mut y, mut z], planes, mut spare, starts: borders, .. } = self;
         let mut room = room;
-        let mut builds = [const { None }; PARTS];
+        let mut builds = [const { None }; SUB_LEAVES];
         for (part, build) in builds.iter_mut().enumerate() {
             let count = borders.at(part + 1) - borders.at(part);
-            let lists = [&mut x, &mut y, &mut z].map(|list| front(list, count as usize));
-            let planes = bytemuck::cast_slice_mut(front(&mut room, nodes));
-            let [starts, sides] = [starts, sides].map(|length| front(&mut room, length));
+            let lists = [&mut x, &mut y, &mut z].map(|list| straddler(list, count as usize));
+            let planes = bytemuck::cast_slice_mut(straddler(&mut room, nodes));
+            let [starts, sides] = [starts, sides].map(|length| straddler(&mut room, length));
             sides.fill(0);
-            *build =
-                Some(Build { boxes, lists, planes, sides, spare: front(&mut spare, count as usize), starts });
+            *build = Some(Build {
+                boxes,
+                lists,
+                planes,
+                sides,
+                spare: straddler(&mut spare, count as usize),
+                starts,
+            });
         }
-        let claims = Claims::new(Chunks::new(&mut builds, 1));
-        executor::run(means.executor, means.workers, PARTS, &|| {
+        let claims = BlockQueue::new(Chunks::new(&mut builds, 1));
+        executor::run(context.executor, context.workers, SUB_LEAVES, &|| {
             while let Some((_, builds)) = claims.claim() {
                 builds.iter_mut().flatten().for_each(|build| build.run(1, below));
             }
@@ -238,6 +244,6 @@ fn sampled(count: usize) -> usize {
 }
 
 /// Takes the first `count` items off a slice.
-fn front<'s, T>(slice: &mut &'s mut [T], count: usize) -> &'s mut [T] {
+fn straddler<'s, T>(slice: &mut &'s mut [T], count: usize) -> &'s mut [T] {
     slice.split_off_mut(..count).unwrap_or_default()
 }

@@ -1,7 +1,7 @@
 //! The KD-tree (paper, section III): a complete binary tree of axis-aligned planes over minimum corners.
 //!
 //! * An object is at home in the one leaf whose half-open cell holds its minimum corner (errata E9 and E10), and
-//!   is stored there once. A box that reaches beyond its cell is also on its leaf's front, where the leaves that
+//!   is stored there once. A box that reaches beyond its cell is also on its leaf's straddlers, where the leaves that
 //!   it reaches find it (erratum E7).
 //! * Planes stay from step to step, so an object that rests has no reason to change its leaf (erratum E8).
 //!   They are medians of existing minima when they are made ([`build`]), and are made anew where leaves have
@@ -9,7 +9,7 @@
 //! * A node that would not gain from a split has a plane that nobody reaches: its objects all go to the left
 //!   (errata E11 and E14).
 //! * Each node down to the leaves of a full step has a box around its members, which movers make larger, and which is made
-//!   tight again after a while ([`tighten`]): what looks for objects near a box or along a line walks by these boxes, and
+//!   tight again after a while ([`refit`]): what looks for objects near a box or along a line walks by these boxes, and
 //!   planes only tell where an object is at home.
 //!
 //! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`; at depth `d` leaf
@@ -19,18 +19,18 @@ pub(crate) mod assign;
 pub(crate) mod balance;
 pub(crate) mod build;
 pub(crate) mod cells;
-pub(crate) mod lend;
-pub(crate) mod refine;
+pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;
-pub(crate) mod tighten;
+pub(crate) mod slack;
+pub(crate) mod subdivide;
 pub(crate) mod visit;
 
 pub(crate) use crate::geometry::record::{Frame, GRID_MAX, Record};
-pub(crate) use crate::memory::leaf::{Cell, Eights, Front, Leaf, first_of_eight};
+pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Straddler, first_of_eight};
 
 use crate::access::Access;
-use crate::memory::limits::FINER;
+use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
 
@@ -85,14 +85,14 @@ impl Corner {
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
     let node = below(planes, 1, state.depth, min);
     let whole = node - (1 << state.depth);
-    let part = if state.is_refined(whole) { part_of(planes, node, min) } else { 0 };
-    whole << state.finer() | part
+    let part = if state.is_subdivided(whole) { sub_leaf_of(planes, node, min) } else { 0 };
+    whole << state.sub_levels() | part
 }
 
 /// Which part of a leaf holds the minimum corner; the leaf is given as a node.
 #[inline(always)]
-fn part_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
-    below(planes, node, FINER, min) - (node << FINER)
+fn sub_leaf_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
+    below(planes, node, SUB_LEVELS, min) - (node << SUB_LEVELS)
 }
 
 /// The leaf at `depth` whose cell holds the minimum corner.
@@ -119,13 +119,13 @@ fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize 
 }
 
 /// Leaves that a leaf of a full step may be divided into: as many as are tested at once.
-pub(crate) const PARTS: usize = 1 << FINER;
-const _: () = assert!(PARTS == EIGHT);
+pub(crate) const SUB_LEAVES: usize = 1 << SUB_LEVELS;
+const _: () = assert!(SUB_LEAVES == EIGHT);
 
 /// The bounds of the parts of a leaf of the last full step, in its frame; `None` where no leaf is divided.
 #[inline(always)]
-pub(crate) fn parts_of(bounds: &[Record], finer: u32, whole: usize) -> Option<&[Record; EIGHT]> {
-    if finer == 0 { None } else { bounds.as_chunks().0.get(whole) }
+pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) -> Option<&[Record; EIGHT]> {
+    if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
 /// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.

@@ -1,8 +1,8 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
-use super::assign::enlarge;
-use super::lend::lend;
-use super::{Cell, Front, home_of};
+use super::assign::expand_ancestors;
+use super::slack::borrow_slack;
+use super::{Cell, Straddler, home_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -68,15 +68,18 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let keys = simd.keys(&bounds);
     let mut leaf = home.at();
     let mut cell = if home < I::LARGE { parts.tree.cells.at(leaf) } else { Cell::NOWHERE };
-    let stays = cell.standing(simd, keys).is_home();
+    let stays = cell.classify(simd, keys).is_home();
     if !stays {
         leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
         cell = parts.tree.cells.at(leaf);
     }
-    if cell.standing(simd, keys).is_large() {
+    if cell.classify(simd, keys).is_large() {
         if home == I::LARGE {
-            let front = Front { bounds, slot: slot as u32, unused: 0 };
-            parts.tree.fronts.put(parts.state.large_start as usize + parts.place.at(slot).at(), front);
+            let straddler = Straddler { bounds, slot: slot as u32, unused: 0 };
+            parts
+                .tree
+                .straddlers
+                .put(parts.state.large_start as usize + parts.place.at(slot).at(), straddler);
             return true;
         }
         withdraw(parts, slot);
@@ -84,29 +87,29 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     }
     if !stays {
         withdraw(parts, slot);
-        let mut bag = parts.tree.leaves.at(leaf);
-        if bag.len == bag.room {
-            if !lend(&mut parts.tree, parts.state, leaf, budget) {
+        let mut bucket = parts.tree.leaves.at(leaf);
+        if bucket.len == bucket.room {
+            if !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
                 return false;
             }
-            bag = parts.tree.leaves.at(leaf);
+            bucket = parts.tree.leaves.at(leaf);
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
-        parts.place.put(slot, I::from_slot(bag.len));
-        bag.len += 1;
-        parts.tree.leaves.put(leaf, bag);
+        parts.place.put(slot, I::from_slot(bucket.len));
+        bucket.len += 1;
+        parts.tree.leaves.put(leaf, bucket);
     }
     let start = parts.tree.leaves.at(leaf).start;
-    let finer = parts.state.finer();
-    let whole = leaf >> finer;
+    let sub_levels = parts.state.sub_levels();
+    let whole = leaf >> sub_levels;
     let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32);
     parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
-    if finer > 0
+    if sub_levels > 0
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)
     {
         bounds.include(&record);
     }
-    enlarge(parts.tree.nodes, (1usize << parts.state.depth) + whole, &bounds);
+    expand_ancestors(parts.tree.nodes, (1usize << parts.state.depth) + whole, &bounds);
     true
 }
 
@@ -118,15 +121,15 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     if home == I::LARGE {
         parts.state.large -= 1;
         let start = parts.state.large_start as usize;
-        let last = parts.tree.fronts.at(start + parts.state.large as usize);
-        parts.tree.fronts.put(start + place, last);
+        let last = parts.tree.straddlers.at(start + parts.state.large as usize);
+        parts.tree.straddlers.put(start + place, last);
         parts.place.put(last.slot as usize, I::from_slot(place as u32));
     } else if home != I::NONE {
-        let mut bag = parts.tree.leaves.at(home.at());
-        bag.len -= 1;
-        parts.tree.leaves.put(home.at(), bag);
-        let last = parts.tree.records.at((bag.start + bag.len) as usize);
-        parts.tree.records.put(bag.start as usize + place, last);
+        let mut bucket = parts.tree.leaves.at(home.at());
+        bucket.len -= 1;
+        parts.tree.leaves.put(home.at(), bucket);
+        let last = parts.tree.records.at((bucket.start + bucket.len) as usize);
+        parts.tree.records.put(bucket.start as usize + place, last);
         parts.place.put(last.slot() as usize, I::from_slot(place as u32));
     }
 }
@@ -134,10 +137,10 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
 /// Adds an object to the large ones.
 fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox) -> bool {
     let at = parts.state.large_start as usize + parts.state.large as usize;
-    if at >= parts.tree.fronts.len() {
+    if at >= parts.tree.straddlers.len() {
         return false;
     }
-    parts.tree.fronts.put(at, Front { bounds: *bounds, slot: slot as u32, unused: 0 });
+    parts.tree.straddlers.put(at, Straddler { bounds: *bounds, slot: slot as u32, unused: 0 });
     parts.home.put(slot, I::LARGE);
     parts.place.put(slot, I::from_slot(parts.state.large));
     parts.state.large += 1;
@@ -150,9 +153,9 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
     // A count for each leaf takes longer than movers that find the leaves around them one by one.
-    let coarser = if count < leaves / 4 { parts.state.finer() } else { 0 };
+    let coarser = if count < leaves / 4 { parts.state.sub_levels() } else { 0 };
     let leaves = leaves >> coarser;
-    let starts = parts.tree.tally.span_mut(0, leaves + 2);
+    let starts = parts.tree.histogram.span_mut(0, leaves + 2);
     starts.fill(0);
     let [list, movers, homes] = &mut parts.order;
     let movers = movers.span(0, count);

@@ -8,7 +8,7 @@ use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
-use crate::memory::strips::Planes;
+use crate::memory::stripes::Planes;
 use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 
@@ -19,8 +19,8 @@ pub(crate) struct LeafCounts {
     /// Records, and records that would fit; zero where the leaves are not filled.
     pub(crate) len: u32,
     pub(crate) room: u32,
-    /// See [`Leaf::settled`](crate::tree::Leaf::settled).
-    pub(crate) settled: u32,
+    /// See [`Leaf::baseline`](crate::tree::Leaf::baseline).
+    pub(crate) baseline: u32,
 }
 
 /// The sets of slots.
@@ -60,7 +60,7 @@ pub(crate) trait Content<I: Index> {
     fn generation(&self, slot: usize) -> u32;
     /// A word of a set. None of a set that the world does not keep.
     fn word(&self, set: Set, index: usize) -> Option<u32>;
-    fn strips(&self) -> Option<Planes>;
+    fn stripes(&self) -> Option<Planes>;
     fn plane(&self, node: usize) -> i32;
     fn leaf(&self, index: usize) -> LeafCounts;
     /// The frame of a leaf of the last full step.
@@ -137,13 +137,13 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
             Set::Moved => &*parts.moved.words,
             Set::Resting => parts.resting,
             Set::Changed => parts.changed.words,
-            Set::Awake => parts.awake,
+            Set::Awake => parts.active,
             Set::Refiltered => parts.filters.changed.words,
         };
         words.get(index).copied()
     }
 
-    fn strips(&self) -> Option<Planes> {
+    fn stripes(&self) -> Option<Planes> {
         self.0.output.planes.first().copied()
     }
 
@@ -172,7 +172,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
     }
 
     fn large(&self, at: usize) -> usize {
-        self.0.tree.fronts.at(self.0.state.large_start as usize + at).slot as usize
+        self.0.tree.straddlers.at(self.0.state.large_start as usize + at).slot as usize
     }
 
     #[inline(always)]
@@ -198,7 +198,7 @@ pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
     let leaf = parts.tree.leaves.at(index);
     let filled = parts.state.filled != 0;
     let [len, room] = [leaf.len, leaf.room].map(|count| if filled { count } else { 0 });
-    LeafCounts { len, room, settled: leaf.settled }
+    LeafCounts { len, room, baseline: leaf.baseline }
 }
 
 /// How many slots of a set are below a number of slots; all of them, where none may be beyond.

@@ -40,8 +40,8 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
     check(free + state.live as usize == slots, "the living objects are not counted right", slots)?;
     chain(content, free)?;
     last_boxes(content)?;
-    let strips = content.strips();
-    check(strips.is_none_or(|planes| planes.is_sorted()), "strips are out of order", 0)
+    let stripes = content.stripes();
+    check(stripes.is_none_or(|planes| planes.is_sorted()), "strips are out of order", 0)
 }
 
 /// Free slots are chained, each once.
@@ -83,7 +83,7 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
         )?;
     }
     let any = |set| count(content, set, slots) > 0;
-    check(state.touched != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
+    check(state.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
     check(state.resting != 0 || !any(Set::Resting), "objects rest and nobody has put them to rest", 0)
 }
 
@@ -100,7 +100,7 @@ fn last_boxes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
             let empty = before == KeyBox::EMPTY || before == KeyBox::free(before.next_free());
             check(empty || before.is_valid(), "a box of the last step is none", slot)?;
             let fresh = empty && !content.now(slot).is_empty();
-            check(!fresh || content.state().entered != 0, "a new object that has not come", slot)?;
+            check(!fresh || content.state().has_inserted != 0, "a new object that has not come", slot)?;
             rank += 1;
         }
     }

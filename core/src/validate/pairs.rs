@@ -8,11 +8,11 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::state::State;
 
-/// Checks each pair by itself: it is one of two slots in order; nobody is awake if it is set aside; and if nothing has changed
+/// Checks each pair by itself: it is one of two slots in order; nobody is active if it is parked; and if nothing has changed
 /// since, the boxes overlap and the filters agree. O(pairs).
 pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
-    let (slots, aside, result) = (state.slots as usize, state.aside as usize, state.result());
+    let (slots, parked, result) = (state.slots as usize, state.parked as usize, state.result());
     let (exact, margins) = (state.mode() == Mode::Exact, content.sizes().fat > 0);
     let keeps_changed = content.word(Set::Changed, 0).is_some();
     let touches = |set, pair: &Pair<I>| content.is_in(set, pair[0].at()) || content.is_in(set, pair[1].at());
@@ -22,7 +22,7 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
     for at in 0..state.swept_pairs as usize {
         let pair = content.pair(at);
         check(pair[0] < pair[1] && pair[1].at() < slots, "a pair is not of two slots in order", at)?;
-        let is_aside = at < aside;
+        let is_aside = at < parked;
         check(
             !is_aside || !touches(Set::Awake, &pair),
             "a pair of an object that is awake is set aside",
@@ -33,7 +33,8 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
         }
         if margins {
             check(overlap(&|slot| content.fat(slot), &pair), "a pair does not overlap", at)?;
-            let unchanged = if keeps_changed { !touches(Set::Changed, &pair) } else { state.crept == 0 };
+            let unchanged =
+                if keeps_changed { !touches(Set::Changed, &pair) } else { state.moved_inside_margin == 0 };
             if exact && unchanged {
                 check(
                     overlap(&|slot| content.now(slot), &pair) == result.contains(&at),

@@ -12,7 +12,7 @@ use crate::memory::state::Path;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd, limit, scalar::Scalar};
 use crate::step::recount::{self, Sum};
-use crate::sweep::strips;
+use crate::sweep::stripes;
 use crate::tree::cells::cut;
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, first_of_eight, home_of};
@@ -32,7 +32,7 @@ pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.slots as usize;
     for marks in
-        [&*parts.moved.words, parts.changed.words, parts.filters.changed.words, parts.resting, parts.awake]
+        [&*parts.moved.words, parts.changed.words, parts.filters.changed.words, parts.resting, parts.active]
     {
         let words = marks.get(bits::words(slots)..).unwrap_or_default();
         check(words.iter().all(|word| *word == 0), "a set has slots that there are not", slots)?;
@@ -90,8 +90,8 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let boxes = parts.boxes.swept();
             let ascends = match parts.output.planes.first() {
                 Some(planes) => {
-                    let axes = [axis, parts.state.strip_axis as usize];
-                    let place = |slot: I| strips::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
+                    let axes = [axis, parts.state.stripe_axis as usize];
+                    let place = |slot: I| stripes::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
                     place(two.at(0)) < place(two.at(1))
                 }
                 None => links::precedes(boxes, axis, two.at(0), two.at(1)),
@@ -104,15 +104,15 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// Records are those of their boxes, leaf by leaf without gaps; nobody else has a place in the tree.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let finer = parts.state.finer();
+    let sub_levels = parts.state.sub_levels();
     let swept = parts.boxes.swept();
     check(parts.tree.nodes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
-    let (mut end, mut standing) = (0, parts.state.large as usize);
+    let (mut end, mut classify) = (0, parts.state.large as usize);
     for index in 0..leaves(parts.state) {
         let leaf = parts.tree.leaves.at(index);
         check(leaf.start == end, "a leaf does not start where the last one ends", index)?;
         end += leaf.room;
-        standing += leaf.len as usize;
+        classify += leaf.len as usize;
         for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
             let slot = record.slot() as usize;
             if bits::test(parts.moved.words, slot) {
@@ -121,32 +121,32 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let bounds = swept.at(slot);
             let home = home_of(parts.tree.planes, parts.state, &bounds.min);
             check(home == index, "an object is not where the planes say", slot)?;
-            let expected = Scalar.record(&parts.tree.frames.at(index >> finer), bounds, slot as u32);
+            let expected = Scalar.record(&parts.tree.frames.at(index >> sub_levels), bounds, slot as u32);
             check(*record == expected, "a record is not that of its box", slot)?;
         }
     }
-    let large = parts.tree.fronts.span(parts.state.large_start as usize, parts.state.large as usize);
-    for front in large {
-        let slot = front.slot as usize;
-        let current = bits::test(parts.moved.words, slot) || front.bounds == swept.at(slot);
+    let large = parts.tree.straddlers.span(parts.state.large_start as usize, parts.state.large as usize);
+    for straddler in large {
+        let slot = straddler.slot as usize;
+        let current = bits::test(parts.moved.words, slot) || straddler.bounds == swept.at(slot);
         check(current, "a large object's box is not its own", slot)?;
     }
     let homes = parts.home.iter().filter(|home| **home != I::NONE).count();
-    check(homes == standing, "an object has a place in the tree and is not there", homes)
+    check(homes == classify, "an object has a place in the tree and is not there", homes)
 }
 
 /// The cells are those of the planes. Cut one by one, so that no room is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let finer = parts.state.finer();
-    let depth = parts.state.depth + finer;
+    let sub_levels = parts.state.sub_levels();
+    let depth = parts.state.depth + sub_levels;
     for index in 0..1usize << depth {
         let mut planes = [0; 2];
         let mut cell = Cell::ALL;
-        let divided = finer == 0 || parts.state.is_refined(index >> finer);
-        if !divided && index & ((1 << finer) - 1) != 0 {
+        let divided = sub_levels == 0 || parts.state.is_subdivided(index >> sub_levels);
+        if !divided && index & ((1 << sub_levels) - 1) != 0 {
             continue;
         }
-        for level in 0..if divided { depth } else { depth - finer } {
+        for level in 0..if divided { depth } else { depth - sub_levels } {
             let node = ((1 << depth) + index) >> (depth - level);
             let right = ((1 << depth) + index) >> (depth - level - 1) & 1;
             planes.put(1, parts.tree.planes.at(node));
@@ -213,7 +213,7 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> Sum {
         let Self(parts) = self;
         let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
-        let (mut all, finer) = (Sum::default(), state.finer());
+        let (mut all, sub_levels) = (Sum::default(), state.sub_levels());
         for slot in (0..state.slots as usize).filter(|slot| stays(parts, *slot)) {
             let bounds = KeyBox::of(boxes, slot);
             // No vectors: a closure does not share the instruction set of its function.
@@ -225,8 +225,8 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
             let mut visit = Visit::new(simd, tree.nodes, state.depth, 0, *bounds);
             while let Some(whole) = visit.next(simd) {
                 let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
-                for part in whole << finer..(whole + 1) << finer {
-                    for (eight, left) in tree.leaves.at(part).eights(tree.records) {
+                for part in whole << sub_levels..(whole + 1) << sub_levels {
+                    for (eight, left) in tree.leaves.at(part).chunks_of_eight(tree.records) {
                         let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
                         while mask != 0 {
                             meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
@@ -235,8 +235,8 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
                     }
                 }
             }
-            for front in tree.fronts.span(state.large_start as usize, state.large as usize) {
-                meet(front.slot as usize);
+            for straddler in tree.straddlers.span(state.large_start as usize, state.large as usize) {
+                meet(straddler.slot as usize);
             }
         }
         all

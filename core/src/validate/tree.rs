@@ -5,7 +5,7 @@ use super::{Invalid, check};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::FINER;
+use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::State;
 use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::tree::balance::depth_for;
@@ -14,12 +14,12 @@ use crate::tree::{Cell, axis_of, plane};
 
 /// The nodes that have planes, and node zero, which is none.
 pub(crate) fn planes(state: &State, deepest: u32) -> usize {
-    if state.planted == 0 { 0 } else { 1 << (depth_for(state.planted as usize, deepest) + FINER) }
+    if state.built == 0 { 0 } else { 1 << (depth_for(state.built as usize, deepest) + SUB_LEVELS) }
 }
 
 /// The leaves that mean something: also where they are not filled, since they know how even their planes once were.
 pub(crate) fn leaves(state: &State) -> usize {
-    if state.planted == 0 { 0 } else { 1 << (state.depth + state.finer()) }
+    if state.built == 0 { 0 } else { 1 << (state.depth + state.sub_levels()) }
 }
 
 /// Checks the planes and, if leaves are filled, all of them. O(slots + leaves log leaves).
@@ -31,9 +31,9 @@ pub(crate) fn tree<I: Index>(content: &mut impl Content<I>) -> Result<(), Invali
     }
     let slots = content.state().slots as usize;
     for index in 0..leaves(content.state()) {
-        let LeafCounts { len, room, settled } = content.leaf(index);
+        let LeafCounts { len, room, baseline } = content.leaf(index);
         // So that it can be multiplied.
-        check(settled as usize <= slots, "a leaf was never so full", index)?;
+        check(baseline as usize <= slots, "a leaf was never so full", index)?;
         let empty = len == 0 && room == 0;
         check(content.state().filled != 0 || empty, "a leaf that is not filled has room", index)?;
     }
@@ -88,20 +88,20 @@ impl<C> Filled<'_, C> {
     where
         C: Content<I>,
     {
-        let finer = self.content.state().finer();
+        let sub_levels = self.content.state().sub_levels();
         let cell = cell_of(self.content, depth, whole);
         let frame = self.content.frame(whole);
         check(frame.is_sound(), "a frame does not keep the order of numbers", whole)?;
-        let divided = self.content.state().is_refined(whole);
+        let divided = self.content.state().is_subdivided(whole);
         let node = (1 << depth) + whole;
         let around = self.content.node(node);
-        for part in 0..1usize << finer {
-            let index = whole << finer | part;
+        for part in 0..1usize << sub_levels {
+            let index = whole << sub_levels | part;
             let LeafCounts { len, room, .. } = self.content.leaf(index);
             check(len <= room, "a leaf has more records than room", index)?;
-            let stays_empty = finer > 0 && !divided && part > 0;
+            let stays_empty = sub_levels > 0 && !divided && part > 0;
             check(!stays_empty || room == 0, "a part of a whole leaf has room", index)?;
-            let cell = if divided { cell_of(self.content, depth + finer, index) } else { cell };
+            let cell = if divided { cell_of(self.content, depth + sub_levels, index) } else { cell };
             let end = self.position + u64::from(room);
             // Casts look at whole groups of records, also of the last leaf's.
             let last = self.content.sizes().records.saturating_sub(EIGHT) as u64;
@@ -119,7 +119,7 @@ impl<C> Filled<'_, C> {
             let bounds = self.content.bounds(index);
             let mut both = bounds;
             both.include(&record);
-            check(finer == 0 || both == bounds, "the bounds of a leaf do not hold a member", index)?;
+            check(sub_levels == 0 || both == bounds, "the bounds of a leaf do not hold a member", index)?;
         }
         Ok(())
     }

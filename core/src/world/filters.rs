@@ -67,6 +67,6 @@ impl<I: Index> World<'_, I> {
         self.parts.filters.changed.set(slot);
         self.parts.moved.set(slot);
         self.parts.changed.set(slot);
-        self.parts.state.touched = 1;
+        self.parts.state.dirty = 1;
     }
 }

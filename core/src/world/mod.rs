@@ -42,62 +42,62 @@ const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 
 /// A step.
 impl<I: Index> World<'_, I> {
-    fn advance(&mut self, bounds: Option<Boxes<'_>>, means: StepContext<'_>) -> Result<Step<'_, I>, Error> {
+    fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
         let shared = parts.state.sharing().fixed().unwrap_or(parts.state.live >= SHARED_FROM);
         // A small world shares nothing.
-        let shared = shared && !means.is_small();
-        let executor = OneStep::new(means.executor, shared);
-        let means = StepContext { executor: &executor, ..means };
-        let rejected = Self::take_in(parts, bounds, means);
-        let mut result = Self::find(parts, shared, means);
+        let shared = shared && !context.is_small();
+        let executor = OneStep::new(context.executor, shared);
+        let context = StepContext { executor: &executor, ..context };
+        let rejected = Self::take_in(parts, bounds, context);
+        let mut result = Self::find(parts, shared, context);
         if faults() != parts.state.faults {
             parts.state.faults = faults();
             parts.state.complete = 0;
-            parts.state.planted = 0;
-            parts.state.settled = 0;
+            parts.state.built = 0;
+            parts.state.baseline = 0;
             parts.state.filled = 0;
             parts.state.stale_lists = 1;
             result = Err(Error::InvariantBroken);
         }
-        means.executor.enter(Stage::Done);
+        context.executor.enter(Stage::Done);
         result?;
         Ok(Step { rejected, world: self })
     }
 
     /// All pairs of the boxes as they are now, and which of them are new or gone.
-    fn find(parts: &mut Parts<'_, I>, shared: bool, means: StepContext<'_>) -> Result<(), Error> {
+    fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> Result<(), Error> {
         let moved = parts.moved.count();
 
         let mut route = policy::choose(parts, moved);
         if cfg!(feature = "large") && parts.state.unproven != 0 {
-            route = recount::prove(parts, route, moved, means);
+            route = recount::prove(parts, route, moved, context);
         }
-        policy::refine_when_calm(parts, route.path, moved, means);
-        if route.path == Path::Unchanged && parts.state.crept == 0 {
+        policy::subdivide_when_calm(parts, route.path, moved, context);
+        if route.path == Path::Unchanged && parts.state.moved_inside_margin == 0 {
             Self::keep(parts, shared);
             return Ok(());
         }
-        let (mut route, mut progress) = step::find(parts, route, means);
+        let (mut route, mut progress) = step::find(parts, route, context);
         if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
-            (route, progress) = step::find_without_surplus(parts, means);
+            (route, progress) = step::find_without_surplus(parts, context);
         }
         parts.state.record(moved, route, shared, &progress);
-        means.executor.enter(Stage::Results);
-        Self::conclude(parts, progress.pairs, means)
+        context.executor.enter(Stage::Results);
+        Self::conclude(parts, progress.pairs, context)
     }
 
     /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
     fn take_in(
         parts: &mut Parts<'_, I>,
         bounds: Option<Boxes<'_>>,
-        means: StepContext<'_>,
+        context: StepContext<'_>,
     ) -> Option<Rejected> {
         let bounds = bounds?;
-        parts.state.touched = 1;
-        means.executor.enter(Stage::Intake);
-        let intake = ingest(parts, &bounds, means.kernels, means.executor);
-        parts.state.note(intake.told);
+        parts.state.dirty = 1;
+        context.executor.enter(Stage::Intake);
+        let intake = ingest(parts, &bounds, context.kernels, context.executor);
+        parts.state.note(intake.motions);
         if intake.rejected == 0 {
             return None;
         }
@@ -113,26 +113,26 @@ impl<I: Index> World<'_, I> {
         parts.state.record(0, Route::UNCHANGED, shared, &progress);
         parts.state.found = 0;
         parts.state.lost = 0;
-        parts.state.touched = 0;
+        parts.state.dirty = 0;
     }
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
     /// the step that will be complete.
-    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, means: StepContext<'_>) -> Result<(), Error> {
+    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, context: StepContext<'_>) -> Result<(), Error> {
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
-        results::sort_out(parts, fitting as usize, complete, means);
+        results::sort_out(parts, fitting as usize, complete, context);
         parts.state.complete = u8::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }
-        results::remember(parts, means);
+        results::remember(parts, context);
         parts.moved.clear();
-        parts.state.crept = 0;
+        parts.state.moved_inside_margin = 0;
         parts.state.outran = 0;
         parts.filters.changed.clear();
-        parts.state.entered = 0;
-        parts.state.touched = 0;
+        parts.state.has_inserted = 0;
+        parts.state.dirty = 0;
         Ok(())
     }
 }
@@ -208,7 +208,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
     pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, self.means(kernels, executor, None))
+        self.advance(None, self.context(kernels, executor, None))
     }
 
     /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
@@ -223,7 +223,7 @@ impl<I: Index> World<'_, I> {
         kernels: Kernels,
         executor: &dyn Executor,
     ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), self.means(kernels, executor, None))
+        self.advance(Some(bounds), self.context(kernels, executor, None))
     }
 
     /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
@@ -241,10 +241,10 @@ impl<I: Index> World<'_, I> {
         if self.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);
         }
-        self.advance(bounds, self.means(kernels, executor, Some(rule)))
+        self.advance(bounds, self.context(kernels, executor, Some(rule)))
     }
 
-    fn means<'e>(
+    fn context<'e>(
         &self,
         kernels: Kernels,
         executor: &'e dyn Executor,

@@ -44,7 +44,7 @@ impl<I: Index> World<'_, I> {
             *margin = length;
             let bounds = self.parts.boxes.now.at(slot);
             self.parts.objects().anchor(slot, bounds, length);
-            self.parts.state.touched = 1;
+            self.parts.state.dirty = 1;
         }
         Ok(())
     }
@@ -154,8 +154,8 @@ impl<I: Index> World<'_, I> {
         if let Some(before) = parts.boxes.before.get_mut(at) {
             *before = KeyBox::EMPTY;
         }
-        parts.state.entered = 1;
-        parts.state.touched = 1;
+        parts.state.has_inserted = 1;
+        parts.state.dirty = 1;
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
@@ -165,20 +165,20 @@ impl<I: Index> World<'_, I> {
     fn accept(&mut self, ids: &[Id], boxes: impl Iterator<Item = KeyBox>) {
         let parts = &mut self.parts;
         for id in ids {
-            parts.state.touched = 1;
+            parts.state.dirty = 1;
             bits::clear(parts.resting, id.slot() as usize);
         }
         let mut objects = parts.objects();
         for (id, bounds) in ids.iter().zip(boxes) {
             objects.accept(id.slot() as usize, bounds);
         }
-        let told = objects.fat.told;
-        parts.state.note(told);
+        let motions = objects.fat.motions;
+        parts.state.note(motions);
     }
 
     fn leave(&mut self, slot: usize) {
         let next = self.parts.state.free;
-        self.parts.state.touched = 1;
+        self.parts.state.dirty = 1;
         bits::clear(self.parts.resting, slot);
         self.parts.objects().leave(slot, next);
         self.parts.state.free = slot as u32 + 1;

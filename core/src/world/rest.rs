@@ -1,4 +1,4 @@
-//! Objects that the caller puts to rest and wakes. What a step makes of them is in [`carry`](crate::pairs::carry) and
+//! Objects that the caller puts to rest and wakes. What a step makes of them is in [`persistent`](crate::pairs::persistent) and
 //! [`ingest`](crate::objects::intake).
 
 use crate::access::bits;
@@ -9,7 +9,7 @@ use crate::world::World;
 
 /// Objects that the caller knows to rest, beside those that are seen to.
 impl<I: Index> World<'_, I> {
-    /// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
+    /// Puts objects to rest, all or none: their pairs with each other are parked at the next step, and steps do not look at
     /// what the bounds array has for them. Whoever gets another box by [`set_aabb`](Self::set_aabb) or
     /// [`update_many`](Self::update_many) wakes. O(n).
     ///
@@ -19,14 +19,14 @@ impl<I: Index> World<'_, I> {
         for id in ids {
             self.slot_of(*id)?;
         }
-        let Parts { state, awake, resting, .. } = &mut self.parts;
+        let Parts { state, active, resting, .. } = &mut self.parts;
         for id in ids {
             let slot = id.slot() as usize;
             bits::set(resting, slot);
-            if !awake.is_empty() && bits::test(awake, slot) {
-                bits::clear(awake, slot);
+            if !active.is_empty() && bits::test(active, slot) {
+                bits::clear(active, slot);
                 // More than can be, so that the next step looks at its pairs.
-                state.awake = u32::MAX;
+                state.active = u32::MAX;
             }
         }
         state.resting |= u8::from(!ids.is_empty());

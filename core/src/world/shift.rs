@@ -68,9 +68,9 @@ impl<I: Index> World<'_, I> {
             parts.changed.set(slot);
         }
         // Planes and records are those of the old origin.
-        parts.state.touched = 1;
-        parts.state.planted = 0;
-        parts.state.settled = 0;
+        parts.state.dirty = 1;
+        parts.state.built = 0;
+        parts.state.baseline = 0;
         parts.state.filled = 0;
         Ok(rounded)
     }

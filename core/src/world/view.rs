@@ -48,7 +48,7 @@ impl<I: Index> World<'_, I> {
         let divides = move |node: usize| {
             // The planes in a leaf that is still whole divide nothing yet.
             let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.depth);
-            let whole = |levels| !state.is_refined((node >> levels) - (1 << state.depth));
+            let whole = |levels| !state.is_subdivided((node >> levels) - (1 << state.depth));
             key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
         };
         (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {

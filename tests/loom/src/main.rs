@@ -18,12 +18,12 @@ pub mod sync {
 
 // The models need a part of it.
 #[allow(dead_code)]
-#[path = "../../../core/src/parallel/claim.rs"]
-mod claim;
+#[path = "../../../core/src/parallel/block_queue.rs"]
+mod block_queue;
 #[path = "../../../core/src/parallel/offer.rs"]
 mod offer;
 
-use claim::{Chunks, Claims, Ends, Indices, Pool};
+use block_queue::{BlockQueue, Chunks, Ends, Indices, Pool};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use offer::Offer;
@@ -58,7 +58,8 @@ fn fork_join<T: 'static>(width: usize, job: &'static (dyn Fn() -> T + Sync)) -> 
 
 /// Every block is claimed once, by one, and what was written to it is seen when all calls have returned.
 fn every_block_is_claimed_once(width: usize, blocks: usize) {
-    let claims = leak(Claims::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1))));
+    let claims =
+        leak(BlockQueue::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1))));
     let job = leak(move || {
         let mut claimed: Vec<(usize, Part, Part)> = Vec::new();
         while let Some((block, (pair, single))) = claims.claim() {
@@ -158,7 +159,7 @@ fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let chunks_of = |block: usize| block % 3;
     let needed: usize = (0..blocks).map(chunks_of).sum();
     let next = leak(Indices::new(blocks));
-    let output = leak(Claims::new(Chunks::new(items(chunks), 1)));
+    let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1)));
     let pool = leak(Pool::new(items(width), 1));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
@@ -210,7 +211,9 @@ fn main() {
     model("3 workers claim 2 blocks", None, || every_block_is_claimed_once(3, 2));
     model("4 workers claim 4 blocks", Some(2), || every_block_is_claimed_once(4, 4));
     model("2 workers claim 3 blocks at both ends", None, || every_block_is_claimed_once_at_both_ends(2, 3));
-    model("3 workers claim 3 blocks at both ends", Some(2), || every_block_is_claimed_once_at_both_ends(3, 3));
+    model("3 workers claim 3 blocks at both ends", Some(2), || {
+        every_block_is_claimed_once_at_both_ends(3, 3)
+    });
     model("1 thread comes to 1 job", None, || an_offer_ends_when_all_who_came_have_left(1, 1));
     model("1 thread comes to 2 jobs", None, || an_offer_ends_when_all_who_came_have_left(1, 2));
     model("2 threads come to 1 job", Some(3), || an_offer_ends_when_all_who_came_have_left(2, 1));

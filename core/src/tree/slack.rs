@@ -13,15 +13,15 @@ const NEIGHBOURS: usize = 16;
 /// then gets none: it wants new planes. O(neighbours and their members).
 ///
 /// No more records move than `budget` has left: to fill all leaves anew costs less then.
-pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize, budget: &mut usize) -> bool {
+pub(crate) fn borrow_slack(tree: &mut TreeParts<'_>, state: &State, full: usize, budget: &mut usize) -> bool {
     let leaves = state.leaves() as usize;
     if tree.leaves.at(full).len as usize >= overfull(state) {
         return false;
     }
     for distance in 1..=NEIGHBOURS {
         for lender in [full + distance, full.wrapping_sub(distance)] {
-            let mut bag = if lender < leaves { tree.leaves.at(lender) } else { continue };
-            let given = (bag.room - bag.len).div_ceil(2);
+            let mut bucket = if lender < leaves { tree.leaves.at(lender) } else { continue };
+            let given = (bucket.room - bucket.len).div_ceil(2);
             if given == 0 {
                 continue;
             }
@@ -32,8 +32,8 @@ pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize, budget:
                 Some(left) => *budget = left,
                 None => return false,
             }
-            bag.room -= given;
-            tree.leaves.put(lender, bag);
+            bucket.room -= given;
+            tree.leaves.put(lender, bucket);
             if lender > full {
                 for index in (full + 1..=lender).rev() {
                     shift(tree, index, |start| start + given);
@@ -43,9 +43,9 @@ pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize, budget:
                     shift(tree, index, |start| start - given);
                 }
             }
-            let mut bag = tree.leaves.at(full);
-            bag.room += given;
-            tree.leaves.put(full, bag);
+            let mut bucket = tree.leaves.at(full);
+            bucket.room += given;
+            tree.leaves.put(full, bucket);
             return true;
         }
     }
@@ -54,14 +54,14 @@ pub(crate) fn lend(tree: &mut TreeParts<'_>, state: &State, full: usize, budget:
 
 /// Moves the records of a leaf to where nobody's are.
 fn shift(tree: &mut TreeParts<'_>, index: usize, to: impl Fn(u32) -> u32) {
-    let mut bag = tree.leaves.at(index);
-    let start = to(bag.start);
-    for record in 0..bag.len {
+    let mut bucket = tree.leaves.at(index);
+    let start = to(bucket.start);
+    for record in 0..bucket.len {
         // Backwards where it moves up, so that each is read before its place is taken.
-        let record = if start > bag.start { bag.len - 1 - record } else { record };
-        let moved = tree.records.at((bag.start + record) as usize);
+        let record = if start > bucket.start { bucket.len - 1 - record } else { record };
+        let moved = tree.records.at((bucket.start + record) as usize);
         tree.records.put((start + record) as usize, moved);
     }
-    bag.start = start;
-    tree.leaves.put(index, bag);
+    bucket.start = start;
+    tree.leaves.put(index, bucket);
 }

@@ -1,13 +1,13 @@
 //! Carries pairs over from one step to the next, and sets those of resting objects aside, so that a step with few movers does
 //! not touch them (paper, section III.B; erratum E6).
 //!
-//! The pairs that are set aside stand at the front of the pair buffer. Neither object of such a pair is *awake*; as long
+//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *awake*; as long
 //! as only awake objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
-//! another object gets one, the pairs that are set aside are looked through for its own, and it is awake until far fewer
-//! objects get other boxes than are awake.
+//! another object gets one, the pairs that are parked are looked through for its own, and it is active until far fewer
+//! objects get other boxes than are active.
 //!
-//! Margins are no exception: what creeps inside its fat box is awake, as its exact pairs change, and of the surplus that
-//! is set aside nobody is.
+//! Margins are no exception: what creeps inside its fat box is active, as its exact pairs change, and of the surplus that
+//! is parked nobody is.
 
 use crate::access::{Access, bits};
 use crate::id::{Index, Pair};
@@ -15,20 +15,20 @@ use crate::memory::slab::Parts;
 use crate::memory::state::State;
 
 /// So many times as many objects may be awake as have another box, before the others are taken for resting again.
-const AWAKE_FOR_EACH: u32 = 8;
+const ACTIVE_FOR_EACH: u32 = 8;
 
 /// For a step that tests only what has moved: brings the pairs that stay to the front of the buffer and returns how many
 /// there are. With events, the others are kept for the comparison.
-pub(crate) fn carry<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
+pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     if !parts.sizes.is_small() && parts.sizes.tree > 0 {
-        keep_aside(parts);
+        keep_parked(parts);
     }
     keep_for_events(parts);
     let Parts { state, moved, output, .. } = parts;
     let pairs = output.pairs.span_mut(0, state.swept_pairs as usize);
-    let aside = state.aside as usize;
-    let mut kept = aside;
-    for index in aside..pairs.len() {
+    let parked = state.parked as usize;
+    let mut kept = parked;
+    for index in parked..pairs.len() {
         let pair = pairs.at(index);
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
         pairs.put(kept, pair);
@@ -40,26 +40,26 @@ pub(crate) fn carry<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
 /// For a step that finds all pairs anew. With events, the last complete result is kept for the comparison.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.complete != 0 {
-        parts.state.aside = parts.state.surplus_aside;
+        parts.state.parked = parts.state.surplus_parked;
         keep_for_events(parts);
     } else if parts.sizes.previous > 0 {
         // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
         let state = &mut *parts.state;
-        let aside = state.result().start..state.aside as usize;
+        let parked = state.result().start..state.parked as usize;
         let others = state.previous_result as usize;
-        state.previous_result += aside.len() as u64;
-        let aside = parts.output.pairs.span(aside.start, aside.len());
-        parts.output.previous.span_mut(others, aside.len()).copy_in(aside);
+        state.previous_result += parked.len() as u64;
+        let parked = parts.output.pairs.span(parked.start, parked.len());
+        parts.output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
-    parts.state.aside = 0;
-    parts.state.surplus_aside = 0;
-    parts.state.awake = u32::MAX;
+    parts.state.parked = 0;
+    parts.state.surplus_parked = 0;
+    parts.state.active = u32::MAX;
 }
 
-/// With events, the reported pairs that are not set aside go to the other buffer.
+/// With events, the reported pairs that are not parked go to the other buffer.
 fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.sizes.previous > 0 {
-        let first = parts.state.aside as usize;
+        let first = parts.state.parked as usize;
         let count = parts.state.result().end - first;
         parts.output.previous.span_mut(0, count).copy_in(parts.output.pairs.span(first, count));
         parts.state.previous_result = count as u64;
@@ -72,37 +72,37 @@ pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
     !(bits::test(marks, pair[0].at()) | bits::test(marks, pair[1].at()))
 }
 
-/// Brings who is awake and the pairs that are set aside up to date.
-fn keep_aside<I: Index>(parts: &mut Parts<'_, I>) {
-    let Parts { state, moved, changed, awake, output, .. } = parts;
+/// Brings who is active and the pairs that are parked up to date.
+fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
+    let Parts { state, moved, changed, active, output, .. } = parts;
     // A box that has changed inside its fat box may have come apart from others, or together with them; the set of who has
     // moved knows nothing of it.
     let stirring = if changed.words.is_empty() { moved } else { changed };
     let (mut words, mut woken) = (0, 0);
     stirring.for_each_word(|index, word| {
         words += u32::from(word != 0);
-        woken |= word & !awake.at(index);
+        woken |= word & !active.at(index);
     });
     let mut division = Division::of(state, output.pairs);
     if woken != 0 {
-        for (awake, stirring) in awake.iter_mut().zip(&*stirring.words) {
-            state.awake = state.awake.saturating_add((stirring & !*awake).count_ones());
-            *awake |= stirring;
+        for (active, stirring) in active.iter_mut().zip(&*stirring.words) {
+            state.active = state.active.saturating_add((stirring & !*active).count_ones());
+            *active |= stirring;
         }
-        division.take_back(awake);
+        division.unpark(active);
     }
     // There are at least as many as words, and mostly that is enough to know.
-    let too_many = |count: u32| state.awake > AWAKE_FOR_EACH.saturating_mul(count);
+    let too_many = |count: u32| state.active > ACTIVE_FOR_EACH.saturating_mul(count);
     if too_many(words) && too_many(stirring.count()) {
-        awake.copy_in(stirring.words);
-        state.awake = stirring.count();
-        division.set_aside(awake);
+        active.copy_in(stirring.words);
+        state.active = stirring.count();
+        division.park(active);
     }
-    let [surplus_aside, aside, _, _] = division.ends;
-    (state.surplus_aside, state.aside) = (surplus_aside as u32, aside as u32);
+    let [surplus_parked, parked, _, _] = division.ends;
+    (state.surplus_parked, state.parked) = (surplus_parked as u32, parked as u32);
 }
 
-/// The pairs in four parts: surplus and result set aside, result and surplus not set aside.
+/// The pairs in four parts: surplus and result parked, result and surplus not parked.
 struct Division<'p, I> {
     pairs: &'p mut [Pair<I>],
     ends: [usize; 4],
@@ -111,13 +111,13 @@ struct Division<'p, I> {
 impl<'p, I: Index> Division<'p, I> {
     fn of(state: &State, pairs: &'p mut [Pair<I>]) -> Self {
         let result = state.result();
-        Self { pairs, ends: [result.start, state.aside as usize, result.end, state.swept_pairs as usize] }
+        Self { pairs, ends: [result.start, state.parked as usize, result.end, state.swept_pairs as usize] }
     }
 
-    /// Takes back the pairs of who is awake. O(pairs set aside).
-    fn take_back(&mut self, awake: &[u32]) {
+    /// Takes back the pairs of who is active. O(pairs parked).
+    fn unpark(&mut self, active: &[u32]) {
         for index in (0..self.ends[1]).rev() {
-            if is_clear_of(awake, &self.pairs.at(index)) {
+            if is_clear_of(active, &self.pairs.at(index)) {
                 continue;
             }
             // The last one of each part in between makes room, and becomes the first one of the next part.
@@ -131,10 +131,10 @@ impl<'p, I: Index> Division<'p, I> {
         }
     }
 
-    /// Sets the pairs aside of which nobody is awake. O(pairs not set aside).
-    fn set_aside(&mut self, awake: &[u32]) {
+    /// Sets the pairs parked of which nobody is active. O(pairs not parked).
+    fn park(&mut self, active: &[u32]) {
         for index in self.ends[1]..self.ends[3] {
-            if !is_clear_of(awake, &self.pairs.at(index)) {
+            if !is_clear_of(active, &self.pairs.at(index)) {
                 continue;
             }
             // The first one of each part in between makes room, and becomes the last one of the part before.
@@ -179,12 +179,12 @@ mod tests {
                 let moved = boxes[creeper].min[0];
                 world.set_aabb(ids[creeper].unwrap(), cube(moved, 0.01 + round)).unwrap();
                 world.step(Kernels::BASELINE, &Serial).unwrap();
-                let Parts { state, awake, output, .. } = &world.parts;
+                let Parts { state, active, output, .. } = &world.parts;
                 for (at, pair) in output.pairs.span(0, state.swept_pairs as usize).iter().enumerate() {
-                    assert_eq!(at < state.aside as usize, is_clear_of(awake, pair), "{pair:?} at {at}");
+                    assert_eq!(at < state.parked as usize, is_clear_of(active, pair), "{pair:?} at {at}");
                 }
-                assert!(bits::test(awake, creeper) && bits::count(awake) <= 2);
-                assert_eq!(state.surplus_aside > 400, config.margin.is_some());
+                assert!(bits::test(active, creeper) && bits::count(active) <= 2);
+                assert_eq!(state.surplus_parked > 400, config.margin.is_some());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Sweep-and-prune over one bag of records (paper, section IV): sort along one axis, compare the neighbours that
+//! Sweep-and-prune over one bucket of records (paper, section IV): sort along one axis, compare the neighbours that
 //! overlap there on the other two, and test what is left on all lanes.
 //!
 //! The sort is a counting sort on the high byte of the minimum, so a record's run of neighbours ends where the
@@ -12,11 +12,11 @@ use super::scan::Scan;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::scratch::Bench;
+use crate::memory::scratch::LeafScratch;
 use crate::simd::Simd;
 use crate::tree::{Frame, Record};
 
-/// The ends of the runs of equal sort bytes, in a sorted bag.
+/// The ends of the runs of equal sort bytes, in a sorted bucket.
 type Ends = [u16; 256];
 
 #[inline(always)]
@@ -28,35 +28,35 @@ const fn high(lane: u16) -> u8 {
 #[inline(always)]
 pub(crate) fn sweep<S: Simd, I: Index>(
     simd: S,
-    bags: [&[Record]; 2],
+    buckets: [&[Record]; 2],
     axis: usize,
-    bench: &mut Bench<'_, I>,
+    leaf_scratch: &mut LeafScratch<'_, I>,
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
-    let ends = sort(simd, bags, axis, 0, bench);
-    let count = bags[0].len() + bags[1].len();
-    let scan = Scan::new(axis, count, bench, boxes, sink);
+    let ends = sort(simd, buckets, axis, 0, leaf_scratch);
+    let count = buckets[0].len() + buckets[1].len();
+    let scan = Scan::new(axis, count, leaf_scratch, boxes, sink);
     let ends = &ends;
     scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
-/// Sweeps two bags against each other along `axis`: each pair has a record of either.
+/// Sweeps two buckets against each other along `axis`: each pair has a record of either.
 #[inline(always)]
 pub(crate) fn sweep_across<S: Simd, I: Index>(
     simd: S,
-    bags: [&[Record]; 2],
+    buckets: [&[Record]; 2],
     axis: usize,
-    bench: &mut Bench<'_, I>,
+    leaf_scratch: &mut LeafScratch<'_, I>,
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
-    let [left, right] = bags.map(<[Record]>::len);
-    let left_ends = sort(simd, [bags[0], &[]], axis, 0, bench);
-    let right_ends = sort(simd, [bags[1], &[]], axis, left, bench);
-    let scan = Scan::new(axis, left + right, bench, boxes, sink);
+    let [left, right] = buckets.map(<[Record]>::len);
+    let left_ends = sort(simd, [buckets[0], &[]], axis, 0, leaf_scratch);
+    let right_ends = sort(simd, [buckets[1], &[]], axis, left, leaf_scratch);
+    let scan = Scan::new(axis, left + right, leaf_scratch, boxes, sink);
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
     let (left_ends, right_ends) = (&left_ends, &right_ends);
     scan.run(simd, move |at, record| {
@@ -77,7 +77,7 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
     order: &[I],
     frame: &Frame,
     axis: usize,
-    bench: &mut Bench<'_, I>,
+    leaf_scratch: &mut LeafScratch<'_, I>,
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
@@ -86,8 +86,8 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
     let lanes = simd.axis(axis);
     for (at, slot) in order.iter().enumerate() {
         let record = simd.record(frame, simd.keys(&boxes.at(slot.at())), slot.slot());
-        bench.sorted.put(at, record);
-        bench.rows.put(at, simd.row(lanes, &record));
+        leaf_scratch.sorted.put(at, record);
+        leaf_scratch.rows.put(at, simd.row(lanes, &record));
         ends[high(record.lanes[axis]) as usize] = at as u16 + 1;
     }
     let mut end = 0;
@@ -95,7 +95,7 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
         end = end.max(*run);
         *run = end;
     }
-    let scan = Scan::new(axis, order.len(), bench, boxes, sink);
+    let scan = Scan::new(axis, order.len(), leaf_scratch, boxes, sink);
     let ends = &ends;
     scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
@@ -104,14 +104,14 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
 #[inline(always)]
 fn sort<S: Simd, I>(
     simd: S,
-    bags: [&[Record]; 2],
+    buckets: [&[Record]; 2],
     axis: usize,
     start: usize,
-    bench: &mut Bench<'_, I>,
+    leaf_scratch: &mut LeafScratch<'_, I>,
 ) -> Ends {
     let mut ends: Ends = [0; 256];
-    for bag in bags {
-        for record in bag {
+    for bucket in buckets {
+        for record in bucket {
             ends[high(record.lanes[axis]) as usize] += 1;
         }
     }
@@ -120,12 +120,14 @@ fn sort<S: Simd, I>(
         next += core::mem::replace(end, next);
     }
     // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
-    let count = start + bags[0].len() + bags[1].len();
+    let count = start + buckets[0].len() + buckets[1].len();
     let lanes = simd.axis(axis);
     // Of one length, so that one check of an index serves both.
-    if let (Some(sorted), Some(rows)) = (bench.sorted.get_mut(..count), bench.rows.get_mut(..count)) {
-        for bag in bags {
-            for record in bag {
+    if let (Some(sorted), Some(rows)) =
+        (leaf_scratch.sorted.get_mut(..count), leaf_scratch.rows.get_mut(..count))
+    {
+        for bucket in buckets {
+            for record in bucket {
                 let next = &mut ends[high(record.lanes[axis]) as usize];
                 let at = *next as usize;
                 *next += 1;

@@ -15,12 +15,12 @@ const MOVERS_PER_LEAF: usize = 4 * LEAF_TARGET;
 const AHEAD: usize = 16;
 
 /// Makes boxes tight after the records of so many movers were brought up to date.
-pub(crate) struct Tighten<'p, 'm, I> {
+pub(crate) struct Refit<'p, 'm, I> {
     pub(crate) parts: &'p mut Parts<'m, I>,
     pub(crate) movers: usize,
 }
 
-impl<I: Index> Phase for Tighten<'_, '_, I> {
+impl<I: Index> Phase for Refit<'_, '_, I> {
     type Output = ();
 
     #[inline(always)]
@@ -30,23 +30,23 @@ impl<I: Index> Phase for Tighten<'_, '_, I> {
         // A power of two, so that a mask keeps counts below it. Before, there may have been more leaves; and a snapshot can say
         // anything.
         let all = leaves * MOVERS_PER_LEAF;
-        let start = parts.state.tightened as usize & (all - 1);
+        let start = parts.state.moved_since_refit as usize & (all - 1);
         let end = start + movers;
         for turn in start / MOVERS_PER_LEAF..end / MOVERS_PER_LEAF {
-            tighten(simd, parts, turn & (leaves - 1));
+            refit(simd, parts, turn & (leaves - 1));
         }
-        parts.state.tightened = (end & (all - 1)) as u32;
+        parts.state.moved_since_refit = (end & (all - 1)) as u32;
     }
 }
 
 /// Makes the boxes of one leaf of the last full step tight: its own, those of its parts, those of the nodes above.
 #[inline(always)]
-fn tighten<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
+fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
-    let finer = parts.state.finer();
+    let sub_levels = parts.state.sub_levels();
     let mut around = KeyBox::NOTHING;
-    for index in whole << finer..(whole + 1) << finer {
+    for index in whole << sub_levels..(whole + 1) << sub_levels {
         let leaf = tree.leaves.at(index);
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         let mut bounds = Record::NOTHING;
@@ -57,7 +57,7 @@ fn tighten<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
             bounds.include(record);
             around.include(KeyBox::of(boxes, record.slot() as usize));
         }
-        if finer > 0 {
+        if sub_levels > 0 {
             tree.bounds.put(index, bounds);
         }
     }

@@ -101,13 +101,13 @@ parted_tuple!(A 0, B 1, C 2);
 parted_tuple!(A 0, B 1, C 2, D 3, E 4);
 
 /// Parts that are claimed in ascending order, each once.
-pub(crate) struct Claims<P> {
+pub(crate) struct BlockQueue<P> {
     parts: P,
     count: u32,
     next: AtomicU32,
 }
 
-impl<P: Parted> Claims<P> {
+impl<P: Parted> BlockQueue<P> {
     pub(crate) fn new(parts: P) -> Self {
         // Callers have far fewer blocks than this; beyond it the rest would never be claimed.
         let count = parts.count().min(u32::MAX as usize / 2) as u32;
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn every_part_is_claimed_once() {
         let (mut a, mut b) = ([0u8; 10], [0u16; 4]);
-        let claims = Claims::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
+        let claims = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
         while let Some((index, (a, b))) = claims.claim() {
             a.fill(index as u8 + 1);
             b.fill(index as u16 + 1);
@@ -332,7 +332,7 @@ mod tests {
     #[test]
     fn threads_share_blocks_and_scratch() {
         let (mut items, mut sums) = ([0u32; 23], [0u32; 2]);
-        let claims = Claims::new(Chunks::new(&mut items, 4));
+        let claims = BlockQueue::new(Chunks::new(&mut items, 4));
         let pool = Pool::new(&mut sums, 1);
         let job = || {
             // More jobs than areas: some leave the work to others.

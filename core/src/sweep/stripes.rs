@@ -1,4 +1,4 @@
-//! Sweeps a small world for which there is room to copy its boxes. Planes across a second axis cut it into strips; a box
+//! Sweeps a small world for which there is room to copy its boxes. Planes across a second axis cut it into stripes; a box
 //! lives in the strip of its minimum, and the copies stand strip by strip in ascending order along the first axis, which
 //! is also the order of the list from step to step. A box meets those of its own strip behind it, and of each upper strip
 //! that it reaches those that overlap it along the first axis: so no two boxes meet twice.
@@ -6,8 +6,8 @@
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::strips::{Member, Planes, STRIPS};
-use crate::pairs::gate::Gate;
+use crate::memory::stripes::{Member, Planes, STRIPES};
+use crate::pairs::pair_filter::PairFilter;
 use crate::sort::heapsort;
 use crate::sweep::small::Found;
 
@@ -21,9 +21,9 @@ const SLOT_BITS: u32 = 16;
 
 impl Member {
     #[inline(always)]
-    fn new(bounds: &KeyBox, [w, u, v]: [usize; 3], strip: usize, slot: u32) -> Self {
+    fn new(bounds: &KeyBox, [w, u, v]: [usize; 3], stripe: usize, slot: u32) -> Self {
         let KeyBox { min, max } = bounds;
-        let tag = (strip as u32) << SLOT_BITS | slot;
+        let tag = (stripe as u32) << SLOT_BITS | slot;
         Self { min: [min[w], min[u], min[v]], max: [max[w], max[u], max[v]], tag }
     }
 
@@ -33,22 +33,22 @@ impl Member {
     }
 
     #[inline(always)]
-    fn strip(&self) -> usize {
+    fn stripe(&self) -> usize {
         (self.tag >> SLOT_BITS) as usize
     }
 }
 
 /// Minima that are looked at to place them.
-const SAMPLE: usize = 4 * STRIPS;
+const SAMPLE: usize = 4 * STRIPES;
 /// Samples in a strip for which the planes are chosen anew.
 const CROWDED: usize = SAMPLE / 4;
 
-/// A world that is swept in strips.
+/// A world that is swept in stripes.
 pub(crate) struct Striped<'m, I> {
     /// The living objects' slots.
     pub(crate) order: &'m mut [I],
     pub(crate) boxes: &'m [KeyBox],
-    /// The axis along which the strips are swept, and the one across which they lie.
+    /// The axis along which the stripes are swept, and the one across which they lie.
     pub(crate) axes: [usize; 2],
     pub(crate) planes: &'m mut Planes,
     /// As many as there are slots.
@@ -59,11 +59,11 @@ pub(crate) struct Striped<'m, I> {
 #[inline(always)]
 fn strip_of(planes: &Planes, min: i32) -> usize {
     // By halves, written out: loops are dear where code is made small.
-    let half = usize::from(min >= planes[STRIPS / 2]) * (STRIPS / 2);
-    let quarter = half + usize::from(min >= planes.at(half + STRIPS / 4)) * (STRIPS / 4);
+    let half = usize::from(min >= planes[STRIPES / 2]) * (STRIPES / 2);
+    let quarter = half + usize::from(min >= planes.at(half + STRIPES / 4)) * (STRIPES / 4);
     quarter + usize::from(min >= planes.at(quarter + 1))
 }
-const _: () = assert!(STRIPS == 8);
+const _: () = assert!(STRIPES == 8);
 
 /// The total order of the list: by strip, then by minimum, then by slot.
 pub(crate) fn place(bounds: &KeyBox, slot: u32, axes: [usize; 2], planes: &Planes) -> u64 {
@@ -79,14 +79,14 @@ impl<I: Index> Striped<'_, I> {
     #[inline(never)]
     pub(crate) fn divide(&mut self) {
         let mut sample = [i32::MAX; SAMPLE];
-        let mut counts = [0usize; STRIPS];
+        let mut counts = [0usize; STRIPES];
         let mut count = 0;
         let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
         for bounds in boxes.step_by(self.order.len().div_ceil(SAMPLE).max(1)) {
             let key = bounds.min.at(self.axes[1]);
-            let strip = strip_of(self.planes, key);
-            let known = counts.at(strip);
-            counts.put(strip, known + 1);
+            let stripe = strip_of(self.planes, key);
+            let known = counts.at(stripe);
+            counts.put(stripe, known + 1);
             let mut to = count;
             while to > 0 {
                 let below = sample.at(to - 1);
@@ -100,8 +100,8 @@ impl<I: Index> Striped<'_, I> {
             count += 1;
         }
         if counts.iter().any(|count| *count > CROWDED) {
-            for (strip, plane) in self.planes.iter_mut().enumerate() {
-                *plane = if strip == 0 { i32::MIN } else { sample.at(strip * count / STRIPS) };
+            for (stripe, plane) in self.planes.iter_mut().enumerate() {
+                *plane = if stripe == 0 { i32::MIN } else { sample.at(stripe * count / STRIPES) };
             }
         }
     }
@@ -124,14 +124,14 @@ impl<I: Index> Striped<'_, I> {
         let Some(members) = members.get_mut(..order.len()) else { return true };
         let mut budget = crate::lists::links::INVERSIONS_PER_OBJECT * order.len() + 64;
         // The last member that is in order, and the bounds of its strip: none yet.
-        let (mut last, mut strip, mut low, mut high) = (i32::MIN, 0, i32::MAX, i32::MIN);
+        let (mut last, mut stripe, mut low, mut high) = (i32::MIN, 0, i32::MAX, i32::MIN);
         for at in 0..order.len() {
             let slot = order.at(at);
             let Some(bounds) = boxes.get(slot.at()) else { continue };
             let (key, side) = (bounds.min[w], bounds.min[u]);
             if side >= low && side < high && key > last {
                 last = key;
-                members.put(at, Member::new(bounds, axes, strip, slot.slot()));
+                members.put(at, Member::new(bounds, axes, stripe, slot.slot()));
                 continue;
             }
             let own = strip_of(planes, side);
@@ -142,7 +142,7 @@ impl<I: Index> Striped<'_, I> {
                 else {
                     break;
                 };
-                if (below.strip(), below.min[W], below.slot()) < (own, key, slot.slot()) {
+                if (below.stripe(), below.min[W], below.slot()) < (own, key, slot.slot()) {
                     break;
                 }
                 *above = *below;
@@ -152,7 +152,7 @@ impl<I: Index> Striped<'_, I> {
             members.put(to, Member::new(bounds, axes, own, slot.slot()));
             order.put(to, slot);
             if to == at {
-                (last, strip, low) = (key, own, planes.at(own));
+                (last, stripe, low) = (key, own, planes.at(own));
                 high = planes.get(own + 1).copied().unwrap_or(i32::MAX);
             }
             match budget.checked_sub(at - to) {
@@ -178,8 +178,8 @@ impl<I: Index> Striped<'_, I> {
     }
 
     /// Writes the pairs of overlapping members that fit. O(n + candidates), of which there are at most n²/2.
-    pub(crate) fn sweep(&self, gate: Option<Gate<'_>>, pairs: &mut [Pair<I>]) -> Found {
-        sweep(self.members.span(0, self.order.len()), self.planes, gate, pairs)
+    pub(crate) fn sweep(&self, pair_filter: Option<PairFilter<'_>>, pairs: &mut [Pair<I>]) -> Found {
+        sweep(self.members.span(0, self.order.len()), self.planes, pair_filter, pairs)
     }
 }
 
@@ -188,19 +188,19 @@ impl<I: Index> Striped<'_, I> {
 fn sweep<I: Index>(
     members: &[Member],
     planes: &Planes,
-    gate: Option<Gate<'_>>,
+    pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
     let mut found = Found::default();
-    let mut strips: [&[Member]; STRIPS] = [&[]; STRIPS];
+    let mut stripes: [&[Member]; STRIPES] = [&[]; STRIPES];
     let mut rest = members;
-    for (index, strip) in strips.iter_mut().enumerate() {
-        (*strip, rest) = rest.split_at(rest.partition_point(|member| member.strip() <= index));
+    for (index, stripe) in stripes.iter_mut().enumerate() {
+        (*stripe, rest) = rest.split_at(rest.partition_point(|member| member.stripe() <= index));
     }
-    for index in 0..STRIPS {
-        // Of the upper strips those that the next member may still meet.
-        let mut ahead = strips;
-        let mut own = strips[index];
+    for index in 0..STRIPES {
+        // Of the upper stripes those that the next member may still meet.
+        let mut ahead = stripes;
+        let mut own = stripes[index];
         while let Some((a, others)) = own.split_first() {
             own = others;
             let Member { min, max, .. } = *a;
@@ -221,7 +221,7 @@ fn sweep<I: Index>(
                         || min[W] > high[W];
                     if !apart {
                         let pair = pair(a.slot(), b.slot());
-                        if gate.is_none_or(|gate| gate.lets_through(&pair)) {
+                        if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
                             if let Some(place) = pairs.get_mut(found.pairs) {
                                 *place = pair;
                             }
@@ -231,17 +231,17 @@ fn sweep<I: Index>(
                 }
                 found.candidates += met.len() - rest.len();
                 upper += 1;
-                let Some(strip) = ahead.get_mut(upper) else { break };
+                let Some(stripe) = ahead.get_mut(upper) else { break };
                 if max[U] < planes.at(upper) {
                     break;
                 }
-                while let Some((first, others)) = strip.split_first() {
+                while let Some((first, others)) = stripe.split_first() {
                     if first.max[W] >= min[W] {
                         break;
                     }
-                    *strip = others;
+                    *stripe = others;
                 }
-                met = strip;
+                met = stripe;
             }
         }
     }
@@ -269,7 +269,7 @@ mod tests {
             let axes = [axes.0, (axes.0 + axes.1) % 3];
             let n = frames.iter().map(Vec::len).min().unwrap_or_default();
             let mut order: Vec<u16> = (0..n as u16).collect();
-            let mut planes = [0; STRIPS];
+            let mut planes = [0; STRIPES];
             let mut members = vec![Member::default(); 256];
             let mut boxes = frames[0][..n].to_vec();
             for (index, frame) in frames.iter().enumerate() {
@@ -297,7 +297,7 @@ mod tests {
         let scattered = |index: i32| index.wrapping_mul(0x9e37_79b1_u32 as i32);
         let boxes: Vec<_> = (0..n).map(|index| KeyBox::at([index, scattered(index), 0])).collect();
         let mut order: Vec<u16> = (0..n as u16).collect();
-        let mut planes = [0; STRIPS];
+        let mut planes = [0; STRIPES];
         let mut members = vec![Member::default(); boxes.len()];
         let mut striped = Striped {
             order: &mut order,
@@ -309,8 +309,8 @@ mod tests {
         striped.divide();
         striped.arrange();
         let chosen = *striped.planes;
-        for strip in 0..STRIPS {
-            let count = striped.members.iter().filter(|member| member.strip() == strip).count();
+        for stripe in 0..STRIPES {
+            let count = striped.members.iter().filter(|member| member.stripe() == stripe).count();
             assert!(count > 0 && count < boxes.len() / 3, "{count} of {} in a strip", boxes.len());
         }
         striped.divide();

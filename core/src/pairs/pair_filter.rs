@@ -13,13 +13,13 @@ pub(crate) trait Sink<I> {
 
 /// Decides about pairs of overlapping boxes.
 #[derive(Clone, Copy)]
-pub(crate) struct Gate<'g> {
+pub(crate) struct PairFilter<'g> {
     filters: &'g [Filter],
     classes: &'g [u32],
     rule: Option<&'g Rule<'g>>,
 }
 
-impl<'g> Gate<'g> {
+impl<'g> PairFilter<'g> {
     /// The gate of a world, if it has one.
     pub(crate) fn new(parts: &'g FilterParts<'_>, rule: Option<&'g Rule<'g>>) -> Option<Self> {
         (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
@@ -40,18 +40,18 @@ impl<'g> Gate<'g> {
 }
 
 /// Passes on the pairs that a gate lets through.
-pub(crate) struct Gated<'s, 'g, I> {
-    pub(crate) gate: &'s Gate<'g>,
+pub(crate) struct Filtered<'s, 'g, I> {
+    pub(crate) pair_filter: &'s PairFilter<'g>,
     pub(crate) sink: &'s mut dyn Sink<I>,
 }
 
-impl<I: Index> Sink<I> for Gated<'_, '_, I> {
+impl<I: Index> Sink<I> for Filtered<'_, '_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
         let mut kept = 0;
         for index in 0..pairs.len() {
             let pair = pairs.at(index);
             pairs.put(kept, pair);
-            kept += usize::from(self.gate.lets_through(&pair));
+            kept += usize::from(self.pair_filter.lets_through(&pair));
         }
         self.sink.take(pairs.span_mut(0, kept));
     }

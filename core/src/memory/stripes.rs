@@ -1,4 +1,4 @@
-//! The copies of the boxes of a small world, in the strips that they are swept in.
+//! The copies of the boxes of a small world, in the stripes that they are swept in.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Member {
-    /// Along the axis of the sweep, across the strips, and along the third axis.
+    /// Along the axis of the sweep, across the stripes, and along the third axis.
     pub(crate) min: [i32; 3],
     pub(crate) max: [i32; 3],
     /// The slot, and above it the strip.
@@ -14,7 +14,7 @@ pub(crate) struct Member {
 }
 
 /// Strips that a world is cut into.
-pub(crate) const STRIPS: usize = 8;
+pub(crate) const STRIPES: usize = 8;
 
-/// Where the strips begin, in ascending order.
-pub(crate) type Planes = [i32; STRIPS];
+/// Where the stripes begin, in ascending order.
+pub(crate) type Planes = [i32; STRIPES];
