@@ -2,7 +2,7 @@
 //!
 //! Give boxes each frame; get back every overlapping pair, exactly once. All memory is lent by the caller and sized by
 //! [`layout`]; threads, if any, come from the caller's job system through [`Executor`]. No panics, no `unsafe`
-//! outside `arch`, no recursion.
+//! outside `simd` and `parallel`, no recursion.
 //!
 //! ```
 //! use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
@@ -29,15 +29,17 @@
 //!
 //! | in the paper | here |
 //! |---|---|
-//! | pre-sorted, shared linked lists | `links` |
+//! | pre-sorted, shared linked lists | `lists` |
 //! | construction of the KD-tree | `tree::build`, `tree::cells` |
 //! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::refit`, `tree::balance` |
-//! | temporal inference: dynamic and static objects | `objects`, `ingest`, `resting`, `paths`, `persistent`, `results` |
+//! | temporal inference: dynamic and static objects | `objects`, `step::policy`, `pairs::persistent`, `pairs::results` |
 //! | sweep-and-prune in the leaves | `sweep` |
-//! | control pipeline | `world` |
+//! | control pipeline | `world`, `step` |
 //!
-//! Around the pairs there are filters (`filter`), queries (`query`), snapshots (`snapshot`), shifts of the origin (`shift`)
-//! and the tree to look at (`view`).
+//! [`paper`] walks through the paper section by section, [`architecture`] through the code from the ground up.
+//!
+//! Around the pairs there are filters ([`Filter`]), queries ([`Cast`], [`Region`]), snapshots, shifts of the origin and the tree to
+//! look at ([`LeafView`]).
 
 #![no_std]
 #![warn(clippy::undocumented_unsafe_blocks)]
@@ -74,7 +76,7 @@ pub use filter::{Filter, Rule};
 pub use geometry::aabb::{Aabb, Boxes};
 pub use id::{Id, Index, Pair};
 pub use memory::layout::{Layout, layout};
-pub use memory::state::{Path, Reason, Stats};
+pub use memory::stats::{Path, Reason, Stats};
 pub use parallel::executor::{Executor, Serial, Stage};
 #[cfg(target_has_atomic = "32")]
 pub use parallel::offer::Offer;
@@ -84,3 +86,11 @@ pub use validate::Invalid;
 pub use world::InlineWorld;
 pub use world::{LeafView, PlaneView};
 pub use world::{Step, World};
+
+#[doc = include_str!("../ARCHITECTURE.md")]
+#[cfg(doc)]
+pub mod architecture {}
+
+#[doc = include_str!("../PAPER.md")]
+#[cfg(doc)]
+pub mod paper {}

@@ -7,4 +7,5 @@ pub(crate) mod scratch;
 pub(crate) mod slab;
 pub(crate) mod slot_set;
 pub(crate) mod state;
+pub(crate) mod stats;
 pub(crate) mod stripes;

@@ -3,7 +3,7 @@
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::slab::Parts;
-use crate::memory::state::{Path, Progress, Reason, Route};
+use crate::memory::stats::{Path, Progress, Reason, Route};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;

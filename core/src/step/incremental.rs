@@ -3,7 +3,7 @@
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::memory::state::Progress;
+use crate::memory::stats::Progress;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;

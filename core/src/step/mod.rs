@@ -10,7 +10,7 @@ pub(crate) mod recount;
 
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::memory::state::{Path, Progress, Reason, Route};
+use crate::memory::stats::{Path, Progress, Reason, Route};
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 

@@ -5,7 +5,7 @@ use crate::config::Choice;
 use crate::id::Index;
 use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
-use crate::memory::state::{Path, Reason, Route};
+use crate::memory::stats::{Path, Reason, Route};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::tree::balance;

@@ -11,7 +11,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
-use crate::memory::state::{Path, Route};
+use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::{Filtered, PairFilter};
 use crate::pairs::persistent::is_clear_of;
 use crate::parallel::context::StepContext;

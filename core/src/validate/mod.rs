@@ -50,7 +50,7 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Checks what a slab and a snapshot both have, after the [numbers].
+/// Checks what a slab and a snapshot both have, after the numbers.
 pub(crate) fn content<I: Index>(content: &mut impl Content<I>) -> Result<(), Invalid> {
     objects::objects(content)?;
     if !content.sizes().is_small() {

@@ -8,7 +8,7 @@ use crate::id::Index;
 use crate::lists::links;
 use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
-use crate::memory::state::Path;
+use crate::memory::stats::Path;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd, limit, scalar::Scalar};
 use crate::step::recount::{self, Sum};

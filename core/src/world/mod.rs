@@ -19,7 +19,7 @@ use crate::filter::Rule;
 use crate::geometry::aabb::{Aabb, Boxes};
 use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
-use crate::memory::state::{Path, Route, Stats};
+use crate::memory::stats::{Path, Route, Stats};
 use crate::objects::intake::ingest;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
@@ -109,7 +109,7 @@ impl<I: Index> World<'_, I> {
     /// Nothing has changed: the result stays as it is, with nothing found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
         let leaves = parts.state.leaves();
-        let progress = crate::memory::state::Progress { leaves, ..Default::default() };
+        let progress = crate::memory::stats::Progress { leaves, ..Default::default() };
         parts.state.record(0, Route::UNCHANGED, shared, &progress);
         parts.state.found = 0;
         parts.state.lost = 0;

@@ -4,7 +4,7 @@ use super::World;
 use crate::access::Access;
 use crate::error::Rejected;
 use crate::id::{Index, Pair};
-use crate::memory::state::Stats;
+use crate::memory::stats::Stats;
 
 /// The result of a step, and a view of the world as it is after it.
 pub struct Step<'w, I: Index = u32> {
