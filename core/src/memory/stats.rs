@@ -30,11 +30,11 @@ pub enum Reason {
     NoMovers,
     /// Lists: there are too few objects for a tree.
     FewObjects,
-    /// Movers: few objects have moved; see [`Config::movers_only`].
+    /// Movers: few objects have moved; see [`Config::movers_only`](crate::Config::movers_only).
     FewMovers,
     /// Full: more have moved.
     ManyMovers,
-    /// Movers or full: the configuration says so; see [`Config::movers_only`].
+    /// Movers or full: the configuration says so; see [`Config::movers_only`](crate::Config::movers_only).
     Fixed,
     /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
     /// too many pairs, or few objects, or a shift of the origin.
@@ -46,7 +46,7 @@ pub enum Reason {
     /// Rebuilt: the leaves have become too uneven.
     OutOfBalance,
     /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and
-    /// found those of the boxes as given besides. With more room steps are cheaper: see [`Capacity::pairs`].
+    /// found those of the boxes as given besides. With more room steps are cheaper: see [`Capacity::pairs`](crate::Capacity::pairs).
     NoRoomForSurplus,
 }
 
@@ -89,12 +89,12 @@ pub struct Stats {
     pub path: Path,
     /// Why that way.
     pub reason: Reason,
-    /// Whether the leaves are the small ones for steps with few movers: see [`Config::fine_leaves`].
+    /// Whether the leaves are the small ones for steps with few movers: see [`Config::fine_leaves`](crate::Config::fine_leaves).
     pub fine_leaves: bool,
-    /// Whether the work was offered to the workers of the executor: see [`Config::sharing`].
+    /// Whether the work was offered to the workers of the executor: see [`Config::sharing`](crate::Config::sharing).
     pub shared: bool,
     /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than its
-    /// margin. Such an object has no margin until it is slower: see [`Config::fixed_margins`].
+    /// margin. Such an object has no margin until it is slower: see [`Config::fixed_margins`](crate::Config::fixed_margins).
     pub outran: u32,
     /// Leaves of the tree; 1 where the world is swept from a list.
     pub leaves: u32,
