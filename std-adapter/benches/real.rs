@@ -11,7 +11,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
 use trisap::scene::real::{Ground, HITCH_FRAME, Kind, Scene, Setup};
-use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Config, Filter, OwnedWorld, Serial, World};
 
 type Frame = Vec<Aabb>;
 
@@ -82,12 +82,39 @@ fn real(criterion: &mut Criterion) {
     }
 }
 
+/// Filters that let every pair pass, as a world without filters, as all objects have them at first, and as groups.
+fn filters(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("filters that let everything pass");
+    for kind in [Kind::Ground(Ground::Infinite), Kind::Level, Kind::Flat] {
+        let frames = frames(kind, 8000, TIMED);
+        for (name, groups) in [("none", None), ("as at first", Some(false)), ("groups", Some(true))] {
+            group.bench_function(BenchmarkId::new(kind.to_string(), name), |bencher| {
+                let capacity = Capacity { pairs: 200_000, ..Capacity::for_objects(8000) };
+                let config = Config::new(capacity);
+                let config = if groups.is_some() { config.with_filters() } else { config };
+                let mut memory = OwnedWorld::<u32>::new(&config).expect("memory");
+                let mut world = memory.world();
+                let mut ids = vec![None; frames[0].len()];
+                world.insert_many(Boxes::new(&frames[0]), &mut ids).expect("room");
+                if groups == Some(true) {
+                    for (group, id) in (0..).zip(ids.into_iter().flatten()) {
+                        let filter = Filter { class: group % 4, ..Filter::groups(1 << (group % 5), 0b11111) };
+                        world.set_filter(id, filter).expect("a class and filters");
+                    }
+                }
+                step(&mut world, &frames[0]);
+                to_and_fro(bencher, world, &frames);
+            });
+        }
+    }
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(30)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = real
+    targets = real, filters
 }
 criterion_main!(benches);

@@ -20,7 +20,7 @@ pub(crate) struct PairFilter<'g> {
 }
 
 impl<'g> PairFilter<'g> {
-    /// The gate of a world, if it has one.
+    /// The filters of a world, if it has any.
     pub(crate) fn new(parts: &'g FilterParts<'_>, rule: Option<&'g Rule<'g>>) -> Option<Self> {
         (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
     }
@@ -39,7 +39,7 @@ impl<'g> PairFilter<'g> {
     }
 }
 
-/// Passes on the pairs that a gate lets through.
+/// Passes on the pairs that the filters let through.
 pub(crate) struct Filtered<'s, 'g, I> {
     pub(crate) pair_filter: &'s PairFilter<'g>,
     pub(crate) sink: &'s mut dyn Sink<I>,
