@@ -11,6 +11,8 @@ if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
     apt-get install -y -qq --no-install-recommends "${packages[@]}"
 fi
 
+. ../linker.sh
+
 # One compiler for the host and the boards. The bootstrap switch lets it build `core` for targets that Debian does not
 # ship, and tell the frames of functions.
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"

@@ -12,17 +12,17 @@ use std::collections::{HashMap, HashSet};
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
 const HOOKS: [(&str, &[&str]); 23] = [
-    ("in_parallel::{closure", &["paths::", "collect::{closure"]),
-    ("collect::{closure", &["paths::"]),
-    ("Collector", &["paths::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
-    ("Gated<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
+    ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
+    ("collect::{closure", &["trisap_core::step::"]),
+    ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
+    ("Filtered<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
     ("Summing<u16>", &["Ordered<u16>", "Staged<u16>"]),
     ("OneStep as", &["Serial as"]),
     ("SweepMovers", &["Sink<u16>>::take"]),
     ("recount::", &["recount::", "Sink<u16>>::take", "Executor>::", RULE]),
     ("SweepLeaves", &["Sink<u16>>::take"]),
-    ("paths::full::<u16>::{closure", &["Sink<u16>>::take"]),
-    ("paths::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
+    ("trisap_core::step::full::full::<u16>::{closure", &["Sink<u16>>::take"]),
+    ("trisap_core::step::", &["Sink<u16>>::take", "Executor>::", "ingest::", "assign::"]),
     ("ingest::", &["ingest::", "Executor>::"]),
     ("assign::", &["assign::", "Executor>::"]),
     ("results::", &["Executor>::"]),
