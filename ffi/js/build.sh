@@ -7,6 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
+. ../../tests/linker.sh
 target=wasm32-unknown-unknown
 if [[ -x /usr/bin/cargo && -d /usr/lib/rustlib/src/rust/library/core ]]; then
     export RUSTC=/usr/bin/rustc
