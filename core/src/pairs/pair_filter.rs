@@ -1,9 +1,11 @@
 //! Asks the filters before a pair is written, so that a pair that is not wanted takes no room.
 
 use crate::access::Access;
-use crate::filter::{FILTERS, Filter, Rule, meet};
+use crate::filter::{FILTERS, Filter, Rule, all_meet, meet};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
+use crate::parallel::context::StepContext;
+use crate::simd::{Phase, Simd};
 
 /// Where pairs go.
 pub(crate) trait Sink<I> {
@@ -25,6 +27,20 @@ impl<'g> PairFilter<'g> {
         (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
     }
 
+    /// As [`new`](Self::new), for a step that looks at all objects, whose filters stand in the first `slots`: none where it would let
+    /// every pair through. One look at each object costs less than two at each pair. O(slots).
+    pub(crate) fn if_needed(
+        parts: &'g FilterParts<'_>,
+        slots: u32,
+        context: &StepContext<'g>,
+    ) -> Option<Self> {
+        let all_meet = || {
+            let filters = parts.of.span(0, slots as usize);
+            context.kernels.run(AllMeet { filters, classes: parts.classes })
+        };
+        Self::new(parts, context.rule).filter(|_| context.rule.is_some() || !all_meet())
+    }
+
     /// Whether two objects make a pair.
     #[inline]
     pub(crate) fn lets_through<I: Index>(&self, pair: &Pair<I>) -> bool {
@@ -36,6 +52,21 @@ impl<'g> PairFilter<'g> {
         };
         meet(a, b, |class| self.classes.at(class))
             && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
+    }
+}
+
+/// Whether the filters let every pair through.
+struct AllMeet<'f> {
+    filters: &'f [Filter],
+    classes: &'f [u32],
+}
+
+impl Phase for AllMeet<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> bool {
+        all_meet(self.filters, |class| self.classes.at(class))
     }
 }
 

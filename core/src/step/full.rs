@@ -51,7 +51,7 @@ pub(super) fn full<I: Index>(
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::new(&parts.filters, context.rule);
+    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.slots, &context);
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {

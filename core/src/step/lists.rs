@@ -34,7 +34,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let coarse = choose_axes(order[0].span(0, state.live as usize), state, boxes);
     let axis = state.list_axis as usize;
     let order = list_of(order, axis, state);
-    let pair_filter = PairFilter::new(&parts.filters, context.rule);
+    let pair_filter = PairFilter::if_needed(&parts.filters, state.slots, &context);
     let found = if let Some(planes) = output.planes.first_mut() {
         let axes = [axis, state.stripe_axis as usize];
         let mut striped = Striped { order, boxes, axes, planes, members: output.members };
@@ -80,7 +80,8 @@ pub(super) fn lists<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let spare = bytemuck::try_cast_slice_mut(output.scratch).unwrap_or_default();
     let Sorted { order, axis, bounds_scan, frame } = sort_list(order, state, boxes, spare);
     context.executor.enter(Stage::Sweep);
-    let mut collector = Collector::new(output, &parts.sizes, PairFilter::new(&parts.filters, context.rule));
+    let mut collector =
+        Collector::new(output, &parts.sizes, PairFilter::if_needed(&parts.filters, state.slots, &context));
     let (pairs, work) = collector.collect(context.executor, 0, 1, &|_, scratch, sink| {
         context.kernels.run_wide(SweepList { order, axis, frame, boxes, scratch, sink });
     });
