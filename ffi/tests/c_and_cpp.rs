@@ -109,7 +109,7 @@ fn recordings() -> [PathBuf; 3] {
 
 #[test]
 fn c11() {
-    for test in ["life", "misuse"] {
+    for test in ["life", "misuse", "regressions"] {
         let source = format!("{test}.c");
         succeed(&mut Program::c(&source, test).with(SANITIZERS).with(STATIC).build());
         succeed(&mut Program::c(&source, &format!("{test}_shared")).with(["-O2", "-ltrisap"]).build());
@@ -201,7 +201,7 @@ fn valgrind() {
         valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full"]).arg(program.get_program());
         valgrind
     };
-    for test in ["life", "misuse"] {
+    for test in ["life", "misuse", "regressions"] {
         let program = Program::c(&format!("{test}.c"), &format!("{test}_valgrind"));
         succeed(&mut watch(&program.with(["-g"]).with(STATIC).build()));
     }
