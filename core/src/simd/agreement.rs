@@ -115,7 +115,12 @@ fn records<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
 fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let random = &mut rounds.random;
     const RECORDS: usize = 40;
-    let sorted = [(); RECORDS].map(|()| random.record());
+    // Slots are less than what an index holds.
+    let slots = if size_of::<I>() == 2 { !Record::SLOT | 0xffff } else { u32::MAX };
+    let sorted = [(); RECORDS].map(|()| {
+        let record = random.record();
+        Record { tag: record.tag & slots, ..record }
+    });
     let count = random.below(WINDOW);
     let mut lists = [[(); WINDOW].map(|()| (random.below(RECORDS) << 16 | random.below(RECORDS)) as u32); 2];
     let mut pairs = [[Pair::<I>::default(); WINDOW]; 2];

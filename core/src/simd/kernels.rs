@@ -1,9 +1,11 @@
 //! The instruction set that a step uses.
 
-use super::{Phase, scalar::Scalar};
+use super::{Phase, narrow, scalar::Scalar};
 
+#[allow(unused_imports, reason = "not for scalar code alone")]
+use super::Simd;
 #[cfg(target_arch = "x86_64")]
-use super::{Simd, avx512::Avx512, detect::Avx2};
+use super::{avx512::Avx512, detect::Avx2};
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
 /// Every level gives the same bytes; they differ in speed alone.
@@ -13,6 +15,7 @@ pub struct Kernels(Level);
 #[derive(Clone, Copy, Debug)]
 enum Level {
     Scalar(Scalar),
+    Narrow(narrow::Level),
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
     #[cfg(target_arch = "x86_64")]
@@ -20,11 +23,33 @@ enum Level {
 }
 
 impl Kernels {
-    /// What every CPU of the target has.
+    /// No vectors: for comparison, and where there are none.
     pub const SCALAR: Self = Self(Level::Scalar(Scalar));
 
-    /// The best level that needs no detection.
-    pub const BASELINE: Self = Self::SCALAR;
+    /// The best level that needs no detection, as every CPU that the target names has it: NEON of AArch64; simd128 of
+    /// WebAssembly, SSE4.1 and AVX2 of x86 where the program is compiled for these; else scalar code.
+    pub const BASELINE: Self = {
+        #[cfg(all(
+            target_arch = "x86_64",
+            target_feature = "avx2",
+            target_feature = "bmi1",
+            target_feature = "bmi2",
+            target_feature = "popcnt"
+        ))]
+        let best = Self(Level::Avx2(Avx2(())));
+        #[cfg(not(all(
+            target_arch = "x86_64",
+            target_feature = "avx2",
+            target_feature = "bmi1",
+            target_feature = "bmi2",
+            target_feature = "popcnt"
+        )))]
+        let best = match narrow::Level::GUARANTEED {
+            Some(level) => Self(Level::Narrow(level)),
+            None => Self::SCALAR,
+        };
+        best
+    };
 
     /// The best level of this CPU. Asks the CPU once and remembers. AVX-512 from its second generation on (with VBMI2: Ice Lake,
     /// Zen 4): on the first one, where a step with it was measured, AVX2 is faster.
@@ -34,7 +59,14 @@ impl Kernels {
         if let Some(level) = Self::avx512().filter(|_| Avx512::pays()) {
             return level;
         }
-        Self::avx2().unwrap_or(Self::BASELINE)
+        Self::avx2().or_else(Self::narrow).unwrap_or(Self::SCALAR)
+    }
+
+    /// 128-bit vectors, where this CPU has them: SSE4.1 of x86 with POPCNT, NEON of AArch64, simd128 of WebAssembly where the
+    /// module is compiled with it.
+    #[must_use]
+    pub fn narrow() -> Option<Self> {
+        narrow::Level::detect().map(|level| Self(Level::Narrow(level)))
     }
 
     /// AVX2 of x86-64, where this CPU has it.
@@ -57,7 +89,7 @@ impl Kernels {
 
     /// Every level of this CPU, the plainest first.
     pub fn all() -> impl Iterator<Item = Self> {
-        [Some(Self::SCALAR), Self::avx2(), Self::avx512()].into_iter().flatten()
+        [Some(Self::SCALAR), Self::narrow(), Self::avx2(), Self::avx512()].into_iter().flatten()
     }
 
     /// The name of the level, as the program's `--kernels` takes it.
@@ -65,6 +97,7 @@ impl Kernels {
     pub const fn name(self) -> &'static str {
         match self.0 {
             Level::Scalar(_) => "scalar",
+            Level::Narrow(_) => narrow::Level::NAME,
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(_) => "avx2",
             #[cfg(target_arch = "x86_64")]
@@ -84,6 +117,7 @@ impl Kernels {
     pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
         match self.0 {
             Level::Scalar(simd) => phase.run(simd),
+            Level::Narrow(simd) => simd.call(phase),
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(simd) => simd.call(phase),
             #[cfg(target_arch = "x86_64")]
@@ -112,26 +146,43 @@ impl Default for Kernels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    use std::arch::is_x86_feature_detected as has;
 
     #[test]
     fn the_best_level_of_the_cpu_is_detected() {
-        #[allow(unused_mut, reason = "other targets have one level")]
-        let (mut levels, mut best) = (std::vec!["scalar"], "scalar");
+        let mut levels = std::vec!["scalar"];
+        if cfg!(target_arch = "aarch64") {
+            levels.push("neon");
+        }
+        if cfg!(target_feature = "simd128") {
+            levels.push("simd128");
+        }
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        if has!("ssse3") && has!("sse4.1") && has!("popcnt") {
+            levels.push("sse4.1");
+        }
+        #[allow(unused_mut, reason = "of x86-64 alone")]
+        let mut best = levels[levels.len() - 1];
         #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
-                levels.push("avx2");
-                best = "avx2";
-                if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
-                    levels.push("avx512");
-                    // The first generation is slower with it.
-                    best = if has!("avx512vbmi2") { "avx512" } else { best };
-                }
+        if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
+            levels.push("avx2");
+            best = "avx2";
+            if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
+                levels.push("avx512");
+                // The first generation is slower with it.
+                best = if has!("avx512vbmi2") { "avx512" } else { best };
             }
         }
         assert!(Kernels::all().map(Kernels::name).eq(levels.iter().copied()), "{levels:?}");
         assert_eq!(Kernels::detect().name(), best);
+        // What the target promises, this CPU has.
+        let promised = levels.iter().position(|name| *name == Kernels::BASELINE.name());
+        assert!(
+            promised.is_some_and(
+                |at| at > 0 || cfg!(not(any(target_arch = "aarch64", target_feature = "simd128")))
+            )
+        );
         assert!(levels.iter().all(|name| Kernels::by_name(name).is_some_and(|level| level.name() == *name)));
     }
 }

@@ -15,6 +15,21 @@ pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod fours;
 pub(crate) mod kernels;
+#[cfg(any(
+    target_arch = "x86",
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
+mod narrow;
+#[cfg(not(any(
+    target_arch = "x86",
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+)))]
+#[path = "absent.rs"]
+mod narrow;
 pub(crate) mod scalar;
 
 use crate::access::Access;

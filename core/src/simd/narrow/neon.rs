@@ -1,0 +1,149 @@
+//! The 128-bit vectors of AArch64, which every CPU has that runs an operating system.
+
+use super::vectors::{Vectors, operations};
+use crate::simd::Phase;
+use core::arch::aarch64::*;
+
+/// A program that is compiled with vectors runs nowhere else.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neon(());
+
+#[inline(always)]
+fn shorts(a: uint8x16_t) -> uint16x8_t {
+    vreinterpretq_u16_u8(a)
+}
+
+#[inline(always)]
+fn words(a: uint8x16_t) -> uint32x4_t {
+    vreinterpretq_u32_u8(a)
+}
+
+#[inline(always)]
+fn signed(a: uint8x16_t) -> int32x4_t {
+    vreinterpretq_s32_u8(a)
+}
+
+#[inline(always)]
+fn longs(a: uint8x16_t) -> uint64x2_t {
+    vreinterpretq_u64_u8(a)
+}
+
+#[inline(always)]
+fn floats(a: uint8x16_t) -> float32x4_t {
+    vreinterpretq_f32_u8(a)
+}
+
+/// A bit for each byte of eight, in each half.
+const BIT: [u8; 16] = [1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128];
+
+impl Vectors for Neon {
+    const NAME: &'static str = "neon";
+
+    const GUARANTEED: Option<Self> = Some(Self(()));
+
+    type Vector = uint8x16_t;
+
+    #[inline(never)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        phase.run(super::level::Narrow(self))
+    }
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> uint8x16_t {
+        // SAFETY: the 16 bytes are read.
+        unsafe { vld1q_u8(bytes.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: uint8x16_t) {
+        // SAFETY: the 16 bytes are written.
+        unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
+    }
+
+    #[inline(always)]
+    fn words(self, words: [u32; 4]) -> uint8x16_t {
+        self.load(&bytemuck::cast(words))
+    }
+
+    #[inline(always)]
+    fn splat(self, word: u32) -> uint8x16_t {
+        vreinterpretq_u8_u32(vdupq_n_u32(word))
+    }
+
+    #[inline(always)]
+    fn first(self, a: uint8x16_t) -> u32 {
+        vgetq_lane_u32::<0>(words(a))
+    }
+
+    #[inline(always)]
+    fn any(self, a: uint8x16_t) -> bool {
+        // Of a vector the pairwise maximum, in one register with the integers' zero compare.
+        vmaxvq_u32(words(a)) != 0
+    }
+
+    operations! {
+        and(a, b) = vandq_u8(a, b);
+        or(a, b) = vorrq_u8(a, b);
+        xor(a, b) = veorq_u8(a, b);
+        select(mask, a, b) = vbslq_u8(mask, a, b);
+        shuffle(a, places) = vqtbl1q_u8(a, places);
+        equal8(a, b) = vceqq_u8(a, b);
+        equal16(a, b) = vreinterpretq_u8_u16(vceqq_u16(shorts(a), shorts(b)));
+        equal32(a, b) = vreinterpretq_u8_u32(vceqq_u32(words(a), words(b)));
+        excess8(a, b) = vqsubq_u8(a, b);
+        excess16(a, b) = vreinterpretq_u8_u16(vqsubq_u16(shorts(a), shorts(b)));
+        join8(a, b) = vpmaxq_u8(a, b);
+        join16(a, b) = vreinterpretq_u8_u16(vpmaxq_u16(shorts(a), shorts(b)));
+        lower_halves(a, b) = vreinterpretq_u8_u16(vuzp1q_u16(shorts(a), shorts(b)));
+        zip_first16(a, b) = vreinterpretq_u8_u16(vzip1q_u16(shorts(a), shorts(b)));
+        zip_last16(a, b) = vreinterpretq_u8_u16(vzip2q_u16(shorts(a), shorts(b)));
+        zip_first32(a, b) = vreinterpretq_u8_u32(vzip1q_u32(words(a), words(b)));
+        zip_last32(a, b) = vreinterpretq_u8_u32(vzip2q_u32(words(a), words(b)));
+        zip_first64(a, b) = vreinterpretq_u8_u64(vzip1q_u64(longs(a), longs(b)));
+        zip_last64(a, b) = vreinterpretq_u8_u64(vzip2q_u64(longs(a), longs(b)));
+        above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
+        lower32(a, b) = vreinterpretq_u8_s32(vminq_s32(signed(a), signed(b)));
+        upper32(a, b) = vreinterpretq_u8_s32(vmaxq_s32(signed(a), signed(b)));
+        least32(a, b) = vreinterpretq_u8_u32(vminq_u32(words(a), words(b)));
+        most32(a, b) = vreinterpretq_u8_u32(vmaxq_u32(words(a), words(b)));
+        minus32(a, b) = vreinterpretq_u8_u32(vsubq_u32(words(a), words(b)));
+        magnitude32(a) = vreinterpretq_u8_s32(vabsq_s32(signed(a)));
+        raised32(a) = vreinterpretq_u8_u32(vshlq_n_u32::<16>(words(a)));
+        add(a, b) = vreinterpretq_u8_f32(vaddq_f32(floats(a), floats(b)));
+        subtract(a, b) = vreinterpretq_u8_f32(vsubq_f32(floats(a), floats(b)));
+        multiply(a, b) = vreinterpretq_u8_f32(vmulq_f32(floats(a), floats(b)));
+        // NEON's own maximum gives NaN where one operand is.
+        maximum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcgtq_f32(floats(a), floats(b))), a, b);
+        minimum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcltq_f32(floats(a), floats(b))), a, b);
+        at_most(a, b) = vreinterpretq_u8_u32(vcleq_f32(floats(a), floats(b)));
+        whole(a) = vreinterpretq_u8_u32(vcvtq_u32_f32(floats(a)));
+    }
+
+    #[inline(always)]
+    fn bits4(self, mask: uint8x16_t) -> u32 {
+        vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8]))))
+    }
+
+    #[inline(always)]
+    fn bits16(self, mask: uint8x16_t) -> u32 {
+        let bits = vandq_u8(mask, self.load(&BIT));
+        u32::from(vaddv_u8(vget_low_u8(bits))) | u32::from(vaddv_u8(vget_high_u8(bits))) << 8
+    }
+
+    #[inline(always)]
+    fn bits32(self, [a, b]: [uint8x16_t; 2]) -> u32 {
+        let bit = self.load(&BIT);
+        let sums = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
+        let sums = vpaddq_u8(sums, sums);
+        vgetq_lane_u32::<0>(words(vpaddq_u8(sums, sums)))
+    }
+
+    #[inline(always)]
+    fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
+        let bit = self.load(&BIT);
+        let first = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
+        let last = vpaddq_u8(vandq_u8(c, bit), vandq_u8(d, bit));
+        let sums = vpaddq_u8(first, last);
+        vgetq_lane_u64::<0>(longs(vpaddq_u8(sums, sums)))
+    }
+}

@@ -1,0 +1,103 @@
+//! The 128-bit vectors of WebAssembly, where a module is compiled with them.
+
+use super::vectors::{Vectors, operations};
+use crate::simd::Phase;
+use core::arch::wasm32::*;
+
+/// A module that is compiled with vectors runs nowhere else.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Simd128(());
+
+impl Vectors for Simd128 {
+    const NAME: &'static str = "simd128";
+
+    const GUARANTEED: Option<Self> = Some(Self(()));
+
+    type Vector = v128;
+
+    #[inline(never)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        phase.run(super::level::Narrow(self))
+    }
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> v128 {
+        // SAFETY: the 16 bytes are read.
+        unsafe { v128_load(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: v128) {
+        // SAFETY: the 16 bytes are written.
+        unsafe { v128_store(bytes.as_mut_ptr().cast(), a) }
+    }
+
+    #[inline(always)]
+    fn words(self, [a, b, c, d]: [u32; 4]) -> v128 {
+        u32x4(a, b, c, d)
+    }
+
+    #[inline(always)]
+    fn splat(self, word: u32) -> v128 {
+        u32x4_splat(word)
+    }
+
+    #[inline(always)]
+    fn first(self, a: v128) -> u32 {
+        u32x4_extract_lane::<0>(a)
+    }
+
+    #[inline(always)]
+    fn any(self, a: v128) -> bool {
+        v128_any_true(a)
+    }
+
+    operations! {
+        and(a, b) = v128_and(a, b);
+        or(a, b) = v128_or(a, b);
+        xor(a, b) = v128_xor(a, b);
+        select(mask, a, b) = v128_bitselect(a, b, mask);
+        shuffle(a, places) = u8x16_swizzle(a, places);
+        equal8(a, b) = u8x16_eq(a, b);
+        equal16(a, b) = u16x8_eq(a, b);
+        equal32(a, b) = u32x4_eq(a, b);
+        excess8(a, b) = u8x16_sub_sat(a, b);
+        excess16(a, b) = u16x8_sub_sat(a, b);
+        // Saturation leaves nothing but zero zero.
+        join8(a, b) = i8x16_narrow_i16x8(a, b);
+        join16(a, b) = i16x8_narrow_i32x4(a, b);
+        lower_halves(a, b) = u16x8_narrow_i32x4(a, b);
+        zip_first16(a, b) = u16x8_shuffle::<0, 8, 1, 9, 2, 10, 3, 11>(a, b);
+        zip_last16(a, b) = u16x8_shuffle::<4, 12, 5, 13, 6, 14, 7, 15>(a, b);
+        zip_first32(a, b) = u32x4_shuffle::<0, 4, 1, 5>(a, b);
+        zip_last32(a, b) = u32x4_shuffle::<2, 6, 3, 7>(a, b);
+        zip_first64(a, b) = u64x2_shuffle::<0, 2>(a, b);
+        zip_last64(a, b) = u64x2_shuffle::<1, 3>(a, b);
+        above32(a, b) = i32x4_gt(a, b);
+        lower32(a, b) = i32x4_min(a, b);
+        upper32(a, b) = i32x4_max(a, b);
+        least32(a, b) = u32x4_min(a, b);
+        most32(a, b) = u32x4_max(a, b);
+        minus32(a, b) = i32x4_sub(a, b);
+        magnitude32(a) = i32x4_abs(a);
+        raised32(a) = i32x4_shl(a, 16);
+        add(a, b) = f32x4_add(a, b);
+        subtract(a, b) = f32x4_sub(a, b);
+        multiply(a, b) = f32x4_mul(a, b);
+        // These give their first operand unless the second one is above or below.
+        maximum(a, b) = f32x4_pmax(b, a);
+        minimum(a, b) = f32x4_pmin(b, a);
+        at_most(a, b) = f32x4_le(a, b);
+        whole(a) = i32x4_trunc_sat_f32x4(a);
+    }
+
+    #[inline(always)]
+    fn bits4(self, mask: v128) -> u32 {
+        u32::from(i32x4_bitmask(mask))
+    }
+
+    #[inline(always)]
+    fn bits16(self, mask: v128) -> u32 {
+        u32::from(i8x16_bitmask(mask))
+    }
+}

@@ -1,0 +1,140 @@
+//! 128-bit integers of x86: SSE4.1, and POPCNT, which came next. Nehalem, Bulldozer, Jaguar and later.
+
+use super::vectors::{Vectors, operations};
+use crate::simd::Phase;
+#[cfg(target_arch = "x86")]
+use core::arch::x86::*;
+#[cfg(target_arch = "x86_64")]
+use core::arch::x86_64::*;
+
+cpufeatures::new!(detected, "ssse3", "sse4.1", "popcnt");
+
+/// Proof that the CPU has SSSE3, SSE4.1 and POPCNT.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sse41(());
+
+/// Operations of the CPU that a token proves.
+macro_rules! proven {
+    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
+        operations! { $($name($($operand),+) =
+            // SAFETY: `self` proves that the CPU has them.
+            unsafe { $result };)+ }
+    };
+}
+
+impl Vectors for Sse41 {
+    const NAME: &'static str = "sse4.1";
+
+    const GUARANTEED: Option<Self> =
+        if cfg!(all(target_feature = "sse4.1", target_feature = "popcnt")) { Some(Self(())) } else { None };
+
+    #[inline(always)]
+    fn detect() -> Option<Self> {
+        detected::get().then_some(Self(()))
+    }
+
+    type Vector = __m128i;
+
+    #[inline(always)]
+    fn call<P: Phase>(self, phase: P) -> P::Output {
+        #[inline(never)]
+        #[target_feature(enable = "ssse3,sse4.1,popcnt")]
+        fn compiled<P: Phase>(simd: Sse41, phase: P) -> P::Output {
+            phase.run(super::level::Narrow(simd))
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(self, phase) }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        // SAFETY: `self` proves SSE. Nothing can be told from a prefetch, wherever it points to.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
+    }
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> __m128i {
+        // SAFETY: `self` proves SSE2; the 16 bytes are read.
+        unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: __m128i) {
+        // SAFETY: `self` proves SSE2; the 16 bytes are written.
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), a) }
+    }
+
+    #[inline(always)]
+    fn words(self, [a, b, c, d]: [u32; 4]) -> __m128i {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_setr_epi32(a as i32, b as i32, c as i32, d as i32) }
+    }
+
+    #[inline(always)]
+    fn splat(self, word: u32) -> __m128i {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_set1_epi32(word as i32) }
+    }
+
+    #[inline(always)]
+    fn first(self, a: __m128i) -> u32 {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_cvtsi128_si32(a) as u32 }
+    }
+
+    #[inline(always)]
+    fn any(self, a: __m128i) -> bool {
+        // SAFETY: `self` proves SSE4.1.
+        unsafe { _mm_testz_si128(a, a) == 0 }
+    }
+
+    proven! {
+        and(a, b) = _mm_and_si128(a, b);
+        or(a, b) = _mm_or_si128(a, b);
+        xor(a, b) = _mm_xor_si128(a, b);
+        select(mask, a, b) = _mm_blendv_epi8(b, a, mask);
+        shuffle(a, places) = _mm_shuffle_epi8(a, places);
+        equal8(a, b) = _mm_cmpeq_epi8(a, b);
+        equal16(a, b) = _mm_cmpeq_epi16(a, b);
+        equal32(a, b) = _mm_cmpeq_epi32(a, b);
+        excess8(a, b) = _mm_subs_epu8(a, b);
+        excess16(a, b) = _mm_subs_epu16(a, b);
+        // Saturation leaves nothing but zero zero.
+        join8(a, b) = _mm_packs_epi16(a, b);
+        join16(a, b) = _mm_packs_epi32(a, b);
+        lower_halves(a, b) = _mm_packus_epi32(a, b);
+        zip_first16(a, b) = _mm_unpacklo_epi16(a, b);
+        zip_last16(a, b) = _mm_unpackhi_epi16(a, b);
+        zip_first32(a, b) = _mm_unpacklo_epi32(a, b);
+        zip_last32(a, b) = _mm_unpackhi_epi32(a, b);
+        zip_first64(a, b) = _mm_unpacklo_epi64(a, b);
+        zip_last64(a, b) = _mm_unpackhi_epi64(a, b);
+        above32(a, b) = _mm_cmpgt_epi32(a, b);
+        lower32(a, b) = _mm_min_epi32(a, b);
+        upper32(a, b) = _mm_max_epi32(a, b);
+        least32(a, b) = _mm_min_epu32(a, b);
+        most32(a, b) = _mm_max_epu32(a, b);
+        minus32(a, b) = _mm_sub_epi32(a, b);
+        magnitude32(a) = _mm_abs_epi32(a);
+        raised32(a) = _mm_slli_epi32::<16>(a);
+        add(a, b) = _mm_castps_si128(_mm_add_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        subtract(a, b) = _mm_castps_si128(_mm_sub_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        multiply(a, b) = _mm_castps_si128(_mm_mul_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        maximum(a, b) = _mm_castps_si128(_mm_max_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        minimum(a, b) = _mm_castps_si128(_mm_min_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        at_most(a, b) = _mm_castps_si128(_mm_cmple_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        whole(a) = _mm_cvttps_epi32(_mm_castsi128_ps(a));
+    }
+
+    #[inline(always)]
+    fn bits4(self, mask: __m128i) -> u32 {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_movemask_ps(_mm_castsi128_ps(mask)) as u32 }
+    }
+
+    #[inline(always)]
+    fn bits16(self, mask: __m128i) -> u32 {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_movemask_epi8(mask) as u32 }
+    }
+}

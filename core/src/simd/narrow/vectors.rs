@@ -1,0 +1,128 @@
+//! What an instruction set of 128 bits must offer.
+
+use crate::simd::Phase;
+
+/// The operations of one instruction set on 16 bytes, which are lanes of 8, 16 or 32 bits as an operation's name says. A value of
+/// the type is the proof that the CPU has it. A mask has lanes of all ones or of zeros.
+pub(crate) trait Vectors: Copy + Send + Sync {
+    /// Its name, as [`Kernels::name`](crate::Kernels::name) gives it.
+    const NAME: &'static str;
+
+    /// The proof, where the target is enough of one.
+    const GUARANTEED: Option<Self>;
+
+    /// Asks the CPU, where the target guarantees nothing.
+    #[inline(always)]
+    fn detect() -> Option<Self> {
+        Self::GUARANTEED
+    }
+
+    /// 16 bytes in a register, the first one lowest.
+    type Vector: Copy;
+
+    /// As [`Simd::call`](crate::simd::Simd::call).
+    fn call<P: Phase>(self, phase: P) -> P::Output;
+
+    /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
+    #[inline(always)]
+    fn prefetch<T>(self, _: &[T], _: usize) {}
+
+    fn load(self, bytes: &[u8; 16]) -> Self::Vector;
+    fn store(self, bytes: &mut [u8; 16], a: Self::Vector);
+    /// Four words.
+    fn words(self, words: [u32; 4]) -> Self::Vector;
+    /// One word, four times.
+    fn splat(self, word: u32) -> Self::Vector;
+    /// The first word.
+    fn first(self, a: Self::Vector) -> u32;
+
+    fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn xor(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The bytes of `a` where the mask is set, else those of `b`.
+    fn select(self, mask: Self::Vector, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Whether a bit is set.
+    fn any(self, a: Self::Vector) -> bool;
+    /// The bytes at these places; zero for the place [`NO_BYTE`].
+    fn shuffle(self, a: Self::Vector, places: Self::Vector) -> Self::Vector;
+
+    fn equal8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn equal16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn equal32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// What `a` exceeds `b` by, or zero.
+    fn excess8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn excess16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// A lane of 8 bits for each two of `a` and then of `b`, zero where both are.
+    fn join8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// A lane of 16 bits for each two of `a` and then of `b`, zero where both are.
+    fn join16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The lower halves of lanes of 32 bits, whose upper halves are zero.
+    fn lower_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    /// One lane of `a` and one of `b` in turn, from their first halves.
+    fn zip_first16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The same from their last halves.
+    fn zip_last16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn zip_first32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn zip_last32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn zip_first64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn zip_last64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    /// Whether `a` is above `b`, with signs.
+    fn above32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The lower of two numbers with signs.
+    fn lower32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The upper of two numbers with signs.
+    fn upper32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The lower of two numbers without signs.
+    fn least32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The upper of two numbers without signs.
+    fn most32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn minus32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Without the sign; the least number stays.
+    fn magnitude32(self, a: Self::Vector) -> Self::Vector;
+    /// The lower halves as upper halves, above zeros.
+    fn raised32(self, a: Self::Vector) -> Self::Vector;
+
+    /// The sum of `f32`, as all below.
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a` where it is above `b`, else `b`: so where one is not a number.
+    fn maximum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a` where it is below `b`, else `b`: so where one is not a number.
+    fn minimum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Whether `a` is at most `b`.
+    fn at_most(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The whole part of a number from 0 to 65,535.
+    fn whole(self, a: Self::Vector) -> Self::Vector;
+
+    /// A bit for each lane of a mask of 32 bits.
+    fn bits4(self, mask: Self::Vector) -> u32;
+    /// A bit for each lane of a mask of 8 bits.
+    fn bits16(self, mask: Self::Vector) -> u32;
+    /// The same of two masks.
+    #[inline(always)]
+    fn bits32(self, [a, b]: [Self::Vector; 2]) -> u32 {
+        self.bits16(a) | self.bits16(b) << 16
+    }
+    /// The same of four masks.
+    #[inline(always)]
+    fn bits64(self, [a, b, c, d]: [Self::Vector; 4]) -> u64 {
+        u64::from(self.bits32([a, b])) | u64::from(self.bits32([c, d])) << 32
+    }
+}
+
+/// A place for [`Vectors::shuffle`] that gives zero.
+pub(crate) const NO_BYTE: u8 = u8::MAX;
+
+/// Functions whose operands and results are all vectors.
+macro_rules! operations {
+    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {$(
+        #[inline(always)]
+        fn $name(self, $($operand: Self::Vector),+) -> Self::Vector {
+            $result
+        }
+    )+};
+}
+pub(crate) use operations;
