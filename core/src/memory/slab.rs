@@ -195,12 +195,17 @@ impl<'m, I: Index> Parts<'m, I> {
         })
     }
 
-    /// Makes a slab into an empty world.
-    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+    /// The sizes of a world, if there can be one.
+    pub(crate) fn sizes(config: &Config) -> Result<Sizes, Error> {
         if let Some(margin) = config.margin {
             margin.check()?;
         }
-        let sizes = Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)?;
+        Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)
+    }
+
+    /// Makes a slab into an empty world.
+    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        let sizes = Self::sizes(config)?;
         let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
         check(slab, needed)?;
         let slab = slab.get_mut(..needed).unwrap_or_default();

@@ -89,7 +89,7 @@ pub(crate) trait Content<I: Index> {
 }
 
 /// The slab of a world.
-pub(super) struct InSlab<'p, 'm, I>(pub(super) &'p Parts<'m, I>);
+pub(crate) struct InSlab<'p, 'm, I>(pub(crate) &'p Parts<'m, I>);
 
 impl<I: Index> Content<I> for InSlab<'_, '_, I> {
     fn sizes(&self) -> &Sizes {
