@@ -130,7 +130,7 @@ pub(crate) struct State {
 }
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
-const MAGIC: u32 = 0x7452_0006 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+const MAGIC: u32 = 0x7452_0007 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
 // The bits of `State::flags`; a choice takes two.
 const EVENTS: u32 = 1;

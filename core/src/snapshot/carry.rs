@@ -101,7 +101,7 @@ pub(super) fn carry<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
 /// Everything that stands at a slot.
 fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let fat = from.state().mode() == Mode::Fat && !to.boxes.fat.is_empty();
-    let mut rank = 0;
+    let (mut rank, mut former) = (0, 0);
     to.boxes.margins.fill(0.0);
     to.filters.of.fill(Default::default());
     for slot in 0..from.state().slots as usize {
@@ -119,6 +119,10 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
             let reported = if fat { from.fat(slot) } else { from.now(slot) };
             to.boxes.before.put(slot, if changed { from.before(slot, rank) } else { reported });
             rank += usize::from(changed);
+            if from.is_in(Set::Reused, slot) {
+                to.former.generations.put(slot, from.former(slot, former));
+                former += 1;
+            }
         }
     }
     for class in 0..to.filters.classes.len() {
@@ -135,6 +139,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         to.resting.put(index, word(Set::Resting));
         to.moved.add(index, word(Set::Moved));
         to.filters.changed.add(index, word(Set::Refiltered));
+        to.former.reused.add(index, word(Set::Reused));
         // Where nobody has noted who moved inside a margin, anybody may have.
         let anybody = u32::MAX >> 32usize.saturating_sub(slots - index * 32).min(31);
         let changed = match from.state().moved_inside_margin {

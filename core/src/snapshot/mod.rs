@@ -37,7 +37,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0007;
+const MAGIC: u64 = 0x7472_6973_6170_0008;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -225,6 +225,10 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     // Of the boxes that the last step reported only those that differ from what it would report now.
     let changed = parts.changed.words.span(0, kept(sizes.before, words));
     to.each(bits::count(changed) as usize, bits::ones(changed).map(|slot| parts.boxes.before.at(slot)));
+    let former = &parts.former;
+    let reused = former.reused.words.span(0, kept(sizes.before, words));
+    to.section(reused);
+    to.each(bits::count(reused) as usize, bits::ones(reused).map(|slot| former.generations.at(slot)));
 }
 
 /// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.
