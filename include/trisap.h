@@ -102,7 +102,7 @@
 #define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 4
+#define TRISAP_ABI_VERSION 5
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0
@@ -144,7 +144,8 @@ enum trisap_status
     TRISAP_STATUS_CAPACITY_TOO_LARGE = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     TRISAP_STATUS_BAD_MARGIN = 10,
-    /// More objects than the capacity. The detail says how many would have to fit.
+    /// More objects than the capacity. The detail says how many would have to fit. For a world that moves or a snapshot, slots that
+    /// have been in use.
     TRISAP_STATUS_OBJECTS_FULL = 11,
     /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
     TRISAP_STATUS_BAD_BOX = 12,
@@ -152,7 +153,7 @@ enum trisap_status
     TRISAP_STATUS_STALE_ID = 13,
     /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
     /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
-    /// one.
+    /// one. Of a world that moves or a snapshot nothing has happened.
     TRISAP_STATUS_PAIRS_FULL = 14,
     /// The memory of the world was written to by others.
     TRISAP_STATUS_CORRUPT = 15,
@@ -171,6 +172,9 @@ enum trisap_status
     TRISAP_STATUS_BAD_SHIFT = 21,
     /// Refused for a reason that this version of the ABI has no word for.
     TRISAP_STATUS_OTHER = 22,
+    /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
+    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots.
+    TRISAP_STATUS_OTHER_CONFIG = 23,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -722,7 +726,7 @@ TRISAP_NODISCARD size_t trisap_world_snapshot_size(const struct trisap_world *wo
 /// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
 ///
 /// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
-/// world of the same configuration, in any program of the same version, on any machine of the same byte order.
+/// world that has room for it, in any program of the same version, on any machine of the same byte order.
 TRISAP_NODISCARD
 trisap_status trisap_world_save(const struct trisap_world *world,
                                 void *snapshot,
@@ -730,11 +734,12 @@ trisap_status trisap_world_save(const struct trisap_world *world,
                                 size_t *bytes)
 TRISAP_NOEXCEPT;
 
-/// Replaces the world by the one that a snapshot was taken of. The configuration must be the same, but for the number of
-/// workers. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
+/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the number of
+/// workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the configuration that it has, or the
+/// status is one of that function. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
 /// any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes: after `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before,
+/// All that can be refused is refused before anything changes: after each status but `TRISAP_STATUS_OK` the world is as it was before,
 /// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
 /// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
 TRISAP_NODISCARD
@@ -885,6 +890,24 @@ TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
 /// touched. Nothing is allocated, neither here nor later. O(bytes).
 TRISAP_NODISCARD
 trisap_status trisap_world_init(void *memory,
+                                size_t bytes,
+                                const struct trisap_config *config,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
+/// `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+///
+/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found and
+/// lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and a step there tells the
+/// events as if there had been room from the beginning. Capacities, workers, the margin of new objects and all choices about speed
+/// may change; mode, events, filters and whether there are margins may not: `TRISAP_STATUS_OTHER_CONFIG`.
+///
+/// Where the world does not fit, the status is `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, and the detail of `from`
+/// says how many would have to fit. After each status but `TRISAP_STATUS_OK` nothing has been written to the memory.
+TRISAP_NODISCARD
+trisap_status trisap_world_move(const struct trisap_world *from,
+                                void *memory,
                                 size_t bytes,
                                 const struct trisap_config *config,
                                 struct trisap_world **world)

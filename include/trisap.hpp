@@ -260,6 +260,24 @@ public:
         return status;
     }
 
+    /// Moves the world to memory of its own for another configuration: larger, or smaller where all fits. Ids and events go on: see
+    /// `trisap_world_move`. After another status than OK the world is as it was.
+    [[nodiscard]] Status move_to(const Config &config) noexcept {
+        const std::size_t bytes = trisap_world_size(&config);
+        const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
+        Memory memory(::operator new(room, std::align_val_t(trisap_world_align()), std::nothrow));
+        if (memory == nullptr) {
+            return TRISAP_STATUS_MEMORY_TOO_SMALL;
+        }
+        trisap_world *world = nullptr;
+        const Status status = trisap_world_move(world_, memory.get(), room, &config, &world);
+        if (status == TRISAP_STATUS_OK) {
+            memory_ = std::move(memory);
+            world_ = world;
+        }
+        return status;
+    }
+
     /// Adds an object; null where it was refused, for the reason that is written to `status`, if that is given.
     [[nodiscard]] Id insert(const Aabb &aabb, Status *status = nullptr) noexcept {
         Id id = null_id;

@@ -61,6 +61,20 @@ pub enum Error {
     },
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     BadSnapshot,
+    /// A world or a snapshot has more than the configuration that it is moved to has room for. Nothing is done.
+    NoRoom {
+        /// What there is too much of.
+        field: Field,
+        /// How many would have to fit.
+        needed: u32,
+        /// How many there is room for.
+        room: u32,
+    },
+    /// A world or a snapshot differs from the configuration that it is moved to in what cannot change. Nothing is done.
+    OtherConfig {
+        /// What differs.
+        field: Field,
+    },
     /// The slices of a batch do not fit together: there are not as many boxes as ids, or the output is too short.
     LengthMismatch {
         /// Items that are needed.
@@ -76,6 +90,40 @@ pub enum Error {
         /// Pairs that would have to fit.
         needed: u64,
     },
+}
+
+/// A part of a configuration, where an error speaks of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Field {
+    /// [`Capacity::objects`](crate::Capacity::objects), counted in slots: those that are free keep their generation.
+    Objects,
+    /// [`Capacity::pairs`](crate::Capacity::pairs).
+    Pairs,
+    /// [`Config::mode`](crate::Config::mode).
+    Mode,
+    /// Whether there is a [`Config::margin`](crate::Config::margin).
+    Margin,
+    /// [`Config::events`](crate::Config::events).
+    Events,
+    /// [`Config::filters`](crate::Config::filters).
+    Filters,
+    /// The width of slots.
+    Index,
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Objects => "objects (slots that have been in use)",
+            Self::Pairs => "pairs",
+            Self::Mode => "mode",
+            Self::Margin => "whether there are margins",
+            Self::Events => "events",
+            Self::Filters => "filters",
+            Self::Index => "the width of slots",
+        })
+    }
 }
 
 impl fmt::Display for Error {
@@ -97,6 +145,10 @@ impl fmt::Display for Error {
                 write!(f, "the output slice is full: {needed} items would have to fit")
             }
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
+            Self::NoRoom { field, needed, room } => {
+                write!(f, "too many {field}: {needed} have to fit, and there is room for {room}")
+            }
+            Self::OtherConfig { field } => write!(f, "the configurations differ: {field}"),
             Self::LengthMismatch { needed } => write!(f, "the slices of the batch differ in length: {needed} items are needed"),
             Self::InvariantBroken => {
                 f.write_str("an index inside of the library was out of range: pairs may be missing")

@@ -71,7 +71,7 @@ mod validate;
 mod world;
 
 pub use config::{Capacity, Choice, Config, Margin, Mode};
-pub use error::{Error, Rejected};
+pub use error::{Error, Field, Rejected};
 pub use filter::{Filter, Rule};
 pub use geometry::aabb::{Aabb, Boxes};
 pub use id::{Id, Index, Pair};

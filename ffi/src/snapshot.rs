@@ -24,7 +24,7 @@ pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) 
 /// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
 ///
 /// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
-/// world of the same configuration, in any program of the same version, on any machine of the same byte order.
+/// world that has room for it, in any program of the same version, on any machine of the same byte order.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_save(
@@ -57,11 +57,12 @@ pub unsafe extern "C" fn trisap_world_save(
     unsafe { with(world, save) }
 }
 
-/// Replaces the world by the one that a snapshot was taken of. The configuration must be the same, but for the number of
-/// workers. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
+/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the number of
+/// workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the configuration that it has, or the
+/// status is one of that function. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
 /// any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes: after `TRISAP_STATUS_BAD_SNAPSHOT` the world is as it was before,
+/// All that can be refused is refused before anything changes: after each status but `TRISAP_STATUS_OK` the world is as it was before,
 /// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
 /// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
 #[unsafe(no_mangle)]

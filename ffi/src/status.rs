@@ -1,7 +1,7 @@
 //! Status codes.
 
 use core::ffi::c_char;
-use trisap_core::Error;
+use trisap_core::{Error, Field};
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
 /// was before the call.
@@ -32,7 +32,8 @@ pub enum trisap_status {
     CapacityTooLarge = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin = 10,
-    /// More objects than the capacity. The detail says how many would have to fit.
+    /// More objects than the capacity. The detail says how many would have to fit. For a world that moves or a snapshot, slots that
+    /// have been in use.
     ObjectsFull = 11,
     /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
     BadBox = 12,
@@ -40,7 +41,7 @@ pub enum trisap_status {
     StaleId = 13,
     /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
     /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
-    /// one.
+    /// one. Of a world that moves or a snapshot nothing has happened.
     PairsFull = 14,
     /// The memory of the world was written to by others.
     Corrupt = 15,
@@ -59,13 +60,16 @@ pub enum trisap_status {
     BadShift = 21,
     /// Refused for a reason that this version of the ABI has no word for.
     Other = 22,
+    /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
+    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots.
+    OtherConfig = 23,
 }
 
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 23] = [
+    const TEXTS: [&core::ffi::CStr; 24] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -89,8 +93,9 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"the bytes are no snapshot of a world of this configuration",
         c"a part of the shift is not finite",
         c"refused",
+        c"the configurations differ in what cannot change",
     ];
-    const _: () = assert!(TEXTS.len() == trisap_status::Other as usize + 1);
+    const _: () = assert!(TEXTS.len() == trisap_status::OtherConfig as usize + 1);
     let text = usize::try_from(status).ok().and_then(|status| TEXTS.get(status));
     text.copied().unwrap_or(c"not a status").as_ptr()
 }
@@ -127,8 +132,25 @@ impl From<Error> for Refusal {
             Error::OutputFull { needed } => (trisap_status::OutputFull, needed),
             Error::BadSnapshot => (trisap_status::BadSnapshot, 0),
             Error::BadShift => (trisap_status::BadShift, 0),
+            Error::NoRoom { field: Field::Objects, needed, .. } => {
+                (trisap_status::ObjectsFull, u64::from(needed))
+            }
+            Error::NoRoom { needed, .. } => (trisap_status::PairsFull, u64::from(needed)),
+            Error::OtherConfig { field } => (trisap_status::OtherConfig, number(field)),
             _ => (trisap_status::Other, 0),
         };
         Self { status, detail }
+    }
+}
+
+/// The number of what differs.
+const fn number(field: Field) -> u64 {
+    match field {
+        Field::Mode => 1,
+        Field::Margin => 2,
+        Field::Events => 3,
+        Field::Filters => 4,
+        Field::Index => 5,
+        _ => 0,
     }
 }

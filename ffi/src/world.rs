@@ -72,43 +72,98 @@ pub unsafe extern "C" fn trisap_world_init(
     config: *const trisap_config,
     world: *mut *mut trisap_world,
 ) -> trisap_status {
-    let header = memory.cast::<Header>();
     let make = || {
-        border::check(header)?;
+        border::check(memory.cast::<Header>())?;
         // SAFETY: the caller's promise.
         let config = unsafe { border::read(config)? };
         let core_config = config.to_core()?;
-        // What may be wrong with it shows without memory, so that a refusal leaves the memory alone.
-        match World::<u32>::new_in(&mut [], &core_config) {
-            Err(Error::SlabTooSmall { .. }) | Ok(_) => {}
-            Err(error) => return Err(error.into()),
-        }
-        let needed = size(&config)?;
-        if bytes < needed {
-            return Err(trisap_status::MemoryTooSmall.into());
-        }
-        border::span(world, 1, &range(memory, needed))?;
-        let slab_bytes = needed - HEADER;
-        // SAFETY: by the caller's promise there are `bytes` bytes, and `needed` is no more. A slice needs initialised
-        // memory.
-        unsafe { memory.cast::<u8>().write_bytes(0, needed) };
-        // SAFETY: the bytes after the header, initialised just now.
-        let slab = unsafe { core::slice::from_raw_parts_mut(header.add(1).cast::<u8>(), slab_bytes) };
-        World::<u32>::new_in(slab, &core_config)?;
-        let made = Header {
-            magic: MAGIC,
-            abi_version: TRISAP_ABI_VERSION,
-            slab_bytes: slab_bytes as u64,
-            detail: 0,
-            busy: AtomicU32::new(0),
-        };
-        // SAFETY: aligned, and the first bytes of the memory.
-        unsafe { header.write(made) };
-        // SAFETY: aligned, not null, and outside of the memory.
-        unsafe { world.write(header.cast()) };
-        Ok(())
+        let make = |slab: &mut [u8]| World::<u32>::new_in(slab, &core_config).map(|_| ());
+        // SAFETY: the caller's promise.
+        unsafe { place(memory, bytes, &config, world, &[], make) }
     };
     make().map_or_else(|refusal: Refusal| refusal.status, |()| trisap_status::Ok)
+}
+
+/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
+/// `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+///
+/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found and
+/// lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and a step there tells the
+/// events as if there had been room from the beginning. Capacities, workers, the margin of new objects and all choices about speed
+/// may change; mode, events, filters and whether there are margins may not: `TRISAP_STATUS_OTHER_CONFIG`.
+///
+/// Where the world does not fit, the status is `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, and the detail of `from`
+/// says how many would have to fit. After each status but `TRISAP_STATUS_OK` nothing has been written to the memory.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_move(
+    from: *const trisap_world,
+    memory: *mut c_void,
+    bytes: usize,
+    config: *const trisap_config,
+    world: *mut *mut trisap_world,
+) -> trisap_status {
+    let go = |call: &mut Call| {
+        border::check(memory.cast::<Header>())?;
+        // SAFETY: the caller's promise.
+        let config = unsafe { border::read(config)? };
+        let core_config = config.to_core()?;
+        let taken = call.range();
+        let from = call.world()?;
+        let make = |slab: &mut [u8]| from.move_into(slab, &core_config).map(|_| ());
+        // SAFETY: the caller's promise, and the memory is no part of the other world.
+        unsafe { place(memory, bytes, &config, world, &[taken], make) }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(from, go) }
+}
+
+/// Makes a world in memory, once everything that can be wrong with it has been looked at. The memory may not reach into what is
+/// `taken`.
+///
+/// # Safety
+/// The memory has so many bytes, and nobody else uses them.
+unsafe fn place(
+    memory: *mut c_void,
+    bytes: usize,
+    config: &trisap_config,
+    world: *mut *mut trisap_world,
+    taken: &[Range<usize>],
+    mut make: impl FnMut(&mut [u8]) -> Result<(), Error>,
+) -> Result<(), Refusal> {
+    let header = memory.cast::<Header>();
+    // What may be wrong with it shows without memory, so that a refusal leaves the memory alone.
+    match make(&mut []) {
+        Err(Error::SlabTooSmall { .. }) | Ok(()) => {}
+        Err(error) => return Err(error.into()),
+    }
+    let needed = size(config)?;
+    if bytes < needed {
+        return Err(trisap_status::MemoryTooSmall.into());
+    }
+    border::span(world, 1, &range(memory, needed))?;
+    for taken in taken {
+        border::span(world, 1, taken)?;
+        border::span(memory.cast::<u8>(), needed, taken)?;
+    }
+    let slab_bytes = needed - HEADER;
+    // SAFETY: by the caller's promise there are `bytes` bytes, and `needed` is no more. A slice needs initialised memory.
+    unsafe { memory.cast::<u8>().write_bytes(0, needed) };
+    // SAFETY: the bytes after the header, initialised just now.
+    let slab = unsafe { core::slice::from_raw_parts_mut(header.add(1).cast::<u8>(), slab_bytes) };
+    make(slab)?;
+    let made = Header {
+        magic: MAGIC,
+        abi_version: TRISAP_ABI_VERSION,
+        slab_bytes: slab_bytes as u64,
+        detail: 0,
+        busy: AtomicU32::new(0),
+    };
+    // SAFETY: aligned, and the first bytes of the memory.
+    unsafe { header.write(made) };
+    // SAFETY: aligned, not null, and outside of the memory.
+    unsafe { world.write(header.cast()) };
+    Ok(())
 }
 
 /// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).

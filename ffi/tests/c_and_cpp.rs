@@ -154,6 +154,15 @@ fn random_operations_match_brute_force() {
     succeed(Command::new(watched.get_program()).args(["12", "10001"]));
 }
 
+/// Ten thousand sequences with growth at random moments.
+#[test]
+fn a_world_that_grows_says_what_a_large_one_says() {
+    let program =
+        Program::cpp("-std=c++17", "growth.cpp", "growth").with(SANITIZERS).with(["-O2"]).with(STATIC);
+    let printed = succeed(&mut program.build());
+    assert!(printed.contains("grown for objects"), "{printed}");
+}
+
 #[test]
 fn the_example_of_rollback_runs() {
     let source = repository().join("ffi/examples/rollback.cpp");

@@ -1,5 +1,6 @@
 //! Broad-phase collision detection for programs with `std`: everything of [`trisap_core`], and
 //!
+//! - [`BroadPhase`], boxes by the caller's own keys, which grows by itself: where most programs begin,
 //! - [`OwnedWorld`], a world that brings its own memory,
 //! - `Rayon`, an executor over a [rayon](https://docs.rs/rayon) thread pool (feature `rayon`, on by default),
 //! - [`recording`], Broadmark's `.aabbs` files,
@@ -24,6 +25,7 @@
 //! # Ok::<(), trisap::Error>(())
 //! ```
 
+mod broad_phase;
 mod memory;
 mod owned;
 #[cfg(feature = "rayon")]
@@ -34,6 +36,7 @@ pub mod scene;
 #[cfg(feature = "rayon")]
 mod sharing;
 
+pub use broad_phase::{BroadPhase, KeyedStep, Snapshot};
 pub use owned::OwnedWorld;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;

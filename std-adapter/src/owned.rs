@@ -31,6 +31,18 @@ impl<I: Index> OwnedWorld<I> {
             .expect("`new` made a world of this width, and nobody else can write to the slab")
     }
 
+    /// Moves the world to memory for another configuration, with everything that it holds: see [`World::move_into`].
+    ///
+    /// # Errors
+    /// Those of [`World::move_into`]; memory that cannot be had is [`Error::CapacityTooLarge`]. The world stays as it is then.
+    pub fn move_to(&mut self, config: &Config) -> Result<(), Error> {
+        let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        let mut slab = Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?;
+        let _ = self.world().move_into(&mut slab, config)?;
+        (self.slab, self.bytes) = (slab, bytes);
+        Ok(())
+    }
+
     /// The bytes of the slab. Huge pages take up to two MiB more.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -52,7 +52,7 @@ public:
         case Kind::load_damaged: load_damaged(op); break;
         case Kind::load_forged: load_forged(op); break;
         case Kind::reopen: reopen(); break;
-        case Kind::copy: copy(); break;
+        case Kind::copy: copy(op); break;
         }
         CHECK_OK(trisap_world_validate(world_));
     }
@@ -352,9 +352,14 @@ private:
 
     void reopen() { CHECK_OK(trisap_world_open(memory_.get(), bytes_, &world_)); }
 
-    void copy() {
+    void copy(const Operation &op) {
         Memory other = allocate(bytes_);
-        std::memcpy(other.get(), memory_.get(), bytes_);
+        if (op.argument % 4 == 0) {
+            std::memcpy(other.get(), memory_.get(), bytes_);
+        } else {
+            const trisap::Config config = header_.config();
+            CHECK_OK(trisap_world_move(world_, other.get(), bytes_, &config, &world_));
+        }
         memory_ = std::move(other);
         reopen();
     }

@@ -304,6 +304,7 @@ impl<'m, I: Index> Checked<'m, I> {
                 assert_eq!(outcome.rejected, rejected, "the refused boxes");
                 self.check_pairs(outcome, &exact);
                 self.check_stats(outcome);
+                self.check_ids(outcome);
                 assert_eq!(slots(self.world.pairs()), outcome.pairs, "World::pairs after the step");
                 assert_eq!(slots(self.world.found()), outcome.found, "World::found after the step");
                 assert_eq!(slots(self.world.lost()), outcome.lost, "World::lost after the step");
@@ -334,6 +335,18 @@ impl<'m, I: Index> Checked<'m, I> {
         } else {
             assert_eq!(told, Events::default(), "no events were asked for");
         }
+    }
+
+    /// The pairs by id: those that live, and of the lost ones those that the model knew in the step before.
+    fn check_ids(&self, outcome: &Outcome) {
+        let named = |pairs: &[SlotPair], at: &dyn Fn(u32) -> Option<Id>| -> Vec<[Id; 2]> {
+            pairs.iter().map(|pair| pair.map(|slot| at(slot).expect("a known object"))).collect()
+        };
+        let living = |slot| self.model.id_at(slot);
+        assert_eq!(self.world.pair_ids().collect::<Vec<_>>(), named(&outcome.pairs, &living), "pairs by id");
+        assert_eq!(self.world.found_ids().collect::<Vec<_>>(), named(&outcome.found, &living), "found by id");
+        let former = |slot| self.model.former_id(slot);
+        assert_eq!(self.world.lost_ids().collect::<Vec<_>>(), named(&outcome.lost, &former), "lost by id");
     }
 
     fn check_stats(&self, outcome: &Outcome) {

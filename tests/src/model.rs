@@ -19,6 +19,9 @@ pub struct Model {
     opinions: Option<Vec<u32>>,
     resting: Vec<bool>,
     last: Vec<Held>,
+    /// The generations of all slots in the last complete step, and in the one before.
+    known: Vec<u32>,
+    former: Vec<u32>,
 }
 
 /// What came and went between two complete steps, ascending.
@@ -158,6 +161,13 @@ impl Model {
         Id::from_bits((u64::from(self.generations[slot as usize]) << 32) | u64::from(slot))
     }
 
+    /// The object that had a slot in the complete step before the last one.
+    #[must_use]
+    pub fn former_id(&self, slot: u32) -> Option<Id> {
+        let generation = *self.former.get(slot as usize)?;
+        Id::from_bits((u64::from(generation) << 32) | u64::from(slot))
+    }
+
     /// The living objects by ascending slot.
     #[must_use]
     pub fn ids(&self) -> Vec<Id> {
@@ -197,6 +207,7 @@ impl Model {
         let events =
             Events { found: only_in_first(&held, &self.last), lost: only_in_first(&self.last, &held) };
         self.last = held;
+        self.former = std::mem::replace(&mut self.known, self.generations.clone());
         events
     }
 }

@@ -13,6 +13,7 @@ mod executors;
 mod filters;
 mod forged;
 mod golden;
+mod growth;
 mod large;
 mod layers;
 mod numerics;

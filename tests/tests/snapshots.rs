@@ -1,7 +1,7 @@
 //! Snapshots: a world that is loaded goes on as the one that was saved, byte for byte; and bytes that
 //! are no snapshot are refused. What is forged with care is in `forged`.
 
-use trisap_core::{Boxes, Capacity, Config, Error, Index, Margin, Mode, World};
+use trisap_core::{Boxes, Capacity, Config, Error, Field, Index, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
@@ -143,26 +143,31 @@ fn a_foreign_snapshot_is_refused() {
     let mut slab = Slab::new::<u32>(&base);
     let snapshot = saved(&lived::<u32>(&mut slab, &base, 90, 3));
     let others = [
-        Config::new(capacity),
-        base.with_events(),
-        base.with_filters(),
-        base.with_lean(),
-        base.with_mode(Mode::Fat),
-        base.with_margin(Margin { max: 0.5, ..margin }),
-        base.with_margin(Margin { min: 0.125, ..margin }),
-        base.with_margin(Margin { per_extent: 0.5, ..margin }),
-        Config { capacity: Capacity { objects: 101, ..capacity }, ..base },
-        Config { capacity: Capacity { leaf_refs: 51, ..capacity }, ..base },
-        Config { capacity: Capacity { pairs: 401, ..capacity }, ..base },
+        (Config::new(capacity), Field::Margin),
+        (base.with_events(), Field::Events),
+        (base.with_filters(), Field::Filters),
+        (base.with_mode(Mode::Fat), Field::Mode),
     ];
-    for config in others {
+    for (config, field) in others {
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         checked.insert(scenes::cube(0.0, 0.0, 0.0));
-        assert_eq!(checked.refuse(|world| world.load(&snapshot)), Error::BadSnapshot, "{config:?}");
+        let said = checked.refuse(|world| world.load(&snapshot));
+        assert_eq!(said, Error::OtherConfig { field }, "{config:?}");
     }
     let mut narrow = Slab::new::<u16>(&base);
-    assert_eq!(narrow.world::<u16>(&base).load(&snapshot), Err(Error::BadSnapshot));
+    let other = Error::OtherConfig { field: Field::Index };
+    assert_eq!(narrow.world::<u16>(&base).load(&snapshot), Err(other));
+    for (objects, pairs, field, needed) in [(89, 400, Field::Objects, 90), (100, 1, Field::Pairs, 0)] {
+        let config = Config { capacity: Capacity { objects, pairs, ..capacity }, ..base };
+        let mut slab = Slab::new::<u32>(&config);
+        let mut checked = Checked::<u32>::new(slab.world(&config));
+        checked.insert(scenes::cube(0.0, 0.0, 0.0));
+        let said = checked.refuse(|world| world.load(&snapshot));
+        let Error::NoRoom { field: named, needed: told, room } = said else { panic!("{said}") };
+        assert_eq!((named, room), (field, if field == Field::Objects { objects } else { pairs }));
+        assert!(told > room && (needed == 0 || told == needed), "{told} of {needed}");
+    }
     for workers in [1, 2, 32] {
         let config = base.with_workers(workers);
         let mut slab = Slab::new::<u32>(&config);

@@ -157,6 +157,8 @@ impl Sizes {
         plan.add::<KeyBox>(self.fat);
         plan.add::<f32>(self.fat);
         plan.add::<KeyBox>(self.before);
+        plan.add::<u32>(self.before);
+        plan.add::<u32>(SlotSet::len(self.before));
         plan.add::<Filter>(self.filters);
         plan.add::<u32>(self.classes);
         plan.add::<u32>(SlotSet::len(self.filters));

@@ -7,7 +7,7 @@ use super::scratch;
 use super::slot_set::SlotSet;
 use super::state::State;
 use super::stripes::{Member, Planes};
-use crate::access::{bits, faults};
+use crate::access::{Access, bits, faults};
 use crate::config::{Config, Mode};
 use crate::error::Error;
 use crate::filter::Filter;
@@ -22,6 +22,7 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) state: &'m mut State,
     pub(crate) boxes: BoxParts<'m>,
     pub(crate) filters: FilterParts<'m>,
+    pub(crate) former: FormerParts<'m>,
     /// How many objects have held the slot.
     pub(crate) generations: &'m mut [u32],
     /// The swept box has changed since the last complete step (the paper's dynamic objects).
@@ -59,6 +60,15 @@ pub(crate) struct BoxParts<'m> {
     pub(crate) tight: bool,
 }
 
+/// With events: who had the slots that have been given to new objects since the complete step before, so that lost pairs can be
+/// named.
+pub(crate) struct FormerParts<'m> {
+    /// Of these slots, how many objects had held them.
+    pub(crate) generations: &'m mut [u32],
+    /// These slots.
+    pub(crate) reused: SlotSet<'m>,
+}
+
 /// With filters: whom the objects meet.
 pub(crate) struct FilterParts<'m> {
     pub(crate) of: &'m mut [Filter],
@@ -66,6 +76,19 @@ pub(crate) struct FilterParts<'m> {
     pub(crate) classes: &'m mut [u32],
     /// Another answer may be due since the last complete step.
     pub(crate) changed: SlotSet<'m>,
+}
+
+impl FormerParts<'_> {
+    /// A slot goes to another object, which is the first one of all since the last complete step, or not.
+    pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) {
+        if is_first {
+            self.reused.clear();
+        }
+        if generation != 0 && !bits::test(self.reused.words, slot) {
+            self.reused.set(slot);
+            self.generations.put(slot, generation);
+        }
+    }
 }
 
 impl BoxParts<'_> {
@@ -141,6 +164,10 @@ impl<'m, I: Index> Parts<'m, I> {
         let fat = slab.take(sizes.fat)?;
         let margins = slab.take(sizes.fat)?;
         let before = slab.take(sizes.before)?;
+        let former = FormerParts {
+            generations: slab.take(sizes.before)?,
+            reused: SlotSet::carve(slab.take(SlotSet::len(sizes.before))?, sizes.before)?,
+        };
         let filters = FilterParts {
             of: slab.take(sizes.filters)?,
             classes: slab.take(sizes.classes)?,
@@ -161,6 +188,7 @@ impl<'m, I: Index> Parts<'m, I> {
         Some(Self {
             state,
             boxes: BoxParts { now, fat, margins, before, tight: false },
+            former,
             filters,
             generations,
             moved,
@@ -195,12 +223,17 @@ impl<'m, I: Index> Parts<'m, I> {
         })
     }
 
-    /// Makes a slab into an empty world.
-    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+    /// The sizes of a world, if there can be one.
+    pub(crate) fn sizes(config: &Config) -> Result<Sizes, Error> {
         if let Some(margin) = config.margin {
             margin.check()?;
         }
-        let sizes = Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)?;
+        Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)
+    }
+
+    /// Makes a slab into an empty world.
+    pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        let sizes = Self::sizes(config)?;
         let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
         check(slab, needed)?;
         let slab = slab.get_mut(..needed).unwrap_or_default();
@@ -219,7 +252,13 @@ impl<'m, I: Index> Parts<'m, I> {
         self.boxes.before.fill(KeyBox::EMPTY);
         self.filters.classes.fill(u32::MAX);
         self.generations.fill(0);
-        for mut marks in [self.moved.reborrow(), self.changed.reborrow(), self.filters.changed.reborrow()] {
+        self.former.generations.fill(0);
+        for mut marks in [
+            self.moved.reborrow(),
+            self.changed.reborrow(),
+            self.filters.changed.reborrow(),
+            self.former.reused.reborrow(),
+        ] {
             marks.words.fill(0);
             marks.regroup();
         }

@@ -3,6 +3,7 @@
 use super::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
 use super::stats::{Path, Progress, Reason, Route, Stats};
 use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::error::Field;
 use crate::geometry::extent::Extent;
 use bytemuck::{Pod, Zeroable};
 
@@ -129,7 +130,7 @@ pub(crate) struct State {
 }
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
-const MAGIC: u32 = 0x7452_0006 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+const MAGIC: u32 = 0x7452_0007 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
 // The bits of `State::flags`; a choice takes two.
 const EVENTS: u32 = 1;
@@ -265,6 +266,75 @@ impl State {
     pub(crate) const fn is_portable(&self) -> bool {
         let Self { workers, magic, faults, listed, stale_lists, unproven, .. } = *self;
         workers == 1 && magic == 0 && faults == 0 && listed == 0 && stale_lists == 1 && unproven == 0
+    }
+
+    /// The configuration of the world that a [portable](Self::portable) state is of.
+    pub(crate) fn portable_config(&self, index_bytes: usize) -> Option<Config> {
+        Self { magic: MAGIC, ..*self }.config(index_bytes)
+    }
+
+    /// What differs from another world's configuration and cannot be changed while there are objects.
+    pub(crate) fn difference(&self, to: &Self) -> Option<Field> {
+        let differs = |flag: u32| (self.flags ^ to.flags) & flag != 0;
+        let fields = [
+            (differs(FAT), Field::Mode),
+            (differs(MARGIN), Field::Margin),
+            (differs(EVENTS), Field::Events),
+            (differs(FILTERS), Field::Filters),
+            (self.index_bytes != to.index_bytes, Field::Index),
+        ];
+        fields.into_iter().find(|(differs, _)| *differs).map(|(_, field)| field)
+    }
+
+    /// The state of a world into which another one has moved: with the objects and the last result of that one, without tree,
+    /// lists and parked pairs. The pairs of the step before are for the caller to count.
+    pub(crate) fn with_objects_of(&self, other: &Self) -> Self {
+        let Self { live, slots, free, swept_pairs, result_pairs, found, lost, outran, .. } = *other;
+        let Self { leaves_in_use, fullest_leaf, moved, last_outran, chosen, leaves, rebalanced, .. } = *other;
+        let Self { copies, candidates, tied, dirty, resting, complete, coarse, has_inserted, .. } = *other;
+        let Self { moved_inside_margin, without_surplus, unproven, .. } = *other;
+        let empty = Self::zeroed();
+        Self {
+            live,
+            slots,
+            free,
+            swept_pairs,
+            result_pairs,
+            found,
+            lost,
+            outran,
+            leaves_in_use,
+            fullest_leaf,
+            moved,
+            last_outran,
+            chosen,
+            leaves,
+            rebalanced,
+            copies,
+            candidates,
+            tied,
+            dirty,
+            resting,
+            complete,
+            coarse,
+            has_inserted,
+            moved_inside_margin,
+            without_surplus,
+            unproven,
+            magic: self.magic,
+            index_bytes: self.index_bytes,
+            objects: self.objects,
+            leaf_refs: self.leaf_refs,
+            pairs_capacity: self.pairs_capacity,
+            margin: self.margin,
+            flags: self.flags,
+            workers: self.workers,
+            faults: self.faults,
+            stale_lists: 1,
+            // More than can be, so that the next step looks which pairs can be parked.
+            active: u32::MAX,
+            ..empty
+        }
     }
 
     /// Whether the statistics of the last step are such as a step leaves, and nothing stands where nothing should.

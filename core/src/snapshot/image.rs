@@ -99,6 +99,9 @@ pub(super) struct Stored<'b, I> {
     pub(super) pairs: Packed<'b, Pair<I>>,
     pub(super) previous: Packed<'b, Pair<I>>,
     pub(super) before: Packed<'b, KeyBox>,
+    pub(super) reused: Packed<'b, u32>,
+    /// Of the reused slots.
+    pub(super) former: Packed<'b, u32>,
 }
 
 /// How long the sections are that do not depend on other sections.
@@ -163,6 +166,12 @@ impl<'b, I: Index> Stored<'b, I> {
         let members = leaves.iter().map(|leaf| u64::from(leaf.len)).sum::<u64>();
         // No slot stands twice.
         let members = usize::try_from(members).ok().filter(|members| *members <= slots)?;
+        let (members, large) = (body.cut(members)?, body.cut(lengths.large)?);
+        let (pairs, previous) = (body.cut(lengths.pairs)?, body.cut(kept(sizes.previous, lengths.previous))?);
+        let ones = |words: &Packed<'b, u32>| words.iter().map(|word| word.count_ones() as usize).sum();
+        let before = body.cut(kept(sizes.before, ones(&changed)))?;
+        let reused: Packed<'b, u32> = body.cut(kept(sizes.before, words))?;
+        let former = body.cut(ones(&reused))?;
         let stored = Self {
             now,
             fat,
@@ -182,12 +191,13 @@ impl<'b, I: Index> Stored<'b, I> {
             frames,
             bounds,
             nodes,
-            members: body.cut(members)?,
-            large: body.cut(lengths.large)?,
-            pairs: body.cut(lengths.pairs)?,
-            previous: body.cut(kept(sizes.previous, lengths.previous))?,
-            before: body
-                .cut(kept(sizes.before, changed.iter().map(|word| word.count_ones() as usize).sum()))?,
+            members,
+            large,
+            pairs,
+            previous,
+            before,
+            reused,
+            former,
         };
         body.rest.is_empty().then_some(stored)
     }
@@ -229,6 +239,10 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
         self.stored.before.at(rank)
     }
 
+    fn former(&self, _: usize, rank: usize) -> u32 {
+        self.stored.former.at(rank)
+    }
+
     fn filter(&self, slot: usize) -> Filter {
         self.stored.filters.at(slot)
     }
@@ -249,6 +263,7 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
             Set::Changed => &self.stored.changed,
             Set::Awake => &self.stored.active,
             Set::Refiltered => &self.stored.refiltered,
+            Set::Reused => &self.stored.reused,
         }
         .get(index)
     }

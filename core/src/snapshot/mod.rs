@@ -5,19 +5,23 @@
 //! holds positions, never addresses, so it can be loaded into any world of the same configuration on any machine of the same
 //! byte order.
 
+mod carry;
 mod image;
 mod replace;
 
 use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::id::Index;
+use crate::memory::layout::{Sizes, layout};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
+use crate::step::recount::prove_at_once;
 use crate::tree::Frame;
 use crate::validate::content::leaf;
-use crate::validate::{content, numbers};
+use crate::validate::{content, content_without_tree, numbers};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
+use carry::{carry, check_room};
 use image::{Image, Lengths, Stored};
 use replace::replace;
 
@@ -33,7 +37,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0007;
+const MAGIC: u64 = 0x7472_6973_6170_0008;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -60,8 +64,12 @@ impl<I: Index> World<'_, I> {
         Ok(needed)
     }
 
-    /// Replaces the world by the one that a snapshot was taken of; its last result comes with it. The configuration must be
-    /// the same, but for the number of workers; builds with and without the feature `large` read each other's. O(n + pairs).
+    /// Replaces the world by the one that a snapshot was taken of; its last result comes with it. Builds with and without the
+    /// feature `large` read each other's. O(n + pairs).
+    ///
+    /// Where the configurations are the same, but for the number of workers, the world goes on byte for byte. Else it goes on as
+    /// after [`move_into`](Self::move_into), in the configuration that it has: the same pairs and events, after a step that finds
+    /// all of them anew.
     ///
     /// All that can be refused is refused before anything changes, also of bytes that were forged with a right checksum. What is
     /// loaded is [valid](Self::validate), and its steps find what brute force finds: only what the last result was, what events
@@ -70,15 +78,21 @@ impl<I: Index> World<'_, I> {
     /// them anew.
     ///
     /// # Errors
-    /// [`Error::BadSnapshot`] where the bytes are no snapshot of a world of this configuration, or have changed since: the world
-    /// stays as it is.
+    /// [`Error::BadSnapshot`] where the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or [`Error::OtherConfig`] as
+    /// for [`move_into`](Self::move_into). The world stays as it is.
     pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
         let (state, sections) = body.split_at_checked(size_of::<State>()).ok_or(Error::BadSnapshot)?;
         let state: State = bytemuck::try_pod_read_unaligned(state).map_err(|_| Error::BadSnapshot)?;
         let parts = &mut self.parts;
         // A snapshot says nothing of what depends on the world alone.
-        if !state.is_portable() || !state.is_like(parts.state) || numbers(&state, &parts.sizes).is_err() {
+        if !state.is_portable() {
+            return Err(Error::BadSnapshot);
+        }
+        if !state.is_like(parts.state) {
+            return adapted(parts, &state, sections);
+        }
+        if numbers(&state, &parts.sizes).is_err() {
             return Err(Error::BadSnapshot);
         }
         let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;
@@ -90,6 +104,29 @@ impl<I: Index> World<'_, I> {
         replace(parts, &state, &stored);
         Ok(())
     }
+}
+
+/// Replaces a world by one of another configuration.
+fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -> Result<(), Error> {
+    if let Some(field) = state.difference(parts.state) {
+        return Err(Error::OtherConfig { field });
+    }
+    let config = state.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
+    let known = layout::<I>(&config).and_then(|_| Sizes::of::<I>(&config));
+    let sizes = &known.ok_or(Error::BadSnapshot)?;
+    numbers(state, sizes).map_err(|_| Error::BadSnapshot)?;
+    let stored = Stored::cut(state, sizes, sections).ok_or(Error::BadSnapshot)?;
+    // Nobody looks at the tree, which stays behind.
+    let image = Image { sizes, state, stored, classify: &mut [] };
+    content_without_tree(&image).map_err(|_| Error::BadSnapshot)?;
+    check_room(state, &parts.sizes)?;
+    parts.clear();
+    carry(&image, parts);
+    parts.state.unproven = 1;
+    if !cfg!(feature = "large") {
+        prove_at_once(parts);
+    }
+    Ok(())
 }
 
 /// The bytes behind the header, if that is right.
@@ -188,6 +225,10 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     // Of the boxes that the last step reported only those that differ from what it would report now.
     let changed = parts.changed.words.span(0, kept(sizes.before, words));
     to.each(bits::count(changed) as usize, bits::ones(changed).map(|slot| parts.boxes.before.at(slot)));
+    let former = &parts.former;
+    let reused = former.reused.words.span(0, kept(sizes.before, words));
+    to.section(reused);
+    to.each(bits::count(reused) as usize, bits::ones(reused).map(|slot| former.generations.at(slot)));
 }
 
 /// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.

@@ -32,10 +32,14 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
         (parts.moved.reborrow(), &stored.moved),
         (parts.changed.reborrow(), &stored.changed),
         (parts.filters.changed.reborrow(), &stored.refiltered),
+        (parts.former.reused.reborrow(), &stored.reused),
     ];
     for (marks, words) in &mut marks {
         words.copy_to(marks.words, 0);
         marks.regroup();
+    }
+    for (slot, generation) in bits::ones(parts.former.reused.words).zip(stored.former.iter()) {
+        parts.former.generations.put(slot, generation);
     }
     stored.stripes.copy_to(parts.output.planes, Default::default());
     // Of pairs, nobody looks at more than there are.

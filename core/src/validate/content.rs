@@ -32,6 +32,8 @@ pub(crate) enum Set {
     Awake,
     /// Whose filter has changed.
     Refiltered,
+    /// Whose slot had another object in the complete step before.
+    Reused,
 }
 
 /// Where an object stands in the tree.
@@ -54,6 +56,8 @@ pub(crate) trait Content<I: Index> {
     /// The box of the last complete step, of an object that may have another one since: the slot, and how many such slots there
     /// are below it.
     fn before(&self, slot: usize, rank: usize) -> KeyBox;
+    /// The generation of the object that had a reused slot: the slot, and how many such slots there are below it.
+    fn former(&self, slot: usize, rank: usize) -> u32;
     fn filter(&self, slot: usize) -> Filter;
     /// A row of the class matrix.
     fn class(&self, class: usize) -> u32;
@@ -89,7 +93,7 @@ pub(crate) trait Content<I: Index> {
 }
 
 /// The slab of a world.
-pub(super) struct InSlab<'p, 'm, I>(pub(super) &'p Parts<'m, I>);
+pub(crate) struct InSlab<'p, 'm, I>(pub(crate) &'p Parts<'m, I>);
 
 impl<I: Index> Content<I> for InSlab<'_, '_, I> {
     fn sizes(&self) -> &Sizes {
@@ -118,6 +122,10 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
         self.0.boxes.before.at(slot)
     }
 
+    fn former(&self, slot: usize, _: usize) -> u32 {
+        self.0.former.generations.at(slot)
+    }
+
     fn filter(&self, slot: usize) -> Filter {
         self.0.filters.of.at(slot)
     }
@@ -139,6 +147,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
             Set::Changed => parts.changed.words,
             Set::Awake => parts.active,
             Set::Refiltered => parts.filters.changed.words,
+            Set::Reused => parts.former.reused.words,
         };
         words.get(index).copied()
     }

@@ -58,3 +58,9 @@ pub(crate) fn content<I: Index>(content: &mut impl Content<I>) -> Result<(), Inv
     }
     pairs::pairs(content)
 }
+
+/// Checks what is left of a world that loses its tree, after the numbers.
+pub(crate) fn content_without_tree<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
+    objects::objects(content)?;
+    pairs::pairs(content)
+}

@@ -40,6 +40,7 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
     check(free + state.live as usize == slots, "the living objects are not counted right", slots)?;
     chain(content, free)?;
     last_boxes(content)?;
+    former(content)?;
     let stripes = content.stripes();
     check(stripes.is_none_or(|planes| planes.is_sorted()), "strips are out of order", 0)
 }
@@ -62,7 +63,7 @@ fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid
 fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.slots as usize;
-    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered] {
+    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered, Set::Reused] {
         if !slots.is_multiple_of(32) {
             let last = content.word(set, slots / 32).unwrap_or(0);
             check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
@@ -85,6 +86,21 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let any = |set| count(content, set, slots) > 0;
     check(state.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
     check(state.resting != 0 || !any(Set::Resting), "objects rest and nobody has put them to rest", 0)
+}
+
+/// Who had the slots of new objects: some object, and so not the one that has it now.
+fn former<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
+    let mut rank = 0;
+    for index in 0..bits::words(content.state().slots as usize) {
+        for bit in bits::of_word(content.word(Set::Reused, index).unwrap_or(0)) {
+            let slot = index * 32 + bit;
+            let generation = content.former(slot, rank);
+            let another = generation != 0 && generation != content.generation(slot);
+            check(another, "nobody had a slot that was given to another object", slot)?;
+            rank += 1;
+        }
+    }
+    Ok(())
 }
 
 /// The boxes that the last complete step reported, of those that may have others.

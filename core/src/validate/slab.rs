@@ -31,9 +31,14 @@ pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 /// What is beyond the slots is as new.
 fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.slots as usize;
-    for marks in
-        [&*parts.moved.words, parts.changed.words, parts.filters.changed.words, parts.resting, parts.active]
-    {
+    for marks in [
+        &*parts.moved.words,
+        parts.changed.words,
+        parts.filters.changed.words,
+        parts.resting,
+        parts.active,
+        parts.former.reused.words,
+    ] {
         let words = marks.get(bits::words(slots)..).unwrap_or_default();
         check(words.iter().all(|word| *word == 0), "a set has slots that there are not", slots)?;
     }

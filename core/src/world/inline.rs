@@ -38,6 +38,18 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
         World::new_in(&mut self.0, config)
     }
 
+    /// Moves a world here, from wherever it is: see [`World::move_into`].
+    ///
+    /// # Errors
+    /// Those of [`World::move_into`].
+    pub fn receive<I: Index>(
+        &mut self,
+        world: &World<'_, I>,
+        config: &Config,
+    ) -> Result<World<'_, I>, Error> {
+        world.move_into(&mut self.0, config)
+    }
+
     /// The world that [`init`](Self::init) made.
     ///
     /// # Errors

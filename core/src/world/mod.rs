@@ -2,6 +2,7 @@
 
 mod filters;
 mod inline;
+mod names;
 mod objects;
 mod rest;
 mod result;
@@ -131,6 +132,10 @@ impl<I: Index> World<'_, I> {
         parts.state.moved_inside_margin = 0;
         parts.state.outran = 0;
         parts.filters.changed.clear();
+        if parts.state.has_inserted == 0 {
+            // Those are of the step before.
+            parts.former.reused.clear();
+        }
         parts.state.has_inserted = 0;
         parts.state.dirty = 0;
         Ok(())

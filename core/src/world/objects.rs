@@ -141,7 +141,8 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.live += 1;
         // After four billion objects in one slot an old id could match again; skipping zero keeps ids non-null.
-        let generation = parts.generations.at(at).wrapping_add(1).max(1);
+        let former = parts.generations.at(at);
+        let generation = former.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
         if let (Some(margin), Some(length)) = (parts.state.margin(), parts.boxes.margins.get_mut(at)) {
             *length = margin_length(&margin, &bounds);
@@ -153,6 +154,8 @@ impl<I: Index> World<'_, I> {
         // An object that had the slot since the last step is forgotten: its pairs are lost either way.
         if let Some(before) = parts.boxes.before.get_mut(at) {
             *before = KeyBox::EMPTY;
+            let is_first = parts.state.has_inserted == 0;
+            parts.former.note(at, former, is_first);
         }
         parts.state.has_inserted = 1;
         parts.state.dirty = 1;

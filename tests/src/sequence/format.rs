@@ -152,7 +152,7 @@ pub enum Kind {
     LoadForged,
     /// The world is dropped and opened again.
     Reopen,
-    /// The world is copied to other memory and opened there.
+    /// The world is copied to other memory and opened there, or moves there.
     Copy,
 }
 

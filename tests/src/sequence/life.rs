@@ -69,11 +69,22 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
             life.apply(operation.clone());
         }
         model = life.checked.into_model();
-        if part.last().is_some_and(|operation| operation.kind == Kind::Copy) {
-            slabs = slabs.clone();
+        match part.last() {
+            Some(Operation { kind: Kind::Copy, argument, .. }) if argument % 4 == 0 => slabs = slabs.clone(),
+            Some(Operation { kind: Kind::Copy, .. }) => slabs.iter_mut().for_each(moved::<I>),
+            _ => {}
         }
     }
     past.tally
+}
+
+/// The world goes to other memory, without its tree.
+fn moved<I: Index>(slab: &mut Slab) {
+    let world = World::<I>::open(slab.bytes_mut()).expect("the world that is there");
+    let config = world.config();
+    let mut room = Slab::new::<I>(&config);
+    let _ = world.move_into(room.bytes_mut(), &config).expect("it fits where it was");
+    *slab = room;
 }
 
 impl<'m, I: Index> Life<'m, '_, I> {

@@ -5,7 +5,7 @@ use crate::SlotPair;
 use crate::checked::Outcome;
 use std::fmt;
 use std::ops::AddAssign;
-use trisap_core::{Error, Path, Stats};
+use trisap_core::{Error, Field, Path, Stats};
 
 /// Counts of what ran, and a hash of all that was said: what the same sequence through the C ABI must come to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -195,6 +195,9 @@ fn status(error: &Error) -> u64 {
         Error::OutputFull { .. } => 19,
         Error::BadSnapshot => 20,
         Error::BadShift => 21,
+        Error::NoRoom { field: Field::Objects, .. } => 11,
+        Error::NoRoom { .. } => 14,
+        Error::OtherConfig { .. } => 23,
         other => panic!("{other} is no answer to what a sequence does"),
     }
 }

@@ -1,0 +1,59 @@
+//! Pairs by ids, which stay good when slots go to other objects.
+
+use super::{Step, World};
+use crate::access::{Access, bits};
+use crate::id::{Id, Index, Pair};
+
+/// Results by id.
+impl<I: Index> World<'_, I> {
+    /// [`pairs`](Self::pairs) by id. A pair of which an object has been removed since the step is left out.
+    pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
+        self.living(self.pairs())
+    }
+
+    /// [`found`](Self::found) by id. A pair of which an object has been removed since the step is left out.
+    pub fn found_ids(&self) -> impl Iterator<Item = [Id; 2]> {
+        self.living(self.found())
+    }
+
+    /// [`lost`](Self::lost) by the ids of the objects that were the pair, also where they are no more and others have their slots.
+    /// To be asked before an object comes: until then these are the ids that the last two steps knew.
+    pub fn lost_ids(&self) -> impl Iterator<Item = [Id; 2]> {
+        self.lost().iter().filter_map(|pair| {
+            let [a, b] = pair.map(|slot| self.former_id(slot.at()));
+            Some([a?, b?])
+        })
+    }
+
+    fn living(&self, pairs: &[Pair<I>]) -> impl Iterator<Item = [Id; 2]> {
+        pairs.iter().filter_map(|pair| {
+            let [a, b] = pair.map(|slot| self.id_at(slot.slot()));
+            Some([a?, b?])
+        })
+    }
+
+    /// The object that had a slot in the complete step before the last one, if one had.
+    fn former_id(&self, slot: usize) -> Option<Id> {
+        let former = &self.parts.former;
+        let is_reused = bits::test(former.reused.words, slot);
+        let generations = if is_reused { &former.generations } else { &self.parts.generations };
+        Id::new(slot as u32, generations.at(slot))
+    }
+}
+
+impl<'w, I: Index> Step<'w, I> {
+    /// See [`World::pair_ids`]; here nobody is missing.
+    pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> + use<'w, I> {
+        self.world.pair_ids()
+    }
+
+    /// See [`World::found_ids`]; here nobody is missing.
+    pub fn found_ids(&self) -> impl Iterator<Item = [Id; 2]> + use<'w, I> {
+        self.world.found_ids()
+    }
+
+    /// See [`World::lost_ids`].
+    pub fn lost_ids(&self) -> impl Iterator<Item = [Id; 2]> + use<'w, I> {
+        self.world.lost_ids()
+    }
+}

@@ -1,0 +1,135 @@
+use super::*;
+use std::collections::{BTreeMap, BTreeSet};
+use trisap_core::Margin;
+
+/// Numbers that look random (SplitMix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        ((z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb) >> 33) % end
+    }
+
+    fn aabb(&mut self, side: u64) -> Aabb {
+        let corner = [(); 3].map(|()| self.below(side) as f32 * 0.5);
+        Aabb::new(corner, corner.map(|low| low + 1.0))
+    }
+}
+
+type Pairs = BTreeSet<[u64; 2]>;
+
+fn in_order(pairs: impl Iterator<Item = [u64; 2]>) -> Pairs {
+    let mut count = 0;
+    let set: Pairs = pairs.inspect(|_| count += 1).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    assert_eq!(set.len(), count, "no pair twice");
+    set
+}
+
+/// What brute force finds.
+fn overlapping(boxes: &BTreeMap<u64, Aabb>) -> Pairs {
+    let mut pairs = Pairs::new();
+    for (a, one) in boxes {
+        for (b, other) in boxes.range(a + 1..) {
+            if one.overlaps(other) {
+                pairs.insert([*a, *b]);
+            }
+        }
+    }
+    pairs
+}
+
+/// From nothing on, with keys that come and go; now and then back to a snapshot. Returns to how many objects and pairs the room grew.
+fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
+    let mut numbers = Numbers(seed);
+    let mut broad_phase = BroadPhase::with_config(config).expect("a small world");
+    let (mut boxes, mut last) = (BTreeMap::new(), Pairs::new());
+    let mut next = 0;
+    let mut saved = None;
+    for round in 0..rounds {
+        for _ in 0..numbers.below(12) {
+            let aabb = numbers.aabb(12);
+            broad_phase.insert(next, aabb).expect("memory");
+            boxes.insert(next, aabb);
+            next += 1;
+        }
+        for _ in 0..numbers.below(8) {
+            let key = numbers.below(next.max(1));
+            if numbers.below(2) == 0 {
+                assert_eq!(broad_phase.remove(&key), boxes.remove(&key).is_some());
+                continue;
+            }
+            let aabb = numbers.aabb(12);
+            let known = broad_phase.update(&key, aabb).expect("a good box");
+            assert_eq!(known, boxes.contains_key(&key));
+            boxes.entry(key).and_modify(|old| *old = aabb);
+        }
+        if round % 16 == 3 {
+            saved = Some((broad_phase.save(), boxes.clone(), last.clone()));
+        }
+        if round % 16 == 13
+            && let Some((snapshot, then, pairs)) = &saved
+        {
+            let into_another = numbers.below(2) == 0;
+            if into_another {
+                broad_phase = BroadPhase::with_config(config).expect("a small world");
+            }
+            broad_phase.restore(snapshot).expect("memory");
+            (boxes, last) = (then.clone(), pairs.clone());
+        }
+        let step = broad_phase.step().expect("memory");
+        let expected = overlapping(&boxes);
+        assert_eq!(in_order(step.pairs()), expected);
+        if config.events {
+            assert_eq!(in_order(step.found()), expected.difference(&last).copied().collect::<Pairs>());
+            assert_eq!(in_order(step.lost()), last.difference(&expected).copied().collect::<Pairs>());
+        }
+        last = expected;
+        assert_eq!(broad_phase.len(), boxes.len());
+        let region = numbers.aabb(12);
+        let inside: BTreeSet<u64> =
+            broad_phase.overlaps(&Region::Aabb(region)).expect("a region").into_iter().collect();
+        let expected = boxes.iter().filter(|(_, aabb)| aabb.overlaps(&region)).map(|(key, _)| *key);
+        assert_eq!(inside, expected.collect());
+        if let Some((key, aabb)) = boxes.iter().next() {
+            assert_eq!(broad_phase.aabb(key), Some(*aabb));
+            let nearest = broad_phase.nearest(aabb.min, 1).expect("a point");
+            assert_eq!(nearest[0].1, 0.0);
+        }
+    }
+    broad_phase.config().capacity
+}
+
+/// All that brute force says, by key, in worlds that begin with next to nothing.
+#[test]
+fn it_says_what_brute_force_says() {
+    let tiny = Config::new(Capacity { objects: 1, leaf_refs: 0, pairs: 1 });
+    let margin = tiny.with_margin(Margin::length(0.25)).with_events();
+    for (seed, config) in
+        [tiny, tiny.with_events(), margin, tiny.with_events().with_workers(3)].iter().enumerate()
+    {
+        for round in 0..20 {
+            let grown = live(config, seed as u64 * 100 + round, 60);
+            assert!(grown.objects >= 64 && grown.pairs > 500, "{grown:?}");
+        }
+    }
+    // Beyond the size of one leaf.
+    let grown = live(&tiny.with_events(), 7, 400);
+    assert!(grown.objects > 512, "{grown:?}");
+}
+
+#[test]
+fn a_key_that_comes_back_is_another_object() {
+    let cube = Aabb::new([0.0; 3], [1.0; 3]);
+    let mut broad_phase = BroadPhase::default();
+    for key in ['a', 'b'] {
+        broad_phase.insert(key, cube).expect("room");
+    }
+    assert_eq!(broad_phase.step().expect("room").found().count(), 1);
+    assert!(broad_phase.remove(&'a') && !broad_phase.remove(&'a'));
+    broad_phase.insert('a', cube).expect("room");
+    let step = broad_phase.step().expect("room");
+    assert_eq!(step.found().collect::<Vec<_>>(), [['a', 'b']]);
+    assert_eq!(step.lost().collect::<Vec<_>>(), [['a', 'b']]);
+}
