@@ -25,6 +25,7 @@
 //! ```
 
 mod balance;
+mod events;
 mod exchange;
 mod fault;
 mod file;

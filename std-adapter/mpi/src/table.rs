@@ -13,6 +13,10 @@ const OWNED: u8 = 2;
 const CHANGED: u8 = 4;
 /// The rank owns it since this step.
 const NEW: u8 = 8;
+/// It lives in this slot since this step.
+const ENTERED: u8 = 16;
+/// Another object has left this slot in this step.
+const VACATED: u8 = 32;
 
 /// Spreads keys that follow each other: the usual hash of the standard library takes longer than all else that is done with
 /// a ghost.
@@ -97,6 +101,19 @@ impl Table {
         self.flags[slot as usize] & (OWNED | NEW) == OWNED
     }
 
+    /// Whether the object lives and did so in the last step, in this slot.
+    #[inline]
+    pub(crate) fn is_known(&self, slot: u32) -> bool {
+        self.flags[slot as usize] & (LIVES | ENTERED) == LIVES
+    }
+
+    /// Whether an object has left this slot in this step.
+    #[inline]
+    pub(crate) fn was_vacated(&self, slot: u32) -> bool {
+        self.flags[slot as usize] & VACATED != 0
+    }
+
+    #[inline]
     pub(crate) fn key(&self, slot: u32) -> u64 {
         self.keys[slot as usize]
     }
@@ -123,18 +140,13 @@ impl Table {
 
     /// Puts an object into a slot where none lives.
     pub(crate) fn put(&mut self, slot: u32, object: &Object, owned: bool) {
+        self.make_room(slot);
         let at = slot as usize;
-        if at >= self.keys.len() {
-            self.keys.resize(at + 1, 0);
-            self.now.resize(at + 1, NOWHERE);
-            self.before.resize(at + 1, NOWHERE);
-            self.flags.resize(at + 1, 0);
-        }
         self.keys[at] = object.key;
         self.now[at] = object.now;
         self.before[at] = object.before;
         // Where a slot's former object had changed, the slot stands in the list already.
-        self.flags[at] = self.flags[at] & CHANGED | LIVES;
+        self.flags[at] = self.flags[at] & (CHANGED | VACATED) | LIVES | ENTERED;
         self.slots.insert(object.key, slot);
         self.set_owned(slot, owned);
         self.mark(slot);
@@ -146,7 +158,25 @@ impl Table {
         self.set_owned(slot, false);
         self.flags[slot as usize] &= !LIVES;
         self.slots.remove(&object.key);
+        self.vacate(slot);
         object
+    }
+
+    /// Notes that an object has left a slot in this step.
+    pub(crate) fn vacate(&mut self, slot: u32) {
+        self.make_room(slot);
+        self.flags[slot as usize] |= VACATED;
+        self.mark(slot);
+    }
+
+    fn make_room(&mut self, slot: u32) {
+        let at = slot as usize;
+        if at >= self.keys.len() {
+            self.keys.resize(at + 1, 0);
+            self.now.resize(at + 1, NOWHERE);
+            self.before.resize(at + 1, NOWHERE);
+            self.flags.resize(at + 1, 0);
+        }
     }
 
     /// Says whether the rank owns an object.
@@ -173,7 +203,7 @@ impl Table {
     pub(crate) fn conclude(&mut self) {
         for slot in self.changed.drain(..) {
             let at = slot as usize;
-            self.flags[at] &= !(CHANGED | NEW);
+            self.flags[at] &= !(CHANGED | NEW | ENTERED | VACATED);
             self.before[at] = self.now[at];
         }
     }
