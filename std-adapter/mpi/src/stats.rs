@@ -66,7 +66,10 @@ pub struct Stats {
     pub departed: u64,
     /// Bytes that it has sent.
     pub bytes: u64,
-    /// Bytes of these that are boxes and keys of objects that had to travel.
+    /// Objects that it has told other ranks of, once for each rank: because they changed and reach or reached its cell.
+    pub told: u64,
+    /// Bytes of these that are boxes and keys of objects that had to travel: 32 for each object that the other rank knows, 56 for
+    /// each that it does not, since only with the box of the last step it can tell a new pair from one that another rank had.
     pub bytes_needed: u64,
     /// Messages that it has sent.
     pub messages: u64,

@@ -287,6 +287,7 @@ impl SplitWorld {
                 self.links.told(rank, batch.needed() > 0);
                 let bytes = batch.encode(self.settings.version, self.step);
                 self.stats.bytes += bytes.len() as u64;
+                self.stats.told += batch.objects();
                 self.stats.bytes_needed += batch.needed();
                 self.stats.messages += 1;
                 if is_linked { &mut linked } else { &mut far }.push((rank, bytes));

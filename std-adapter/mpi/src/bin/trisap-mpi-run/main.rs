@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod network;
 mod source;
 mod table;
 
@@ -67,6 +68,10 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
     let (rank, ranks) = (comm.rank() as usize, comm.size() as usize);
     if args.processes {
         println!("rank {rank} is process {}", std::process::id());
+    }
+    if args.network {
+        network::print(comm);
+        return Ok(());
     }
     let mut source = Source::new(args)?;
     let settings = settings(args, rank, args.n / ranks as u32 + 1024);

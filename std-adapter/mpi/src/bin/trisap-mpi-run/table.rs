@@ -5,13 +5,14 @@ use mpi::traits::*;
 use trisap_mpi::{Stage, Stats};
 
 const STAGES: usize = Stage::ALL.len();
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "objects",
     "ghosts",
     "pairs",
     "found",
     "lost",
     "arrived",
+    "told",
     "bytes",
     "needed",
     "messages",
@@ -42,6 +43,7 @@ impl Sums {
             found,
             lost,
             stats.arrived,
+            stats.told,
             stats.bytes,
             stats.bytes_needed,
             stats.messages,
@@ -99,11 +101,12 @@ impl Sums {
         }
         let slowest = |index: usize| column(index).map(|at| all[at]).fold(0.0, f64::max);
         println!(
-            "frame {:.3} ms, of the processor {:.3} ms, ghosts {:.2} % of the objects, bytes {:.3} of what is needed",
+            "frame {:.3} ms, of the processor {:.3} ms, ghosts {:.2} % of the objects, bytes {:.3} of what is needed, {:.1} for each object told",
             slowest(COLUMNS.len() + TIMES - 1),
             slowest(ALL - 1),
             100.0 * total(1) / total(0).max(1.0),
-            total(6) / total(7).max(1.0)
+            total(7) / total(8).max(1.0),
+            total(7) / total(6).max(1.0)
         );
     }
 }
