@@ -74,7 +74,7 @@ for ranks in 1 2 3 4 8; do
         check "$ranks" --scene unbounded -n 300 --frames 20 --room 2 --overlap $overlap
         # Fewer objects than ranks, and one object: some ranks are empty.
         check "$ranks" --scene scatter -n 3 --frames 40 --overlap $overlap
-        check "$ranks" --scene level -n 1 --frames 8 --fixed-planes --overlap $overlap
+        check "$ranks" --scene scatter -n 1 --frames 40 --overlap $overlap
         [ "$ranks" = 1 ] || empty
         check "$ranks" --scene lives -n 5 --frames 60 --overlap $overlap
         check "$ranks" --scene scatter -n 2000 --frames 20 --overlap $overlap

@@ -33,9 +33,19 @@ pub(crate) struct Deciding<'l> {
 }
 
 impl Deciding<'_> {
+    /// A candidate of two objects that the rank owns and owned in the last step: it is right, and belongs to this rank.
+    #[inline]
+    fn steady(&self, pair: [u32; 2]) -> Option<KeyPair> {
+        self.table.steady_keys(pair).map(ordered)
+    }
+
     /// A pair that the only sweep of a step has found, if it belongs to this rank and is new.
     #[inline]
     pub(crate) fn found(&self, pair: [u32; 2]) -> Option<KeyPair> {
+        self.steady(pair).or_else(|| self.found_of_others(pair))
+    }
+
+    fn found_of_others(&self, pair: [u32; 2]) -> Option<KeyPair> {
         let table = self.table;
         let is_found = if pair.iter().all(|slot| table.is_known(*slot)) {
             // The sweep has compared the very boxes that count.
@@ -49,6 +59,10 @@ impl Deciding<'_> {
     /// A pair that the only sweep of a step has lost, if it belonged to this rank and is not there now.
     #[inline]
     pub(crate) fn lost(&self, pair: [u32; 2]) -> Option<KeyPair> {
+        self.steady(pair).or_else(|| self.lost_of_others(pair))
+    }
+
+    fn lost_of_others(&self, pair: [u32; 2]) -> Option<KeyPair> {
         let table = self.table;
         let is_lost = if pair.iter().all(|slot| table.is_known(*slot)) {
             pair.iter().any(|slot| table.is_steady(*slot)) || self.held_before(pair)
@@ -58,14 +72,26 @@ impl Deciding<'_> {
         is_lost.then(|| self.keys(pair, When::Start))
     }
 
+    /// As [`found`](Self::found), of one of two sweeps.
+    pub(crate) fn found_of_two(&self, pair: [u32; 2], when: When) -> Option<KeyPair> {
+        let decided = || self.is_new(pair, when).then(|| self.keys(pair, when));
+        self.steady(pair).or_else(decided)
+    }
+
+    /// As [`lost`](Self::lost), of one of two sweeps.
+    pub(crate) fn lost_of_two(&self, pair: [u32; 2], when: When) -> Option<KeyPair> {
+        let decided = || self.was_there(pair, when).then(|| self.keys(pair, when));
+        self.steady(pair).or_else(decided)
+    }
+
     /// Whether a pair overlaps now, did not before, and belongs to this rank.
-    pub(crate) fn is_new(&self, pair: [u32; 2], when: When) -> bool {
+    fn is_new(&self, pair: [u32; 2], when: When) -> bool {
         let [a, b] = pair.map(|slot| self.object(slot, when));
         a.now.overlaps(&b.now) && !a.before.overlaps(&b.before) && self.now.holds(corner(&a.now, &b.now))
     }
 
     /// Whether a pair overlapped before, does not now, and belonged to this rank.
-    pub(crate) fn was_there(&self, pair: [u32; 2], when: When) -> bool {
+    fn was_there(&self, pair: [u32; 2], when: When) -> bool {
         let [a, b] = pair.map(|slot| self.object(slot, when));
         a.before.overlaps(&b.before)
             && !a.now.overlaps(&b.now)
@@ -74,7 +100,7 @@ impl Deciding<'_> {
 
     /// The keys of a pair, the lower one first.
     #[inline]
-    pub(crate) fn keys(&self, pair: [u32; 2], when: When) -> KeyPair {
+    fn keys(&self, pair: [u32; 2], when: When) -> KeyPair {
         ordered(pair.map(|slot| self.key(slot, when)))
     }
 

@@ -177,20 +177,13 @@ impl Local {
         found: &mut Vec<KeyPair>,
         lost: &mut Vec<KeyPair>,
     ) {
-        let table = &self.table;
         let world = self.world.world();
-        let deciding = Deciding { table, gone: &self.gone, now, before };
-        let steady = |pair: &[u32; 2]| pair.iter().all(|slot| table.is_steady(*slot));
+        let deciding = Deciding { table: &self.table, gone: &self.gone, now, before };
         found.clear();
         lost.clear();
         if self.swept {
-            // A candidate of objects that the rank has had and has is right, and their corner is in its cell.
-            let found_of = |pair: &[u32; 2], when| {
-                (steady(pair) || deciding.is_new(*pair, when)).then(|| deciding.keys(*pair, when))
-            };
-            let lost_of = |pair: &[u32; 2], when| {
-                (steady(pair) || deciding.was_there(*pair, when)).then(|| deciding.keys(*pair, when))
-            };
+            let found_of = |pair: &[u32; 2], when| deciding.found_of_two(*pair, when);
+            let lost_of = |pair: &[u32; 2], when| deciding.lost_of_two(*pair, when);
             found.extend(self.found.iter().filter_map(|pair| found_of(pair, When::EarlySweep)));
             found.extend(world.found().iter().filter_map(|pair| found_of(pair, When::Now)));
             lost.extend(self.lost.iter().filter_map(|pair| lost_of(pair, When::Start)));

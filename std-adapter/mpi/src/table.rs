@@ -18,6 +18,9 @@ const ENTERED: u8 = 16;
 /// Another object has left this slot in this step.
 const VACATED: u8 = 32;
 
+/// What stands for the key of an object that is not steady. A steady object of this very key only takes the longer way.
+const UNSTEADY: u64 = u64::MAX;
+
 /// Spreads keys that follow each other: the usual hash of the standard library takes longer than all else that is done with
 /// a ghost.
 #[derive(Debug, Default)]
@@ -55,6 +58,8 @@ pub(crate) struct Object {
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     keys: Vec<u64>,
+    /// The keys of steady objects again: of most pairs, nothing else is read.
+    steady: Vec<u64>,
     /// The boxes as they are now.
     pub(crate) now: Vec<Aabb>,
     before: Vec<Aabb>,
@@ -99,6 +104,13 @@ impl Table {
     #[inline]
     pub(crate) fn is_steady(&self, slot: u32) -> bool {
         self.flags[slot as usize] & (OWNED | NEW) == OWNED
+    }
+
+    /// The keys of two steady objects.
+    #[inline]
+    pub(crate) fn steady_keys(&self, pair: [u32; 2]) -> Option<[u64; 2]> {
+        let keys = pair.map(|slot| self.steady[slot as usize]);
+        keys.iter().all(|key| *key != UNSTEADY).then_some(keys)
     }
 
     /// Whether the object lives and did so in the last step, in this slot.
@@ -173,6 +185,7 @@ impl Table {
         let at = slot as usize;
         if at >= self.keys.len() {
             self.keys.resize(at + 1, 0);
+            self.steady.resize(at + 1, UNSTEADY);
             self.now.resize(at + 1, NOWHERE);
             self.before.resize(at + 1, NOWHERE);
             self.flags.resize(at + 1, 0);
@@ -181,6 +194,7 @@ impl Table {
 
     /// Says whether the rank owns an object.
     pub(crate) fn set_owned(&mut self, slot: u32, owned: bool) {
+        self.steady[slot as usize] = UNSTEADY;
         self.owned = self.owned - usize::from(self.is_owned(slot)) + usize::from(owned);
         if owned {
             self.flags[slot as usize] |= OWNED | NEW;
@@ -203,6 +217,9 @@ impl Table {
     pub(crate) fn conclude(&mut self) {
         for slot in self.changed.drain(..) {
             let at = slot as usize;
+            if self.flags[at] & (OWNED | NEW) == OWNED | NEW {
+                self.steady[at] = self.keys[at];
+            }
             self.flags[at] &= !(CHANGED | NEW | ENTERED | VACATED);
             self.before[at] = self.now[at];
         }
