@@ -4,6 +4,7 @@ use mpi::collective::{SystemOperation, UserOperation};
 use mpi::request::{Request, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 use trisap::{Executor, Stage};
 
@@ -25,6 +26,8 @@ pub(crate) type Letter = (usize, Vec<u8>);
 pub(crate) struct Exchange {
     comm: SimpleCommunicator,
     timeout: Duration,
+    /// How many reductions and gatherings there have been.
+    collectives: Cell<u64>,
 }
 
 /// The kinds of messages. Each has tags of its own in each of 1,000 steps.
@@ -37,7 +40,7 @@ const NO_TAG: i32 = 2001;
 impl Exchange {
     /// Over a communicator of its own, so that messages do not meet those of the caller. All ranks have to call it.
     pub(crate) fn new(comm: &SimpleCommunicator, timeout: Duration) -> Self {
-        Self { comm: comm.duplicate(), timeout }
+        Self { comm: comm.duplicate(), timeout, collectives: Cell::new(0) }
     }
 
     /// This rank.
@@ -48,6 +51,15 @@ impl Exchange {
     /// How many there are.
     pub(crate) fn ranks(&self) -> usize {
         self.comm.size() as usize
+    }
+
+    /// How many reductions and gatherings of all ranks there have been.
+    pub(crate) fn collectives(&self) -> u64 {
+        self.collectives.get()
+    }
+
+    fn count_collective(&self) {
+        self.collectives.set(self.collectives.get() + 1);
     }
 
     /// Ends all ranks: this one has found something that makes a right answer impossible.
@@ -115,8 +127,9 @@ impl Exchange {
         (0..count).map(receive).collect()
     }
 
-    /// The exchange of a step, of objects that this rank knows of and that it owned when the step began. Each linked rank gets a message and sends one; all other messages are far ones, which nobody
-    /// expects before the reduction has told of them. `work` is done while messages travel.
+    /// The exchange of a step, with the counts of objects that this rank knows of and that it owned when the step began. Each
+    /// linked rank gets a message and sends one; all other messages are far ones, which nobody expects before the reduction has
+    /// told of them. `work` is done while messages travel.
     ///
     /// Returns what has come, and the census of all ranks.
     pub(crate) fn step(
@@ -151,6 +164,7 @@ impl Exchange {
                     sent.push(process.immediate_send_with_tag(sending, bytes.as_slice(), tag + kind));
                 }
             }
+            self.count_collective();
             scope(|reducing| {
                 let request =
                     self.comm.immediate_all_reduce_into(reducing, &told[..], &mut heard[..], &operation);
@@ -206,6 +220,7 @@ impl Exchange {
     }
 
     fn reduce(&self, numbers: &[u64], operation: SystemOperation) -> Vec<u64> {
+        self.count_collective();
         let mut result = vec![0; numbers.len()];
         scope(|scope| {
             let request =
@@ -217,6 +232,7 @@ impl Exchange {
 
     /// The numbers of all ranks, as many from each, in the order of ranks.
     pub(crate) fn gather_all(&self, numbers: &[f32]) -> Vec<f32> {
+        self.count_collective();
         let mut result = vec![0.0; numbers.len() * self.ranks()];
         scope(|scope| {
             let request = self.comm.immediate_all_gather_into(scope, numbers, result.as_mut_slice());

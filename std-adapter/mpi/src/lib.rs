@@ -25,11 +25,15 @@
 //! ```
 
 mod balance;
+mod events;
 mod exchange;
 mod fault;
 mod file;
+mod links;
 mod local;
 mod message;
+mod objects;
+mod overlap;
 mod pairs;
 mod route;
 mod settings;

@@ -5,6 +5,7 @@
 //! is a candidate. Boxes decide: a pair is found if its boxes overlap now and did not in the last step, and lost if it is the
 //! other way round. So an object that comes from another rank brings its box of the last step.
 
+use crate::events::{Deciding, Gone, When, ordered};
 use crate::message::NOWHERE;
 use crate::split::{Cell, corner};
 use crate::table::{KeyMap, Object, Table};
@@ -22,9 +23,6 @@ pub(crate) struct Means<'e> {
 
 /// Before the early sweep; after it is 1.
 const EARLY: usize = 0;
-
-/// Objects that lived in the last step and have left, by the slot that they had.
-type Gone = KeyMap<u32, Object>;
 
 /// The world of one rank.
 pub(crate) struct Local {
@@ -151,6 +149,7 @@ impl Local {
         for object in gone.iter().filter(|object| object.before != NOWHERE) {
             let slot = world.insert(object.before)?.slot();
             self.gone[EARLY].insert(slot, *object);
+            self.table.vacate(slot);
         }
         for (object, owned) in living.iter().filter(|(object, _)| object.before != NOWHERE) {
             let slot = world.insert(object.before)?.slot();
@@ -178,38 +177,21 @@ impl Local {
         found: &mut Vec<KeyPair>,
         lost: &mut Vec<KeyPair>,
     ) {
-        let [first_gone, last_gone] = &self.gone;
-        let table = &self.table;
-        let in_table = |slot: u32| table.get(slot);
-        let at_early_sweep = |slot: u32| last_gone.get(&slot).copied().unwrap_or_else(|| in_table(slot));
-        let at_start = |slot: u32| first_gone.get(&slot).copied().unwrap_or_else(|| at_early_sweep(slot));
-        let is_new = |[a, b]: &[Object; 2]| {
-            a.now.overlaps(&b.now) && !a.before.overlaps(&b.before) && now.holds(corner(&a.now, &b.now))
-        };
-        let is_old = |[a, b]: &[Object; 2]| {
-            a.before.overlaps(&b.before)
-                && !a.now.overlaps(&b.now)
-                && before.holds(corner(&a.before, &b.before))
-        };
-        let told = |pair: &[u32; 2], who: &dyn Fn(u32) -> Object, decides: &dyn Fn(&[Object; 2]) -> bool| {
-            // Most pairs are of two objects that the rank has had and has, and their corner is in its cell.
-            if pair.iter().all(|slot| table.is_steady(*slot)) {
-                return Some(ordered(pair.map(|slot| table.key(slot))));
-            }
-            let objects = pair.map(who);
-            decides(&objects).then(|| ordered(objects.map(|object| object.key)))
-        };
         let world = self.world.world();
+        let deciding = Deciding { table: &self.table, gone: &self.gone, now, before };
         found.clear();
         lost.clear();
         if self.swept {
-            found.extend(self.found.iter().filter_map(|pair| told(pair, &at_early_sweep, &is_new)));
-            lost.extend(self.lost.iter().filter_map(|pair| told(pair, &at_start, &is_old)));
-            lost.extend(world.lost().iter().filter_map(|pair| told(pair, &at_early_sweep, &is_old)));
+            let found_of = |pair: &[u32; 2], when| deciding.found_of_two(*pair, when);
+            let lost_of = |pair: &[u32; 2], when| deciding.lost_of_two(*pair, when);
+            found.extend(self.found.iter().filter_map(|pair| found_of(pair, When::EarlySweep)));
+            found.extend(world.found().iter().filter_map(|pair| found_of(pair, When::Now)));
+            lost.extend(self.lost.iter().filter_map(|pair| lost_of(pair, When::Start)));
+            lost.extend(world.lost().iter().filter_map(|pair| lost_of(pair, When::EarlySweep)));
         } else {
-            lost.extend(world.lost().iter().filter_map(|pair| told(pair, &at_start, &is_old)));
+            found.extend(world.found().iter().filter_map(|pair| deciding.found(*pair)));
+            lost.extend(world.lost().iter().filter_map(|pair| deciding.lost(*pair)));
         }
-        found.extend(world.found().iter().filter_map(|pair| told(pair, &in_table, &is_new)));
         self.table.conclude();
         self.gone.iter_mut().for_each(KeyMap::clear);
         self.swept = false;
@@ -218,18 +200,14 @@ impl Local {
     /// Visits the pairs of this rank.
     pub(crate) fn visit_pairs(&mut self, cell: &Cell, mut visit: impl FnMut(KeyPair)) {
         for [a, b] in self.world.world().pairs() {
-            // The corner of two boxes whose minima are in the cell is in it too.
-            let both_owned = self.table.is_owned(*a) && self.table.is_owned(*b);
+            // See `Deciding` for why one owned object is enough.
+            let one_owned = self.table.is_owned(*a) || self.table.is_owned(*b);
             let (a, b) = (*a as usize, *b as usize);
-            if both_owned || cell.holds(corner(&self.table.now[a], &self.table.now[b])) {
+            if one_owned || cell.holds(corner(&self.table.now[a], &self.table.now[b])) {
                 visit(ordered([self.table.key(a as u32), self.table.key(b as u32)]));
             }
         }
     }
-}
-
-fn ordered([a, b]: KeyPair) -> KeyPair {
-    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

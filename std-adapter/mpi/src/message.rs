@@ -60,6 +60,11 @@ impl Batch {
         (newcomers * size_of::<Newcomer>() + changes * size_of::<Change>()) as u64
     }
 
+    /// The objects that it tells of.
+    pub(crate) fn objects(&self) -> u64 {
+        (self.owned.len() + self.entered.len() + self.moved.len() + self.left.len()) as u64
+    }
+
     /// As bytes.
     pub(crate) fn encode(&self, version: u32, step: u64) -> Vec<u8> {
         let counts = [self.owned.len(), self.entered.len(), self.moved.len(), self.left.len()];

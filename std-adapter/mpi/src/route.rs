@@ -144,4 +144,28 @@ mod tests {
             route.batches.iter().map(|batch| (batch.owned.len(), batch.entered.len())).collect();
         assert_eq!(counts, [(1, 0), (0, 1), (0, 1), (0, 0)]);
     }
+
+    #[test]
+    fn where_planes_move_only_what_they_pass_travels() {
+        let before = split(2);
+        // The plane goes from 0 to 10.
+        let mut points: Vec<_> = (-40..60).map(|i| [i as f32, 0.0, 0.0]).collect();
+        let now = before.moved(&mut points);
+        assert_ne!(now, before);
+        // The second rank owned all from 0 on: it keeps what is from 10 on.
+        let mut route = Route::new(1, &before, &now);
+        for x in 0..50 {
+            let aabb = cube(x as f32 + 0.5);
+            let fate = route.tell(&Object { key: x, now: aabb, before: aabb });
+            let expected = match x {
+                0..9 => Fate::Leaves(0),
+                9 => Fate::Ghost(0),
+                _ => Fate::Stays,
+            };
+            assert_eq!(fate, expected, "{x}");
+        }
+        let owned: Vec<_> = route.batches[0].owned.iter().map(|newcomer| newcomer.key).collect();
+        assert_eq!(owned, (0..10).collect::<Vec<_>>());
+        assert_eq!(route.batches[0], Batch { owned: route.batches[0].owned.clone(), ..Batch::default() });
+    }
 }

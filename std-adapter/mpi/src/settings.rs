@@ -14,7 +14,7 @@ pub struct Settings {
     /// with objects in any case.
     pub balance: bool,
     /// Whether a rank sweeps its own boxes while those of ghosts travel, and then once more for the ghosts. Automatic: where
-    /// there are at least 4,096 objects and at most one in sixteen came from another rank in the last step.
+    /// there are at least 4,096 objects and the last step with one sweep waited for messages longer than a second sweep takes.
     pub overlap: Choice,
     /// After so long without an answer from another rank, all ranks end with a message. Has to be longer than the ranks' times
     /// between two steps may differ.

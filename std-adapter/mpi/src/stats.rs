@@ -1,5 +1,6 @@
 //! What a step has done.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
 /// The parts of a step, in order.
@@ -65,34 +66,49 @@ pub struct Stats {
     pub departed: u64,
     /// Bytes that it has sent.
     pub bytes: u64,
-    /// Bytes of these that are boxes and keys of objects that had to travel.
+    /// Objects that it has told other ranks of, once for each rank: because they changed and reach or reached its cell.
+    pub told: u64,
+    /// Bytes of these that are boxes and keys of objects that had to travel: 32 for each object that the other rank knows, 56 for
+    /// each that it does not, since only with the box of the last step it can tell a new pair from one that another rank had.
     pub bytes_needed: u64,
     /// Messages that it has sent.
     pub messages: u64,
     /// Messages of all ranks to ranks that did not expect one.
     pub far: u64,
+    /// Reductions and gatherings of all ranks: one where planes need not move and all messages go to linked ranks.
+    pub collectives: u64,
     /// Whether planes have moved.
     pub planes_moved: bool,
     /// Whether it swept while messages travelled.
     pub overlapped: bool,
     /// The time of each part of the step, in the order of [`Stage::ALL`].
     pub times: [Duration; Stage::ALL.len()],
+    /// The time of the calling thread's processor in each of them. Where a rank waits it asks again and again, which counts.
+    pub processor: [Duration; Stage::ALL.len()],
 }
 
 /// Takes the times of the stages.
 pub(crate) struct Clock {
     last: Instant,
+    processor: Duration,
 }
 
 impl Clock {
     pub(crate) fn start() -> Self {
-        Self { last: Instant::now() }
+        Self { last: Instant::now(), processor: processor_time() }
     }
 
     /// The time since the last call is that of a stage.
     pub(crate) fn end(&mut self, stage: Stage, stats: &mut Stats) {
-        let now = Instant::now();
+        let (now, processor) = (Instant::now(), processor_time());
         stats.times[stage as usize] += now - self.last;
-        self.last = now;
+        stats.processor[stage as usize] += processor.saturating_sub(self.processor);
+        (self.last, self.processor) = (now, processor);
     }
+}
+
+/// The time that this thread has had a processor.
+fn processor_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
 }

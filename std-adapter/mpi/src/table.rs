@@ -13,6 +13,13 @@ const OWNED: u8 = 2;
 const CHANGED: u8 = 4;
 /// The rank owns it since this step.
 const NEW: u8 = 8;
+/// It lives in this slot since this step.
+const ENTERED: u8 = 16;
+/// Another object has left this slot in this step.
+const VACATED: u8 = 32;
+
+/// What stands for the key of an object that is not steady. A steady object of this very key only takes the longer way.
+const UNSTEADY: u64 = u64::MAX;
 
 /// Spreads keys that follow each other: the usual hash of the standard library takes longer than all else that is done with
 /// a ghost.
@@ -51,6 +58,8 @@ pub(crate) struct Object {
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     keys: Vec<u64>,
+    /// The keys of steady objects again: of most pairs, nothing else is read.
+    steady: Vec<u64>,
     /// The boxes as they are now.
     pub(crate) now: Vec<Aabb>,
     before: Vec<Aabb>,
@@ -97,6 +106,26 @@ impl Table {
         self.flags[slot as usize] & (OWNED | NEW) == OWNED
     }
 
+    /// The keys of two steady objects.
+    #[inline]
+    pub(crate) fn steady_keys(&self, pair: [u32; 2]) -> Option<[u64; 2]> {
+        let keys = pair.map(|slot| self.steady[slot as usize]);
+        keys.iter().all(|key| *key != UNSTEADY).then_some(keys)
+    }
+
+    /// Whether the object lives and did so in the last step, in this slot.
+    #[inline]
+    pub(crate) fn is_known(&self, slot: u32) -> bool {
+        self.flags[slot as usize] & (LIVES | ENTERED) == LIVES
+    }
+
+    /// Whether an object has left this slot in this step.
+    #[inline]
+    pub(crate) fn was_vacated(&self, slot: u32) -> bool {
+        self.flags[slot as usize] & VACATED != 0
+    }
+
+    #[inline]
     pub(crate) fn key(&self, slot: u32) -> u64 {
         self.keys[slot as usize]
     }
@@ -123,18 +152,13 @@ impl Table {
 
     /// Puts an object into a slot where none lives.
     pub(crate) fn put(&mut self, slot: u32, object: &Object, owned: bool) {
+        self.make_room(slot);
         let at = slot as usize;
-        if at >= self.keys.len() {
-            self.keys.resize(at + 1, 0);
-            self.now.resize(at + 1, NOWHERE);
-            self.before.resize(at + 1, NOWHERE);
-            self.flags.resize(at + 1, 0);
-        }
         self.keys[at] = object.key;
         self.now[at] = object.now;
         self.before[at] = object.before;
         // Where a slot's former object had changed, the slot stands in the list already.
-        self.flags[at] = self.flags[at] & CHANGED | LIVES;
+        self.flags[at] = self.flags[at] & (CHANGED | VACATED) | LIVES | ENTERED;
         self.slots.insert(object.key, slot);
         self.set_owned(slot, owned);
         self.mark(slot);
@@ -146,11 +170,31 @@ impl Table {
         self.set_owned(slot, false);
         self.flags[slot as usize] &= !LIVES;
         self.slots.remove(&object.key);
+        self.vacate(slot);
         object
+    }
+
+    /// Notes that an object has left a slot in this step.
+    pub(crate) fn vacate(&mut self, slot: u32) {
+        self.make_room(slot);
+        self.flags[slot as usize] |= VACATED;
+        self.mark(slot);
+    }
+
+    fn make_room(&mut self, slot: u32) {
+        let at = slot as usize;
+        if at >= self.keys.len() {
+            self.keys.resize(at + 1, 0);
+            self.steady.resize(at + 1, UNSTEADY);
+            self.now.resize(at + 1, NOWHERE);
+            self.before.resize(at + 1, NOWHERE);
+            self.flags.resize(at + 1, 0);
+        }
     }
 
     /// Says whether the rank owns an object.
     pub(crate) fn set_owned(&mut self, slot: u32, owned: bool) {
+        self.steady[slot as usize] = UNSTEADY;
         self.owned = self.owned - usize::from(self.is_owned(slot)) + usize::from(owned);
         if owned {
             self.flags[slot as usize] |= OWNED | NEW;
@@ -173,7 +217,10 @@ impl Table {
     pub(crate) fn conclude(&mut self) {
         for slot in self.changed.drain(..) {
             let at = slot as usize;
-            self.flags[at] &= !(CHANGED | NEW);
+            if self.flags[at] & (OWNED | NEW) == OWNED | NEW {
+                self.steady[at] = self.keys[at];
+            }
+            self.flags[at] &= !(CHANGED | NEW | ENTERED | VACATED);
             self.before[at] = self.now[at];
         }
     }

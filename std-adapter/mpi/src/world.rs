@@ -3,21 +3,17 @@
 use crate::balance::Balance;
 use crate::exchange::{Exchange, Letter, Progress};
 use crate::fault::Fault;
+use crate::links::Links;
 use crate::local::{KeyPair, Local, Means};
 use crate::message::{Batch, NOWHERE, Newcomer};
+use crate::overlap::Overlap;
 use crate::route::{Fate, Route};
 use crate::settings::Settings;
 use crate::split::Split;
 use crate::stats::{Clock, Stage, Stats};
 use crate::table::{KeyMap, Object};
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeSet;
-use trisap::{Aabb, Choice, Executor, Kernels};
-
-/// From so many objects on a sweep is worth doing while messages travel.
-const OVERLAP_FROM: usize = 4096;
-/// As long as at most one object in so many came from other ranks: the second sweep is a short one then.
-const FEW: usize = 16;
+use trisap::{Aabb, Executor, Kernels};
 
 /// One rank's part of a world that many ranks share.
 ///
@@ -31,14 +27,14 @@ pub struct SplitWorld {
     pub(crate) local: Local,
     split: Split,
     balance: Balance,
-    /// Ranks that send each other a message in each step, because their cells touch or because they had to before.
-    links: BTreeSet<usize>,
+    overlap: Overlap,
+    links: Links,
     pub(crate) step: u64,
     /// Objects that have been given since the last step.
-    given: Vec<Object>,
-    given_keys: KeyMap<u64, usize>,
+    pub(crate) given: Vec<Object>,
+    pub(crate) given_keys: KeyMap<u64, usize>,
     /// Objects that have been removed since the last step.
-    removed: Vec<Object>,
+    pub(crate) removed: Vec<Object>,
     found: Vec<KeyPair>,
     lost: Vec<KeyPair>,
     arrivals: Vec<u64>,
@@ -61,10 +57,11 @@ impl SplitWorld {
             return Err(Fault::Version { lowest, highest });
         }
         let split = Split::first_has_all(exchange.ranks());
-        let links = split.neighbours(exchange.rank()).collect();
+        let links = Links::new(&split, exchange.rank());
         Ok(Self {
             local: Local::new(settings.config)?,
             balance: Balance::new(settings.balance),
+            overlap: Overlap::new(settings.overlap),
             settings: *settings,
             exchange,
             split,
@@ -156,79 +153,6 @@ impl SplitWorld {
     }
 }
 
-/// Objects. The next step sees these calls.
-impl SplitWorld {
-    /// Adds an object, on any rank. Its key must not be that of another living object of any rank: what the next step
-    /// sees of that ends all ranks.
-    ///
-    /// # Errors
-    /// [`Fault::BadBox`] or [`Fault::KeyTaken`].
-    pub fn insert(&mut self, key: u64, aabb: Aabb) -> Result<(), Fault> {
-        self.give(Object { key, now: aabb, before: NOWHERE })
-    }
-
-    /// Adds an object that may have been there in the last step.
-    pub(crate) fn give(&mut self, object: Object) -> Result<(), Fault> {
-        let key = object.key;
-        if !object.now.is_valid() {
-            return Err(Fault::BadBox { key });
-        }
-        if self.owns(key) || self.given_keys.contains_key(&key) {
-            return Err(Fault::KeyTaken { key });
-        }
-        self.given_keys.insert(key, self.given.len());
-        self.given.push(object);
-        Ok(())
-    }
-
-    /// Gives an object that this rank owns another box.
-    ///
-    /// # Errors
-    /// [`Fault::BadBox`] or [`Fault::NotOwned`].
-    pub fn set(&mut self, key: u64, aabb: Aabb) -> Result<(), Fault> {
-        if !aabb.is_valid() {
-            return Err(Fault::BadBox { key });
-        }
-        match self.local.table.slot_of(key) {
-            Some(slot) if self.local.table.is_owned(slot) => self.local.table.set(slot, aabb),
-            _ => return Err(Fault::NotOwned { key }),
-        }
-        Ok(())
-    }
-
-    /// Asks for a box for each object that this rank owns. Faster than to [set](Self::set) them one by one.
-    ///
-    /// # Errors
-    /// [`Fault::BadBox`] for the first bad one; that object and those after it keep their boxes.
-    pub fn update(&mut self, mut next: impl FnMut(u64, &Aabb) -> Aabb) -> Result<(), Fault> {
-        let table = &mut self.local.table;
-        for slot in 0..table.slots() as u32 {
-            if table.is_owned(slot) {
-                let key = table.key(slot);
-                let aabb = next(key, &table.now[slot as usize]);
-                if !aabb.is_valid() {
-                    return Err(Fault::BadBox { key });
-                }
-                table.set(slot, aabb);
-            }
-        }
-        Ok(())
-    }
-
-    /// Removes an object that this rank owns. Its key may be used again at once.
-    ///
-    /// # Errors
-    /// [`Fault::NotOwned`].
-    pub fn remove(&mut self, key: u64) -> Result<(), Fault> {
-        let table = &mut self.local.table;
-        let slot = table.slot_of(key).filter(|&slot| table.is_owned(slot)).ok_or(Fault::NotOwned { key })?;
-        table.set(slot, NOWHERE);
-        self.removed.push(table.get(slot));
-        self.local.remove(slot);
-        Ok(())
-    }
-}
-
 /// A step.
 impl SplitWorld {
     /// Finds all pairs of the boxes of all ranks as they are now. All ranks have to call it.
@@ -243,10 +167,11 @@ impl SplitWorld {
         let mut clock = Clock::start();
         self.step += 1;
         self.stats = Stats::default();
+        let collectives = self.exchange.collectives();
         let new_split = self.next_split();
         let old_split = self.split.clone();
         if let Some(split) = new_split {
-            self.links = split.neighbours(self.rank()).collect();
+            self.links = Links::new(&split, self.rank());
             self.split = split;
             self.stats.planes_moved = true;
         }
@@ -273,8 +198,8 @@ impl SplitWorld {
         let (letters, census) = self.exchange.step(self.step, &linked, &far, [total, own], work);
         clock.end(Stage::Exchange, &mut self.stats);
 
-        self.links.extend(far.iter().map(|(to, _)| *to));
         self.apply(fates, &letters);
+        self.links.conclude();
         clock.end(Stage::Apply, &mut self.stats);
         if let Err(error) = self.local.sweep_last(means) {
             self.exchange.end_all(&error.to_string());
@@ -289,7 +214,9 @@ impl SplitWorld {
         self.stats.ghosts = (self.local.table.len() - self.local.table.owned()) as u64;
         self.stats.arrived = self.arrivals.len() as u64;
         self.stats.departed = self.departures.len() as u64;
+        self.stats.collectives = self.exchange.collectives() - collectives;
         clock.end(Stage::Events, &mut self.stats);
+        self.overlap.note(&self.stats);
         Ok(())
     }
 
@@ -345,25 +272,22 @@ impl SplitWorld {
     }
 
     fn sweeps_early(&self) -> bool {
-        let live = self.local.table.len();
-        let ghosts = live - self.local.table.owned();
-        let chosen = match self.settings.overlap {
-            Choice::Never => false,
-            Choice::Always => true,
-            Choice::Automatic => live >= OVERLAP_FROM && ghosts * FEW <= live && !self.stats.planes_moved,
-        };
-        chosen && self.ranks() > 1 && self.local.can_sweep_early()
+        let objects = self.local.table.len();
+        let can = self.ranks() > 1 && self.local.can_sweep_early();
+        can && self.overlap.sweeps_early(objects, self.stats.planes_moved)
     }
 
     /// The messages of this step: one for each linked rank, and those to other ranks.
     fn letters(&mut self, batches: &mut [Batch]) -> (Vec<Letter>, Vec<Letter>) {
         let (mut linked, mut far) = (Vec::new(), Vec::new());
         for (rank, batch) in batches.iter_mut().enumerate() {
-            let is_linked = self.links.contains(&rank);
+            let is_linked = self.links.contains(rank);
             if is_linked || batch.needed() > 0 {
                 let batch = std::mem::take(batch);
+                self.links.told(rank, batch.needed() > 0);
                 let bytes = batch.encode(self.settings.version, self.step);
                 self.stats.bytes += bytes.len() as u64;
+                self.stats.told += batch.objects();
                 self.stats.bytes_needed += batch.needed();
                 self.stats.messages += 1;
                 if is_linked { &mut linked } else { &mut far }.push((rank, bytes));
@@ -377,10 +301,12 @@ impl SplitWorld {
         let mut batches = Vec::with_capacity(letters.len());
         for (from, bytes) in letters {
             match Batch::decode(bytes, self.settings.version, self.step) {
-                Ok(batch) => batches.push(batch),
+                Ok(batch) => {
+                    self.links.told(*from, batch.needed() > 0);
+                    batches.push(batch);
+                }
                 Err(why) => self.exchange.end_all(&format!("{why} (from rank {from})")),
             }
-            self.links.insert(*from);
         }
         // Who leaves does so first, since a key may be used again.
         for (slot, _, fate) in fates.moved {

@@ -54,6 +54,9 @@ pub(crate) struct Args {
     /// The frame after which they were saved
     #[arg(long, default_value_t = 0)]
     pub(crate) from: u64,
+    /// Prints what messages between ranks cost, and nothing else
+    #[arg(long)]
+    pub(crate) network: bool,
     /// Prints the process of each rank
     #[arg(long)]
     pub(crate) processes: bool,

@@ -5,11 +5,25 @@ use mpi::traits::*;
 use trisap_mpi::{Stage, Stats};
 
 const STAGES: usize = Stage::ALL.len();
-const COLUMNS: [&str; 12] = [
-    "objects", "ghosts", "pairs", "found", "lost", "arrived", "bytes", "needed", "messages", "far", "planes",
+const COLUMNS: [&str; 14] = [
+    "objects",
+    "ghosts",
+    "pairs",
+    "found",
+    "lost",
+    "arrived",
+    "told",
+    "bytes",
+    "needed",
+    "messages",
+    "far",
+    "collective",
+    "planes",
     "overlaps",
 ];
-const ALL: usize = COLUMNS.len() + STAGES + 2;
+/// The times of the stages, to give boxes and of the frame; first as they pass, then of the processor.
+const TIMES: usize = STAGES + 2;
+const ALL: usize = COLUMNS.len() + 2 * TIMES;
 
 /// Sums over the frames that count.
 #[derive(Default)]
@@ -19,8 +33,8 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Adds a frame: what the step tells, its pairs and events, and the seconds to give the boxes and of the whole frame.
-    pub(crate) fn add(&mut self, stats: &Stats, [pairs, found, lost]: [u64; 3], seconds: [f64; 2]) {
+    /// Adds a frame: what the step tells, its pairs and events, and the seconds to give the boxes.
+    pub(crate) fn add(&mut self, stats: &Stats, [pairs, found, lost]: [u64; 3], boxes: [f64; 2]) {
         self.frames += 1;
         let counts = [
             stats.objects,
@@ -29,17 +43,23 @@ impl Sums {
             found,
             lost,
             stats.arrived,
+            stats.told,
             stats.bytes,
             stats.bytes_needed,
             stats.messages,
             stats.far,
+            stats.collectives,
             u64::from(stats.planes_moved),
             u64::from(stats.overlapped),
         ];
         let counts = counts.map(|count| count as f64);
-        let times = stats.times.map(|time| time.as_secs_f64() * 1e3);
-        let seconds = seconds.map(|time| time * 1e3);
-        let all = counts.into_iter().chain(times).chain(seconds);
+        let times =
+            [(stats.times, boxes[0]), (stats.processor, boxes[1])].into_iter().flat_map(|(times, boxes)| {
+                let stages = times.map(|time| time.as_secs_f64());
+                let frame = stages.iter().sum::<f64>() + boxes;
+                stages.into_iter().chain([boxes, frame]).map(|time| time * 1e3)
+            });
+        let all = counts.into_iter().chain(times);
         self.numbers.iter_mut().zip(all).for_each(|(sum, number)| *sum += number);
     }
 
@@ -66,21 +86,27 @@ impl Sums {
         let total = |index: usize| column(index).map(|at| all[at]).sum::<f64>();
         print!("{:>6}", "all");
         (0..COLUMNS.len()).for_each(|index| print!(" {:>10.1}", total(index)));
-        println!("\nmilliseconds by stage");
-        print!("{:>6}", "rank");
-        let names = Stage::ALL.map(Stage::name).into_iter().chain(["boxes", "frame"]);
-        names.for_each(|name| print!(" {name:>11}"));
         println!();
-        for rank in 0..ranks {
-            print!("{rank:>6}");
-            all[rank * ALL + COLUMNS.len()..][..STAGES + 2].iter().for_each(|time| print!(" {time:>11.3}"));
+        for (what, first) in [("passed", COLUMNS.len()), ("of the processor", COLUMNS.len() + TIMES)] {
+            println!("milliseconds {what} by stage");
+            print!("{:>6}", "rank");
+            let names = Stage::ALL.map(Stage::name).into_iter().chain(["boxes", "frame"]);
+            names.for_each(|name| print!(" {name:>11}"));
             println!();
+            for rank in 0..ranks {
+                print!("{rank:>6}");
+                all[rank * ALL + first..][..TIMES].iter().for_each(|time| print!(" {time:>11.3}"));
+                println!();
+            }
         }
-        let slowest = column(ALL - 1).map(|at| all[at]).fold(0.0, f64::max);
+        let slowest = |index: usize| column(index).map(|at| all[at]).fold(0.0, f64::max);
         println!(
-            "frame {slowest:.3} ms, ghosts {:.2} % of the objects, bytes {:.3} of what is needed",
+            "frame {:.3} ms, of the processor {:.3} ms, ghosts {:.2} % of the objects, bytes {:.3} of what is needed, {:.1} for each object told",
+            slowest(COLUMNS.len() + TIMES - 1),
+            slowest(ALL - 1),
             100.0 * total(1) / total(0).max(1.0),
-            total(6) / total(7).max(1.0)
+            total(7) / total(8).max(1.0),
+            total(7) / total(6).max(1.0)
         );
     }
 }
