@@ -92,6 +92,10 @@ for ranks in 1 2 3 4 8; do
     done
 done
 
+# Links end where there is nothing to tell, and begin anew: fewer messages than from each rank to each other one.
+check 8 --scene scatter -n 3 --frames 300
+awk '$1 == "all" { found = $11 < 56 && $12 > 0 } END { exit !found }' "$output" || fail "no link has ended"
+
 timeout 100 $mpirun -n 3 "$program" --network >"$output" 2>&1 || fail "network"
 [ "$(grep -cE '^(message|reduction) of .*: [0-9]' "$output")" = 3 ] || fail "network"
 
