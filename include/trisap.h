@@ -29,14 +29,17 @@
 #endif
 #endif
 
-/// The classes that there can be.
-#define TRISAP_CLASSES 32
+/// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
+#define TRISAP_ABI_VERSION 5
 
-/// A box: for `trisap_region::kind`.
-#define TRISAP_REGION_AABB 0
+/// Major version of the library that this header belongs to.
+#define TRISAP_VERSION_MAJOR 0
 
-/// A ball: for `trisap_region::kind`.
-#define TRISAP_REGION_SPHERE 1
+/// Minor version of the library that this header belongs to.
+#define TRISAP_VERSION_MINOR 1
+
+/// Patch version of the library that this header belongs to.
+#define TRISAP_VERSION_PATCH 0
 
 /// Exactly the overlaps of the boxes as given: for `trisap_config::mode`.
 #define TRISAP_MODE_EXACT 0
@@ -101,17 +104,14 @@
 /// those of the boxes as given besides. With more room steps are cheaper.
 #define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
 
-/// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 5
+/// The classes that there can be.
+#define TRISAP_CLASSES 32
 
-/// Major version of the library that this header belongs to.
-#define TRISAP_VERSION_MAJOR 0
+/// A box: for `trisap_region::kind`.
+#define TRISAP_REGION_AABB 0
 
-/// Minor version of the library that this header belongs to.
-#define TRISAP_VERSION_MINOR 1
-
-/// Patch version of the library that this header belongs to.
-#define TRISAP_VERSION_PATCH 0
+/// A ball: for `trisap_region::kind`.
+#define TRISAP_REGION_SPHERE 1
 
 /// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
 /// was before the call.
@@ -195,148 +195,6 @@ typedef struct trisap_aabb {
     float max[3];
 } trisap_aabb;
 
-/// A box, or a point, that moves along a line. Made by `trisap_cast_ray` or `trisap_cast_swept`.
-typedef struct trisap_cast {
-    /// Where it starts; a ray starts as a box of one point. Finite.
-    struct trisap_aabb start;
-    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
-    float direction[3];
-    /// How far it moves, in units of `direction`. Zero or more; may be infinite.
-    float distance;
-} trisap_cast;
-
-/// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
-typedef struct trisap_jobs {
-    /// The size of this struct in bytes.
-    uint32_t struct_size;
-    /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
-    /// never called.
-    uint32_t worker_count;
-    /// Handed to `fork_join`.
-    void *user;
-    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
-    ///
-    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
-    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
-    /// thousand objects, a step is done before it would be handed out, and never asks.
-    ///
-    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
-    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
-    /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
-    ///
-    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
-    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
-    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
-    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
-    void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
-} trisap_jobs;
-
-/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
-/// when its slot is used again.
-typedef uint64_t trisap_id;
-
-/// An object that a cast meets, or that is near a point.
-typedef struct trisap_hit {
-    /// The object.
-    trisap_id id;
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
-    /// the nearest objects: the distance.
-    double distance;
-} trisap_hit;
-
-/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
-/// `trisap_region_point` or `trisap_region_sphere`.
-typedef struct trisap_region {
-    /// One of `TRISAP_REGION_...`.
-    uint32_t kind;
-    /// The radius of a ball, zero or more; infinite holds everything.
-    float radius;
-    /// The lowest corner of a box; the centre of a ball.
-    float min[3];
-    /// The highest corner of a box.
-    float max[3];
-} trisap_region;
-
-/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
-/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
-typedef struct trisap_filter {
-    /// The groups that the object is in, one bit each. By default all.
-    uint32_t group;
-    /// The groups that it meets. By default all.
-    uint32_t mask;
-    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
-    uint32_t object_class;
-} trisap_filter;
-
-/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
-/// places in items of a fixed size. Filled by `trisap_default_boxes`.
-typedef struct trisap_boxes {
-    /// The size of this struct in bytes.
-    uint32_t struct_size;
-    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
-    /// floats.
-    uint32_t max_offset;
-    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
-    const void *first;
-    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
-    size_t stride;
-    /// How many items there are.
-    size_t count;
-} trisap_boxes;
-
-/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
-typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
-
-/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
-/// less than zero to stop. Every call into the same world is refused as busy.
-typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
-
-/// Two overlapping objects by slot.
-typedef struct trisap_pair {
-    /// The lower slot.
-    uint32_t a;
-    /// The higher slot.
-    uint32_t b;
-} trisap_pair;
-
-/// What a step has found. Made by `trisap_default_result`, filled by the step.
-///
-/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
-/// updating and removing does not touch them. Never null, also where they are empty.
-typedef struct trisap_result {
-    /// The size of this struct in bytes.
-    uint32_t struct_size;
-    /// `trisap_world_step_over`: how many objects have kept their boxes because the new ones had NaN in them or a
-    /// minimum above its maximum. Unknown, and zero, after `TRISAP_STATUS_PAIRS_FULL`.
-    uint32_t rejected_count;
-    /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
-    trisap_id first_rejected;
-    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
-    /// for the same calls.
-    const struct trisap_pair *pairs;
-    /// How many.
-    size_t pair_count;
-    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
-    /// slots counts as another pair.
-    const struct trisap_pair *found;
-    /// How many.
-    size_t found_count;
-    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
-    /// another one by now.
-    const struct trisap_pair *lost;
-    /// How many.
-    size_t lost_count;
-    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
-    uint64_t pairs_needed;
-} trisap_result;
-
-/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
-///
-/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
-/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
-typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
-
 /// What a world is made for. Filled by `trisap_default_config`.
 typedef struct trisap_config {
     /// The size of this struct in bytes.
@@ -383,6 +241,91 @@ typedef struct trisap_config {
     /// objects or more. Worlds that are swept box by box never are.
     uint32_t sharing;
 } trisap_config;
+
+/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
+/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+typedef struct trisap_boxes {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// floats.
+    uint32_t max_offset;
+    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    const void *first;
+    /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
+    size_t stride;
+    /// How many items there are.
+    size_t count;
+} trisap_boxes;
+
+/// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
+typedef struct trisap_jobs {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
+    /// never called.
+    uint32_t worker_count;
+    /// Handed to `fork_join`.
+    void *user;
+    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
+    ///
+    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
+    /// thousand objects, a step is done before it would be handed out, and never asks.
+    ///
+    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
+    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
+    /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
+    ///
+    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
+    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
+    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
+    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
+    void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
+} trisap_jobs;
+
+/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// when its slot is used again.
+typedef uint64_t trisap_id;
+
+/// Two overlapping objects by slot.
+typedef struct trisap_pair {
+    /// The lower slot.
+    uint32_t a;
+    /// The higher slot.
+    uint32_t b;
+} trisap_pair;
+
+/// What a step has found. Made by `trisap_default_result`, filled by the step.
+///
+/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
+/// updating and removing does not touch them. Never null, also where they are empty.
+typedef struct trisap_result {
+    /// The size of this struct in bytes.
+    uint32_t struct_size;
+    /// `trisap_world_step_over`: how many objects have kept their boxes because the new ones had NaN in them or a
+    /// minimum above its maximum. Unknown, and zero, after `TRISAP_STATUS_PAIRS_FULL`.
+    uint32_t rejected_count;
+    /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
+    trisap_id first_rejected;
+    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
+    /// for the same calls.
+    const struct trisap_pair *pairs;
+    /// How many.
+    size_t pair_count;
+    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
+    /// slots counts as another pair.
+    const struct trisap_pair *found;
+    /// How many.
+    size_t found_count;
+    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
+    /// another one by now.
+    const struct trisap_pair *lost;
+    /// How many.
+    size_t lost_count;
+    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
+    uint64_t pairs_needed;
+} trisap_result;
 
 /// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
 /// Made by `trisap_default_stats`.
@@ -434,6 +377,24 @@ typedef struct trisap_stats {
     uint64_t surplus;
 } trisap_stats;
 
+/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
+/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+typedef struct trisap_filter {
+    /// The groups that the object is in, one bit each. By default all.
+    uint32_t group;
+    /// The groups that it meets. By default all.
+    uint32_t mask;
+    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    uint32_t object_class;
+} trisap_filter;
+
+/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+///
+/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
+/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
+
 /// A leaf of the tree.
 typedef struct trisap_leaf {
     /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
@@ -454,6 +415,45 @@ typedef struct trisap_plane {
     uint32_t depth;
 } trisap_plane;
 
+/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
+/// `trisap_region_point` or `trisap_region_sphere`.
+typedef struct trisap_region {
+    /// One of `TRISAP_REGION_...`.
+    uint32_t kind;
+    /// The radius of a ball, zero or more; infinite holds everything.
+    float radius;
+    /// The lowest corner of a box; the centre of a ball.
+    float min[3];
+    /// The highest corner of a box.
+    float max[3];
+} trisap_region;
+
+/// A box, or a point, that moves along a line. Made by `trisap_cast_ray` or `trisap_cast_swept`.
+typedef struct trisap_cast {
+    /// Where it starts; a ray starts as a box of one point. Finite.
+    struct trisap_aabb start;
+    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    float direction[3];
+    /// How far it moves, in units of `direction`. Zero or more; may be infinite.
+    float distance;
+} trisap_cast;
+
+/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
+typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
+
+/// An object that a cast meets, or that is near a point.
+typedef struct trisap_hit {
+    /// The object.
+    trisap_id id;
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
+    /// the nearest objects: the distance.
+    double distance;
+} trisap_hit;
+
+/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
+/// less than zero to stop. Every call into the same world is refused as busy.
+typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
+
 /// The id of no object.
 #define TRISAP_NULL_ID 0
 
@@ -461,74 +461,134 @@ typedef struct trisap_plane {
 extern "C" {
 #endif // __cplusplus
 
-/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
-/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
+/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else.
+TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
+
+/// The version of the linked library, as "1.2.3".
+TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
+
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
 TRISAP_NODISCARD
-trisap_status trisap_world_first_hits(const struct trisap_world *world,
-                                      const struct trisap_cast *casts,
-                                      size_t stride,
-                                      size_t count,
-                                      const struct trisap_jobs *jobs,
-                                      struct trisap_hit *hits)
+const char *trisap_instruction_set(void)
 TRISAP_NOEXCEPT;
 
-/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
-/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
-/// null.
+/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
+TRISAP_NODISCARD const char *trisap_status_text(int32_t status) TRISAP_NOEXCEPT;
+
+/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
+/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
+/// numbers; of null, a box that is refused.
 ///
-/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
-/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
-/// written to them.
+/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
+/// the `f64` box, so that the rounding comes after it.
 TRISAP_NODISCARD
-trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
-                                         const struct trisap_region *regions,
-                                         size_t stride,
-                                         size_t count,
-                                         const struct trisap_jobs *jobs,
-                                         trisap_id *ids,
-                                         size_t room,
-                                         uint32_t *counts)
+struct trisap_aabb trisap_aabb_from_f64(const double *min,
+                                        const double *max,
+                                        const double *origin)
 TRISAP_NOEXCEPT;
 
-/// What a new object has: in all groups, meets all groups, class 0.
-TRISAP_NODISCARD struct trisap_filter trisap_default_filter(void) TRISAP_NOEXCEPT;
-
-/// Sets whom an object meets. Its pairs follow at the next step. O(1).
+/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
+/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
+/// 126 fraction bits, a box that is refused.
 TRISAP_NODISCARD
-trisap_status trisap_world_set_filter(struct trisap_world *world,
-                                      trisap_id id,
-                                      const struct trisap_filter *filter)
+struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
+                                          const int32_t *max,
+                                          uint32_t fraction_bits)
 TRISAP_NOEXCEPT;
 
-/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
-/// stride of 0 all get the same one. O(n).
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
+/// no margin, one worker.
 TRISAP_NODISCARD
-trisap_status trisap_world_set_filter_many(struct trisap_world *world,
-                                           const trisap_id *ids,
-                                           const struct trisap_filter *filters,
-                                           size_t stride,
-                                           size_t count)
+struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
 
-/// Writes whom an object meets to `filter`. O(1).
+/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// `max_offset`.
 TRISAP_NODISCARD
-trisap_status trisap_world_filter(const struct trisap_world *world,
-                                  trisap_id id,
-                                  struct trisap_filter *filter)
+struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
+                                         size_t count)
 TRISAP_NOEXCEPT;
 
-/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
-/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
-/// O(n).
+/// A job system of one worker, to be filled in.
+TRISAP_NODISCARD struct trisap_jobs trisap_default_jobs(void) TRISAP_NOEXCEPT;
+
+/// An empty result.
+TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEPT;
+
+/// Statistics of no step.
+TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
+
+/// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
+/// says why. Grows linearly with objects, leaf references and pairs.
 TRISAP_NODISCARD
-trisap_status trisap_world_set_classes(struct trisap_world *world,
-                                       const uint32_t *meets)
+size_t trisap_world_size(const struct trisap_config *config)
 TRISAP_NOEXCEPT;
 
-/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+/// The boundary that the memory of a world starts on: 64 bytes.
+TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
+
+/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`.
+///
+/// What was in the memory does not matter: so a world is cleared, too. What is beyond `trisap_world_size()` is not
+/// touched. Nothing is allocated, neither here nor later. O(bytes).
 TRISAP_NODISCARD
-trisap_status trisap_world_refilter(struct trisap_world *world,
-                                    trisap_id id)
+trisap_status trisap_world_init(void *memory,
+                                size_t bytes,
+                                const struct trisap_config *config,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
+/// `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+///
+/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found and
+/// lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and a step there tells the
+/// events as if there had been room from the beginning. Capacities, workers, the margin of new objects and all choices about speed
+/// may change; mode, events, filters and whether there are margins may not: `TRISAP_STATUS_OTHER_CONFIG`.
+///
+/// Where the world does not fit, the status is `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, and the detail of `from`
+/// says how many would have to fit. After each status but `TRISAP_STATUS_OK` nothing has been written to the memory.
+TRISAP_NODISCARD
+trisap_status trisap_world_move(const struct trisap_world *from,
+                                void *memory,
+                                size_t bytes,
+                                const struct trisap_config *config,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+///
+/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller, and
+/// checked when they come back, are the snapshots of `trisap_world_save`.
+TRISAP_NODISCARD
+trisap_status trisap_world_open(void *memory,
+                                size_t bytes,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
+TRISAP_NODISCARD uint64_t trisap_world_error_detail(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// The bytes that the world takes of its memory: what a copy for
+/// `trisap_world_open` has to copy. 0 for misuse.
+TRISAP_NODISCARD size_t trisap_world_bytes(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// Writes what the world was made for to `config`.
+TRISAP_NODISCARD
+trisap_status trisap_world_config(const struct trisap_world *world,
+                                  struct trisap_config *config)
+TRISAP_NOEXCEPT;
+
+/// Writes what the last step did to `stats`.
+TRISAP_NODISCARD
+trisap_status trisap_world_stats(const struct trisap_world *world,
+                                 struct trisap_stats *stats)
+TRISAP_NOEXCEPT;
+
+/// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
+/// is broken. O(n log n).
+TRISAP_NODISCARD
+trisap_status trisap_world_validate(const struct trisap_world *world)
 TRISAP_NOEXCEPT;
 
 /// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
@@ -603,6 +663,151 @@ TRISAP_NOEXCEPT;
 
 /// Living objects; 0 for misuse. O(1).
 TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRISAP_NOEXCEPT;
+
+/// What a new object has: in all groups, meets all groups, class 0.
+TRISAP_NODISCARD struct trisap_filter trisap_default_filter(void) TRISAP_NOEXCEPT;
+
+/// Sets whom an object meets. Its pairs follow at the next step. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_filter(struct trisap_world *world,
+                                      trisap_id id,
+                                      const struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
+/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
+/// stride of 0 all get the same one. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_filter_many(struct trisap_world *world,
+                                           const trisap_id *ids,
+                                           const struct trisap_filter *filters,
+                                           size_t stride,
+                                           size_t count)
+TRISAP_NOEXCEPT;
+
+/// Writes whom an object meets to `filter`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_filter(const struct trisap_world *world,
+                                  trisap_id id,
+                                  struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
+/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
+/// O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_classes(struct trisap_world *world,
+                                       const uint32_t *meets)
+TRISAP_NOEXCEPT;
+
+/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_refilter(struct trisap_world *world,
+                                    trisap_id id)
+TRISAP_NOEXCEPT;
+
+/// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
+/// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
+/// `trisap_world_update_many` wakes. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_resting(struct trisap_world *world,
+                                       const trisap_id *ids,
+                                       size_t count)
+TRISAP_NOEXCEPT;
+
+/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_wake(struct trisap_world *world,
+                                const trisap_id *ids,
+                                size_t count)
+TRISAP_NOEXCEPT;
+
+/// 1 if the object was put to rest and has not been woken since, else 0; 0 for misuse and stale ids. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_world_is_resting(const struct trisap_world *world,
+                                 trisap_id id)
+TRISAP_NOEXCEPT;
+
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
+/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+///
+/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
+/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
+/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
+TRISAP_NODISCARD
+trisap_status trisap_world_shift_origin(struct trisap_world *world,
+                                        const double *by,
+                                        uint32_t *rounded)
+TRISAP_NOEXCEPT;
+
+/// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
+/// everything happens on the calling thread.
+///
+/// Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
+///
+/// After `TRISAP_STATUS_PAIRS_FULL` the result is filled, too.
+TRISAP_NODISCARD
+trisap_status trisap_world_step(struct trisap_world *world,
+                                const struct trisap_jobs *jobs,
+                                struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own array:
+/// one pass over it, no copy, no ids. The fastest way where most objects move.
+///
+/// What stands at the slots of no object does not matter; objects beyond the end of the boxes keep theirs, and so do
+/// those whose new box is refused: see `trisap_result::rejected_count`.
+TRISAP_NODISCARD
+trisap_status trisap_world_step_over(struct trisap_world *world,
+                                     const struct trisap_boxes *boxes,
+                                     const struct trisap_jobs *jobs,
+                                     struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
+/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
+/// `trisap_config::filters`.
+TRISAP_NODISCARD
+trisap_status trisap_world_step_with_rule(struct trisap_world *world,
+                                          const struct trisap_boxes *boxes,
+                                          trisap_rule rule,
+                                          void *user,
+                                          const struct trisap_jobs *jobs,
+                                          struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
+/// instance. `rejected_count` is zero.
+TRISAP_NODISCARD
+trisap_status trisap_world_result(struct trisap_world *world,
+                                  struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
+/// O(leaves).
+TRISAP_NODISCARD
+trisap_status trisap_world_leaves(const struct trisap_world *world,
+                                  struct trisap_leaf *leaves,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
+/// O(leaves log leaves).
+TRISAP_NODISCARD
+trisap_status trisap_world_planes(const struct trisap_world *world,
+                                  struct trisap_plane *planes,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
+/// and their number to `count`. O(large objects).
+TRISAP_NODISCARD
+trisap_status trisap_world_large(const struct trisap_world *world,
+                                 trisap_id *ids,
+                                 size_t room,
+                                 size_t *count)
+TRISAP_NOEXCEPT;
 
 /// A box to look in. Of null, a region that is refused.
 TRISAP_NODISCARD struct trisap_region trisap_region_aabb(const struct trisap_aabb *aabb) TRISAP_NOEXCEPT;
@@ -685,38 +890,33 @@ trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
-/// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
-/// `trisap_world_update_many` wakes. O(n).
+/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
+/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
 TRISAP_NODISCARD
-trisap_status trisap_world_set_resting(struct trisap_world *world,
-                                       const trisap_id *ids,
-                                       size_t count)
+trisap_status trisap_world_first_hits(const struct trisap_world *world,
+                                      const struct trisap_cast *casts,
+                                      size_t stride,
+                                      size_t count,
+                                      const struct trisap_jobs *jobs,
+                                      struct trisap_hit *hits)
 TRISAP_NOEXCEPT;
 
-/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(n).
-TRISAP_NODISCARD
-trisap_status trisap_world_wake(struct trisap_world *world,
-                                const trisap_id *ids,
-                                size_t count)
-TRISAP_NOEXCEPT;
-
-/// 1 if the object was put to rest and has not been woken since, else 0; 0 for misuse and stale ids. O(1).
-TRISAP_NODISCARD
-uint32_t trisap_world_is_resting(const struct trisap_world *world,
-                                 trisap_id id)
-TRISAP_NOEXCEPT;
-
-/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
-/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
+/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
+/// null.
 ///
-/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
-/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
-/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
+/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
+/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
+/// written to them.
 TRISAP_NODISCARD
-trisap_status trisap_world_shift_origin(struct trisap_world *world,
-                                        const double *by,
-                                        uint32_t *rounded)
+trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
+                                         const struct trisap_region *regions,
+                                         size_t stride,
+                                         size_t count,
+                                         const struct trisap_jobs *jobs,
+                                         trisap_id *ids,
+                                         size_t room,
+                                         uint32_t *counts)
 TRISAP_NOEXCEPT;
 
 /// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
@@ -746,206 +946,6 @@ TRISAP_NODISCARD
 trisap_status trisap_world_load(struct trisap_world *world,
                                 const void *snapshot,
                                 size_t bytes)
-TRISAP_NOEXCEPT;
-
-/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
-TRISAP_NODISCARD const char *trisap_status_text(int32_t status) TRISAP_NOEXCEPT;
-
-/// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
-/// everything happens on the calling thread.
-///
-/// Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
-///
-/// After `TRISAP_STATUS_PAIRS_FULL` the result is filled, too.
-TRISAP_NODISCARD
-trisap_status trisap_world_step(struct trisap_world *world,
-                                const struct trisap_jobs *jobs,
-                                struct trisap_result *result)
-TRISAP_NOEXCEPT;
-
-/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own array:
-/// one pass over it, no copy, no ids. The fastest way where most objects move.
-///
-/// What stands at the slots of no object does not matter; objects beyond the end of the boxes keep theirs, and so do
-/// those whose new box is refused: see `trisap_result::rejected_count`.
-TRISAP_NODISCARD
-trisap_status trisap_world_step_over(struct trisap_world *world,
-                                     const struct trisap_boxes *boxes,
-                                     const struct trisap_jobs *jobs,
-                                     struct trisap_result *result)
-TRISAP_NOEXCEPT;
-
-/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
-/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
-/// `trisap_config::filters`.
-TRISAP_NODISCARD
-trisap_status trisap_world_step_with_rule(struct trisap_world *world,
-                                          const struct trisap_boxes *boxes,
-                                          trisap_rule rule,
-                                          void *user,
-                                          const struct trisap_jobs *jobs,
-                                          struct trisap_result *result)
-TRISAP_NOEXCEPT;
-
-/// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
-/// instance. `rejected_count` is zero.
-TRISAP_NODISCARD
-trisap_status trisap_world_result(struct trisap_world *world,
-                                  struct trisap_result *result)
-TRISAP_NOEXCEPT;
-
-/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
-/// numbers; of null, a box that is refused.
-///
-/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
-/// the `f64` box, so that the rounding comes after it.
-TRISAP_NODISCARD
-struct trisap_aabb trisap_aabb_from_f64(const double *min,
-                                        const double *max,
-                                        const double *origin)
-TRISAP_NOEXCEPT;
-
-/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
-/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
-/// 126 fraction bits, a box that is refused.
-TRISAP_NODISCARD
-struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
-                                          const int32_t *max,
-                                          uint32_t fraction_bits)
-TRISAP_NOEXCEPT;
-
-/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
-/// no margin, one worker.
-TRISAP_NODISCARD
-struct trisap_config trisap_default_config(uint32_t objects)
-TRISAP_NOEXCEPT;
-
-/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
-/// `max_offset`.
-TRISAP_NODISCARD
-struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
-                                         size_t count)
-TRISAP_NOEXCEPT;
-
-/// A job system of one worker, to be filled in.
-TRISAP_NODISCARD struct trisap_jobs trisap_default_jobs(void) TRISAP_NOEXCEPT;
-
-/// An empty result.
-TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEPT;
-
-/// Statistics of no step.
-TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
-
-/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else.
-TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
-
-/// The version of the linked library, as "1.2.3".
-TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
-
-/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
-TRISAP_NODISCARD
-const char *trisap_instruction_set(void)
-TRISAP_NOEXCEPT;
-
-/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
-/// O(leaves).
-TRISAP_NODISCARD
-trisap_status trisap_world_leaves(const struct trisap_world *world,
-                                  struct trisap_leaf *leaves,
-                                  size_t room,
-                                  size_t *count)
-TRISAP_NOEXCEPT;
-
-/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
-/// O(leaves log leaves).
-TRISAP_NODISCARD
-trisap_status trisap_world_planes(const struct trisap_world *world,
-                                  struct trisap_plane *planes,
-                                  size_t room,
-                                  size_t *count)
-TRISAP_NOEXCEPT;
-
-/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
-/// and their number to `count`. O(large objects).
-TRISAP_NODISCARD
-trisap_status trisap_world_large(const struct trisap_world *world,
-                                 trisap_id *ids,
-                                 size_t room,
-                                 size_t *count)
-TRISAP_NOEXCEPT;
-
-/// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
-/// says why. Grows linearly with objects, leaf references and pairs.
-TRISAP_NODISCARD
-size_t trisap_world_size(const struct trisap_config *config)
-TRISAP_NOEXCEPT;
-
-/// The boundary that the memory of a world starts on: 64 bytes.
-TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
-
-/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`.
-///
-/// What was in the memory does not matter: so a world is cleared, too. What is beyond `trisap_world_size()` is not
-/// touched. Nothing is allocated, neither here nor later. O(bytes).
-TRISAP_NODISCARD
-trisap_status trisap_world_init(void *memory,
-                                size_t bytes,
-                                const struct trisap_config *config,
-                                struct trisap_world **world)
-TRISAP_NOEXCEPT;
-
-/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
-/// `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
-///
-/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found and
-/// lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and a step there tells the
-/// events as if there had been room from the beginning. Capacities, workers, the margin of new objects and all choices about speed
-/// may change; mode, events, filters and whether there are margins may not: `TRISAP_STATUS_OTHER_CONFIG`.
-///
-/// Where the world does not fit, the status is `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, and the detail of `from`
-/// says how many would have to fit. After each status but `TRISAP_STATUS_OK` nothing has been written to the memory.
-TRISAP_NODISCARD
-trisap_status trisap_world_move(const struct trisap_world *from,
-                                void *memory,
-                                size_t bytes,
-                                const struct trisap_config *config,
-                                struct trisap_world **world)
-TRISAP_NOEXCEPT;
-
-/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
-///
-/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller, and
-/// checked when they come back, are the snapshots of `trisap_world_save`.
-TRISAP_NODISCARD
-trisap_status trisap_world_open(void *memory,
-                                size_t bytes,
-                                struct trisap_world **world)
-TRISAP_NOEXCEPT;
-
-/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
-TRISAP_NODISCARD uint64_t trisap_world_error_detail(const struct trisap_world *world) TRISAP_NOEXCEPT;
-
-/// The bytes that the world takes of its memory: what a copy for
-/// `trisap_world_open` has to copy. 0 for misuse.
-TRISAP_NODISCARD size_t trisap_world_bytes(const struct trisap_world *world) TRISAP_NOEXCEPT;
-
-/// Writes what the world was made for to `config`.
-TRISAP_NODISCARD
-trisap_status trisap_world_config(const struct trisap_world *world,
-                                  struct trisap_config *config)
-TRISAP_NOEXCEPT;
-
-/// Writes what the last step did to `stats`.
-TRISAP_NODISCARD
-trisap_status trisap_world_stats(const struct trisap_world *world,
-                                 struct trisap_stats *stats)
-TRISAP_NOEXCEPT;
-
-/// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
-/// is broken. O(n log n).
-TRISAP_NODISCARD
-trisap_status trisap_world_validate(const struct trisap_world *world)
 TRISAP_NOEXCEPT;
 
 #ifdef __cplusplus

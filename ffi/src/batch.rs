@@ -2,9 +2,9 @@
 
 use crate::border::{self, Items};
 use crate::jobs::executor;
-use crate::query::{trisap_cast, trisap_hit, trisap_region};
+use crate::query::{trisap_cast, trisap_region};
 use crate::status::{Refusal, trisap_status};
-use crate::structs::{trisap_id, trisap_jobs};
+use crate::structs::{trisap_hit, trisap_id, trisap_jobs};
 use crate::world::{Call, trisap_world, with};
 use core::ffi::CStr;
 use trisap_core::{Cast, Error, Kernels, Region};

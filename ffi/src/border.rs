@@ -1,9 +1,10 @@
 //! Where the caller's pointers become Rust's: everything that can be seen to be wrong is a status here, before a world
 //! is touched.
 
-use crate::query::trisap_hit;
 use crate::status::{Refusal, trisap_status};
-use crate::structs::{trisap_boxes, trisap_config, trisap_id, trisap_jobs, trisap_result, trisap_stats};
+use crate::structs::{
+    trisap_boxes, trisap_config, trisap_hit, trisap_id, trisap_jobs, trisap_result, trisap_stats,
+};
 use core::ffi::c_void;
 use core::ops::Range;
 use trisap_core::{Boxes, Hit, Id};

@@ -28,20 +28,36 @@
 #[cfg(any(feature = "std", test))]
 extern crate std;
 
-pub mod batch;
 mod border;
-pub mod filter;
 mod jobs;
-pub mod objects;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic;
-pub mod query;
-pub mod resting;
-pub mod shift;
-pub mod snapshot;
-pub mod status;
-pub mod step;
-pub mod structs;
+
+// The rest in the order of use, in which the header declares it.
 pub mod version;
-pub mod view;
+
+pub mod status;
+
+pub mod aabb;
+
+pub mod structs;
+
 pub mod world;
+
+pub mod objects;
+
+pub mod filter;
+
+pub mod resting;
+
+pub mod shift;
+
+pub mod step;
+
+pub mod view;
+
+pub mod query;
+
+pub mod batch;
+
+pub mod snapshot;

@@ -1,8 +1,9 @@
 //! Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
 
+use crate::aabb::trisap_aabb;
 use crate::border;
 use crate::status::trisap_status;
-use crate::structs::{TRISAP_NULL_ID, trisap_aabb, trisap_boxes, trisap_id};
+use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
 use crate::world::{Call, trisap_world, with};
 use trisap_core::{Error, Id};
 

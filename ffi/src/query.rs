@@ -2,9 +2,10 @@
 //!
 //! Answers are those of the boxes as they are now. Each needs no step before it.
 
+use crate::aabb::{point, trisap_aabb};
 use crate::border::{self, Answers};
 use crate::status::{Refusal, trisap_status};
-use crate::structs::{TRISAP_NULL_ID, trisap_aabb, trisap_id};
+use crate::structs::{trisap_hit, trisap_id};
 use crate::world::{Call, trisap_world, with};
 use core::ffi::c_void;
 use core::ops::ControlFlow;
@@ -57,40 +58,6 @@ impl From<trisap_cast> for Cast {
     fn from(cast: trisap_cast) -> Self {
         Self { start: cast.start.into(), direction: cast.direction, distance: cast.distance }
     }
-}
-
-/// An object that a cast meets, or that is near a point.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct trisap_hit {
-    /// The object.
-    pub id: trisap_id,
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
-    /// the nearest objects: the distance.
-    pub distance: f64,
-}
-
-impl From<Hit> for trisap_hit {
-    fn from(hit: Hit) -> Self {
-        Self { id: hit.id.to_bits(), distance: hit.distance }
-    }
-}
-
-impl trisap_hit {
-    /// No object.
-    pub(crate) const NONE: Self = Self { id: TRISAP_NULL_ID, distance: 0.0 };
-}
-
-/// The caller's point. From null one of NaN, which every use refuses.
-///
-/// # Safety
-/// A pointer that is not null points to three numbers.
-pub(crate) unsafe fn point<T: Copy>(first: *const T, nan: T) -> [T; 3] {
-    if first.is_null() {
-        return [nan; 3];
-    }
-    // SAFETY: not null, and by the caller's promise three numbers; no alignment is asked for.
-    unsafe { first.cast::<[T; 3]>().read_unaligned() }
 }
 
 /// A box to look in. Of null, a region that is refused.

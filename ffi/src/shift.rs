@@ -1,7 +1,7 @@
 //! Moving the origin of a world to where its objects are.
 
+use crate::aabb::point;
 use crate::border;
-use crate::query::point;
 use crate::status::trisap_status;
 use crate::world::{Call, trisap_world, with};
 

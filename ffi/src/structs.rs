@@ -1,9 +1,9 @@
 //! Plain data. Structs that may grow begin with their size; `trisap_default_...` functions fill it in.
 
-use crate::query::point;
+use crate::aabb::trisap_aabb;
 use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
-use trisap_core::{Aabb, Capacity, Choice, Config, Margin, Mode};
+use trisap_core::{Capacity, Choice, Config, Hit, Margin, Mode};
 
 /// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
@@ -11,66 +11,6 @@ pub type trisap_id = u64;
 
 /// The id of no object.
 pub const TRISAP_NULL_ID: trisap_id = 0;
-
-/// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
-/// welcome; NaN and a minimum above its maximum are refused.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub struct trisap_aabb {
-    /// The lowest corner: x, y, z.
-    pub min: [f32; 3],
-    /// The highest corner: x, y, z.
-    pub max: [f32; 3],
-}
-
-impl From<trisap_aabb> for Aabb {
-    fn from(aabb: trisap_aabb) -> Self {
-        Self::new(aabb.min, aabb.max)
-    }
-}
-
-impl From<Aabb> for trisap_aabb {
-    fn from(aabb: Aabb) -> Self {
-        Self { min: aabb.min, max: aabb.max }
-    }
-}
-
-/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
-/// numbers; of null, a box that is refused.
-///
-/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
-/// the `f64` box, so that the rounding comes after it.
-#[unsafe(no_mangle)]
-#[must_use]
-pub unsafe extern "C" fn trisap_aabb_from_f64(
-    min: *const f64,
-    max: *const f64,
-    origin: *const f64,
-) -> trisap_aabb {
-    // SAFETY: the caller's promise.
-    let corners = unsafe { [point(min, f64::NAN), point(max, f64::NAN), point(origin, f64::NAN)] };
-    let [min, max, origin] = corners;
-    Aabb::from_f64(min, max, origin).into()
-}
-
-/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
-/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
-/// 126 fraction bits, a box that is refused.
-#[unsafe(no_mangle)]
-#[must_use]
-pub unsafe extern "C" fn trisap_aabb_from_fixed(
-    min: *const i32,
-    max: *const i32,
-    fraction_bits: u32,
-) -> trisap_aabb {
-    if min.is_null() || max.is_null() {
-        return trisap_aabb { min: [f32::NAN; 3], max: [f32::NAN; 3] };
-    }
-    // SAFETY: not null, and the caller's promise.
-    let [min, max] = unsafe { [point(min, 0), point(max, 0)] };
-    Aabb::from_fixed(min, max, fraction_bits).into()
-}
 
 /// Two overlapping objects by slot.
 #[repr(C)]
@@ -486,3 +426,25 @@ const _: () = {
     assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
     assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());
 };
+
+/// An object that a cast meets, or that is near a point.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct trisap_hit {
+    /// The object.
+    pub id: trisap_id,
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
+    /// the nearest objects: the distance.
+    pub distance: f64,
+}
+
+impl From<Hit> for trisap_hit {
+    fn from(hit: Hit) -> Self {
+        Self { id: hit.id.to_bits(), distance: hit.distance }
+    }
+}
+
+impl trisap_hit {
+    /// No object.
+    pub(crate) const NONE: Self = Self { id: TRISAP_NULL_ID, distance: 0.0 };
+}

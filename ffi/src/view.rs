@@ -1,8 +1,9 @@
 //! The tree to look at: what a debug view draws. Nothing where the last step had no tree.
 
+use crate::aabb::trisap_aabb;
 use crate::border::Answers;
 use crate::status::trisap_status;
-use crate::structs::{trisap_aabb, trisap_id};
+use crate::structs::trisap_id;
 use crate::world::{Call, trisap_world, with};
 use trisap_core::{LeafView, PlaneView};
 

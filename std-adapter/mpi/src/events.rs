@@ -4,9 +4,8 @@
 //! corner is not below the owned object's minimum, which is in the cell, and both minima are below the cell's upper end, since
 //! both boxes reach the cell. Only the corners of two ghosts have to be looked at.
 
-use crate::local::KeyPair;
 use crate::split::{Cell, corner};
-use crate::table::{KeyMap, Object, Table};
+use crate::table::{KeyMap, KeyPair, Object, Table};
 
 /// Objects that lived in the last step and have left, by the slot that they had.
 pub(crate) type Gone = KeyMap<u32, Object>;

@@ -43,8 +43,8 @@ mod table;
 mod world;
 
 pub use fault::Fault;
-pub use local::KeyPair;
 pub use message::VERSION;
 pub use settings::Settings;
 pub use stats::{Stage, Stats};
+pub use table::KeyPair;
 pub use world::SplitWorld;

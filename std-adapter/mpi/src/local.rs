@@ -8,11 +8,8 @@
 use crate::events::{Deciding, Gone, When, ordered};
 use crate::message::NOWHERE;
 use crate::split::{Cell, corner};
-use crate::table::{KeyMap, Object, Table};
+use crate::table::{KeyMap, KeyPair, Object, Table};
 use trisap::{Boxes, Capacity, Config, Error, Executor, Kernels, OwnedWorld};
-
-/// Two objects by key, the lower one first.
-pub type KeyPair = [u64; 2];
 
 /// What a sweep of a rank's world runs on.
 #[derive(Clone, Copy)]

@@ -1,6 +1,6 @@
 //! Pairs of other ranks.
 
-use crate::local::KeyPair;
+use crate::table::KeyPair;
 use crate::world::SplitWorld;
 
 impl SplitWorld {

@@ -5,6 +5,9 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use trisap::Aabb;
 
+/// Two objects by key, the lower one first.
+pub type KeyPair = [u64; 2];
+
 /// The object lives.
 const LIVES: u8 = 1;
 /// The rank owns it: its box comes from here.

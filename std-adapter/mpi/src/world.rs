@@ -4,14 +4,14 @@ use crate::balance::Balance;
 use crate::exchange::{Exchange, Letter, Progress};
 use crate::fault::Fault;
 use crate::links::Links;
-use crate::local::{KeyPair, Local, Means};
+use crate::local::{Local, Means};
 use crate::message::{Batch, NOWHERE, Newcomer};
 use crate::overlap::Overlap;
 use crate::route::{Fate, Route};
 use crate::settings::Settings;
 use crate::split::Split;
 use crate::stats::{Clock, Stage, Stats};
-use crate::table::{KeyMap, Object};
+use crate::table::{KeyMap, KeyPair, Object};
 use mpi::topology::SimpleCommunicator;
 use trisap::{Aabb, Executor, Kernels};
 
