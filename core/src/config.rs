@@ -159,6 +159,13 @@ pub struct Config {
     pub fixed_margins: bool,
 }
 
+impl Default for Config {
+    /// Room for 1,024 objects, with the proportions of [`Capacity::for_objects`].
+    fn default() -> Self {
+        Self::new(Capacity::for_objects(1024))
+    }
+}
+
 impl Config {
     /// Exact pairs, no margin, no events, no filters, one worker; all that can be chosen by counts is.
     #[must_use]

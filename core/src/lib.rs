@@ -7,7 +7,7 @@
 //! ```
 //! use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
 //!
-//! const CONFIG: Config = Config::new(Capacity { objects: 16, leaf_refs: 0, pairs: 64 });
+//! const CONFIG: Config = Config::new(Capacity::for_objects(16));
 //! const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
 //!
 //! let mut memory = InlineWorld::<BYTES>::EMPTY;

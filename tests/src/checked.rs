@@ -108,6 +108,8 @@ impl<'m, I: Index> Checked<'m, I> {
         }
         assert_eq!(self.world.len() as usize, self.model.len());
         assert_eq!(self.world.is_empty(), self.model.is_empty());
+        assert!(self.world.ids().eq(self.model.ids()), "the ids in order");
+        assert!(self.world.iter().all(|(id, aabb)| self.model.boxes()[id.slot() as usize] == Some(aabb)));
         for (aabb, slot) in self.model.boxes().iter().zip(0..) {
             let id = self.model.id_at(slot);
             assert_eq!(self.world.id_at(slot), id, "the id at slot {slot}");

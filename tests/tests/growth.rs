@@ -111,14 +111,14 @@ impl Life<'_> {
         self.both::<I, _>(|world| world.insert(aabb).expect("room"), |model, _, id| model.insert(*id, aabb));
     }
 
-    fn any<I: Index>(&mut self) -> Option<Id> {
+    fn any(&mut self) -> Option<Id> {
         let ids = self.model.ids();
         (!ids.is_empty()).then(|| ids[self.rng.below(ids.len())])
     }
 
     fn act<I: Index>(&mut self) {
         let filters = self.config.filters;
-        let Some(id) = self.any::<I>() else { return self.insert::<I>(scenes::cube(0.0, 0.0, 0.0)) };
+        let Some(id) = self.any() else { return self.insert::<I>(scenes::cube(0.0, 0.0, 0.0)) };
         let aabb = self.model.boxes()[id.slot() as usize].expect("alive");
         match self.rng.below(20) {
             0..5 => self.insert::<I>(shifted(&aabb, self.rng.clone().point(-2.0, 2.0))),

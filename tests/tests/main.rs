@@ -7,6 +7,7 @@ mod allocation;
 mod capacity;
 mod choices;
 mod cliffs;
+mod contents;
 mod edges;
 mod errata;
 mod executors;

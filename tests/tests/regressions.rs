@@ -229,7 +229,7 @@ fn what_init_refuses_has_no_size_and_the_error_says_why() {
     }
     let lean = Config::new(Capacity::for_objects(257)).with_lean();
     assert_eq!(layout::<u32>(&lean), None);
-    let error = World::<u32>::new_in(&mut [], &lean).err().expect("too many");
+    let error = World::<u32>::new_in(&mut [], &lean).expect_err("too many");
     assert!(error.to_string().contains("lean"), "{error}");
     assert!(!Error::LengthMismatch { needed: 1 }.to_string().contains("output"));
 }

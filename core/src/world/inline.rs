@@ -14,7 +14,7 @@ use bytemuck::Zeroable;
 /// ```
 /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
 ///
-/// const CONFIG: Config = Config::new(Capacity { objects: 64, leaf_refs: 0, pairs: 256 });
+/// const CONFIG: Config = Config::new(Capacity::for_objects(64));
 /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
 ///
 /// let mut memory = InlineWorld::<BYTES>::EMPTY;

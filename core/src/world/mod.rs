@@ -1,5 +1,6 @@
 //! The public world. [`World::advance`] is a step: its phases in order.
 
+mod contents;
 mod filters;
 mod inline;
 mod names;

@@ -24,7 +24,7 @@ impl<I: Index> World<'_, I> {
     /// ```
     /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
     ///
-    /// const CONFIG: Config = Config::new(Capacity { objects: 16, leaf_refs: 0, pairs: 64 }).with_events();
+    /// const CONFIG: Config = Config::new(Capacity::for_objects(16)).with_events();
     /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
     ///
     /// // A metre apart, a million kilometres out.

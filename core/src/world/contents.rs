@@ -1,0 +1,84 @@
+//! All that is in a world, one after another.
+
+use super::{Step, World};
+use crate::config::Capacity;
+use crate::error::Error;
+use crate::geometry::aabb::Aabb;
+use crate::id::{Id, Index};
+use crate::parallel::executor::Serial;
+use crate::simd::kernels::Kernels;
+use core::fmt;
+
+/// Looking around.
+impl<I: Index> World<'_, I> {
+    /// As [`step`](Self::step), on this thread alone, with the best kernels of this processor.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step).
+    pub fn step_alone(&mut self) -> Result<Step<'_, I>, Error> {
+        self.step(Kernels::detect(), &Serial)
+    }
+
+    /// How much fits into the world.
+    #[must_use]
+    pub fn capacity(&self) -> Capacity {
+        self.config().capacity
+    }
+
+    /// The living objects by ascending slot. O(slots that have been in use).
+    pub fn ids(&self) -> impl Iterator<Item = Id> {
+        (0..self.parts.state.slots).filter_map(|slot| self.id_at(slot))
+    }
+
+    /// The living objects and their boxes, by ascending slot. O(slots that have been in use).
+    pub fn iter(&self) -> impl Iterator<Item = (Id, Aabb)> {
+        self.ids().filter_map(|id| Some((id, self.aabb(id)?)))
+    }
+
+    /// How far an object may move before it counts as moved; `None` for a stale id, and in a world without margins.
+    #[must_use]
+    pub fn margin(&self, id: Id) -> Option<f32> {
+        self.slot_of(id).ok().and_then(|slot| self.parts.boxes.margins.get(slot).copied())
+    }
+
+    /// Whom an object overlaps, as the last step has it. O(pairs): who asks for many should go through
+    /// [`pairs`](Self::pairs) once.
+    pub fn pairs_of(&self, id: Id) -> impl Iterator<Item = Id> {
+        self.pair_ids().filter_map(move |[a, b]| match id {
+            _ if id == a => Some(b),
+            _ if id == b => Some(a),
+            _ => None,
+        })
+    }
+
+    /// Removes all objects. Their ids are stale from now on; their pairs are lost at the next step. O(slots that have been in use).
+    pub fn clear(&mut self) {
+        for slot in 0..self.parts.state.slots {
+            if let Some(id) = self.id_at(slot) {
+                // It lives.
+                let _ = self.remove(id);
+            }
+        }
+    }
+}
+
+impl<I: Index> fmt::Debug for World<'_, I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("World")
+            .field("len", &self.len())
+            .field("pairs", &self.pairs().len())
+            .field("config", &self.config())
+            .finish_non_exhaustive()
+    }
+}
+
+impl<I: Index> fmt::Debug for Step<'_, I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Step")
+            .field("pairs", &self.pairs().len())
+            .field("found", &self.found().len())
+            .field("lost", &self.lost().len())
+            .field("rejected", &self.rejected())
+            .finish_non_exhaustive()
+    }
+}
