@@ -107,6 +107,15 @@
 /// The classes that there can be.
 #define TRISAP_CLASSES 32
 
+/// All pairs of the last step: for `trisap_world_pair_ids`.
+#define TRISAP_PAIRS_ALL 0
+
+/// With events, those that the last step has and the complete step before it had not: for the same.
+#define TRISAP_PAIRS_FOUND 1
+
+/// With events, those that the complete step before the last one had and the last one has not: for the same.
+#define TRISAP_PAIRS_LOST 2
+
 /// A box: for `trisap_region::kind`.
 #define TRISAP_REGION_AABB 0
 
@@ -394,6 +403,14 @@ typedef struct trisap_filter {
 /// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
 /// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
 typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
+
+/// Two objects by id.
+typedef struct trisap_id_pair {
+    /// The object in the lower slot.
+    trisap_id a;
+    /// The object in the higher slot.
+    trisap_id b;
+} trisap_id_pair;
 
 /// A leaf of the tree.
 typedef struct trisap_leaf {
@@ -780,6 +797,20 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_result(struct trisap_world *world,
                                   struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
+/// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; what is one of
+/// `TRISAP_PAIRS_...`. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit.
+///
+/// To be asked after a step, before objects come or go: then the pairs are in the order of `trisap_result`, and those that are lost
+/// have the ids of the objects that were the pair, also where they are no more and others have their slots. Pairs of which an object
+/// has been removed since the step are left out, but for the lost ones. O(pairs).
+TRISAP_NODISCARD
+trisap_status trisap_world_pair_ids(const struct trisap_world *world,
+                                    uint32_t what,
+                                    struct trisap_id_pair *pairs,
+                                    size_t room,
+                                    size_t *count)
 TRISAP_NOEXCEPT;
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.

@@ -361,6 +361,12 @@ public:
         return trisap_world_wake(world_, ids.data(), ids.size());
     }
 
+    /// Writes pairs of the last step by id, `TRISAP_PAIRS_ALL`, `TRISAP_PAIRS_FOUND` or `TRISAP_PAIRS_LOST`, to `pairs`, and how many
+    /// there are to `count`. To be asked before objects come or go: see `trisap_world_pair_ids`.
+    [[nodiscard]] Status pair_ids(std::uint32_t what, View<trisap_id_pair> pairs, std::size_t &count) const noexcept {
+        return trisap_world_pair_ids(world_, what, pairs.data(), pairs.size(), &count);
+    }
+
     [[nodiscard]] bool is_resting(Id id) const noexcept { return trisap_world_is_resting(world_, id) != 0; }
 
     [[nodiscard]] bool contains(Id id) const noexcept {

@@ -54,6 +54,8 @@ pub mod shift;
 
 pub mod step;
 
+pub mod events;
+
 pub mod view;
 
 pub mod query;

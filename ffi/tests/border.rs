@@ -4,6 +4,7 @@
 
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
+use trisap_ffi::aabb::*;
 use trisap_ffi::batch::*;
 use trisap_ffi::filter::*;
 use trisap_ffi::objects::*;

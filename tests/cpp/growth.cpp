@@ -21,6 +21,22 @@ Pairs sorted(const trisap::View<const trisap::Pair> &pairs) {
     return copy;
 }
 
+using IdPairs = std::vector<std::pair<trisap::Id, trisap::Id>>;
+
+IdPairs by_id(const trisap::World &world, std::uint32_t what) {
+    std::size_t count = 0;
+    const trisap::Status status = world.pair_ids(what, {}, count);
+    CHECK(status == (count == 0 ? TRISAP_STATUS_OK : TRISAP_STATUS_OUTPUT_FULL));
+    std::vector<trisap_id_pair> pairs(count);
+    CHECK_OK(world.pair_ids(what, pairs, count));
+    IdPairs copy;
+    for (const auto &pair : pairs) {
+        copy.emplace_back(pair.a, pair.b);
+    }
+    std::sort(copy.begin(), copy.end());
+    return copy;
+}
+
 struct Counts {
     unsigned steps = 0, for_objects = 0, for_pairs = 0, less = 0, refused = 0;
 };
@@ -68,6 +84,15 @@ public:
         CHECK(sorted(said.pairs) == sorted(expected.pairs));
         CHECK(sorted(said.found) == sorted(expected.found));
         CHECK(sorted(said.lost) == sorted(expected.lost));
+        for (const std::uint32_t what : {TRISAP_PAIRS_ALL, TRISAP_PAIRS_FOUND, TRISAP_PAIRS_LOST}) {
+            CHECK(by_id(world_, what) == by_id(large_, what));
+        }
+        // Those that were lost are pairs of the step before, by id.
+        for (const auto &pair : by_id(world_, TRISAP_PAIRS_LOST)) {
+            CHECK(std::binary_search(last_.begin(), last_.end(), pair));
+        }
+        last_ = by_id(world_, TRISAP_PAIRS_ALL);
+        CHECK(last_.size() == said.pairs.size());
         counts_.steps++;
     }
 
@@ -146,6 +171,7 @@ private:
     trisap::Config config_{};
     trisap::World world_, large_;
     std::vector<trisap::Id> ids_;
+    IdPairs last_;
 };
 
 void what_cannot_change() {

@@ -618,16 +618,16 @@ static void snapshots(void) {
         REFUSED(trisap_world_load(world, broken, size), TRISAP_STATUS_BAD_SNAPSHOT);
     }
 
-    // Of another capacity.
+    // With other events.
     trisap_config config;
     memset(&config, 0, sizeof config);
     config.struct_size = sizeof config;
     CHECK_OK(trisap_world_config(world, &config));
-    config.pairs++;
+    config.events = !config.events;
     void *memory = aligned_alloc(trisap_world_align(), trisap_world_size(&config));
     trisap_world *foreign = NULL;
     CHECK_OK(trisap_world_init(memory, trisap_world_size(&config), &config, &foreign));
-    CHECK_STATUS(trisap_world_load(foreign, snapshot, size), TRISAP_STATUS_BAD_SNAPSHOT);
+    CHECK_STATUS(trisap_world_load(foreign, snapshot, size), TRISAP_STATUS_OTHER_CONFIG);
     CHECK(trisap_world_len(foreign) == 0);
     free(memory);
 

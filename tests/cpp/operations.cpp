@@ -287,10 +287,12 @@ private:
         default: {
             trisap::World foreign;
             trisap::Config other = config_;
-            other.objects++;
+            other.events = 1 - other.events;
             CHECK_OK(foreign.init(other));
             broken.resize(foreign.snapshot_size());
             CHECK_OK(foreign.save(broken).status);
+            CHECK_STATUS(world_.load(broken), TRISAP_STATUS_OTHER_CONFIG);
+            broken.clear();
         }
         }
         if (!broken.empty()) {
