@@ -3,8 +3,8 @@
 //! - [`BroadPhase`], boxes by the caller's own keys, which grows by itself: where most programs begin,
 //! - [`OwnedWorld`], a world that brings its own memory,
 //! - `Rayon`, an executor over a [rayon](https://docs.rs/rayon) thread pool (feature `rayon`, on by default),
-//! - [`recording`], Broadmark's `.aabbs` files,
-//! - `scene`, synthetic scenes of any size (feature `scene`, on by default).
+//! - `recording`, Broadmark's `.aabbs` files (feature `recording`),
+//! - `scene`, synthetic scenes of any size (feature `scene`).
 //!
 //! ```
 //! use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld, Serial};
@@ -14,7 +14,7 @@
 //!     Aabb::new([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]), // touches the first
 //!     Aabb::new([5.0, 0.0, 0.0], [6.0, 1.0, 1.0]),
 //! ];
-//! let mut owned = OwnedWorld::<u32>::new(&Config::new(Capacity::for_objects(3)))?;
+//! let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(3)))?;
 //! let mut world = owned.world();
 //! world.insert_many(Boxes::new(&boxes), &mut [None; 3])?;
 //! assert_eq!(world.step(trisap::detect(), &Serial)?.pairs(), [[0, 1]]);
@@ -30,6 +30,7 @@ mod memory;
 mod owned;
 #[cfg(feature = "rayon")]
 mod pool;
+#[cfg(feature = "recording")]
 pub mod recording;
 #[cfg(feature = "scene")]
 pub mod scene;

@@ -15,9 +15,16 @@ pub struct OwnedWorld<I: Index = u32> {
     index: PhantomData<I>,
 }
 
-impl<I: Index> OwnedWorld<I> {
-    /// An empty world for `config`. Memory that cannot be had is [`Error::CapacityTooLarge`].
+impl OwnedWorld<u32> {
+    /// An empty world for `config`, with slots of 32 bits. Memory that cannot be had is [`Error::CapacityTooLarge`].
     pub fn new(config: &Config) -> Result<Self, Error> {
+        Self::with_index(config)
+    }
+}
+
+impl<I: Index> OwnedWorld<I> {
+    /// An empty world with slots of any width. Memory that cannot be had is [`Error::CapacityTooLarge`].
+    pub fn with_index(config: &Config) -> Result<Self, Error> {
         let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
         let mut slab = Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?;
         World::<I>::new_in(&mut slab, config)?;
@@ -65,7 +72,7 @@ mod tests {
 
     #[test]
     fn state_outlives_the_view() -> Result<(), Error> {
-        let mut owned = OwnedWorld::<u16>::new(&Config::new(Capacity::for_objects(4)))?;
+        let mut owned = OwnedWorld::<u16>::with_index(&Config::new(Capacity::for_objects(4)))?;
         let first = owned.world().insert(CUBE)?;
         let second = owned.world().insert(CUBE)?;
         assert_eq!(owned.world().len(), 2);
@@ -80,7 +87,7 @@ mod tests {
     #[test]
     fn too_large_is_an_error() {
         let more_than_u16 = Config::new(Capacity::for_objects(70_000));
-        assert_eq!(OwnedWorld::<u16>::new(&more_than_u16).unwrap_err(), Error::CapacityTooLarge);
+        assert_eq!(OwnedWorld::<u16>::with_index(&more_than_u16).unwrap_err(), Error::CapacityTooLarge);
         let no_worker = Config::new(Capacity::for_objects(8)).with_workers(0);
         assert!(OwnedWorld::<u32>::new(&no_worker).is_err());
     }

@@ -80,8 +80,8 @@ fn pass<I: Index>(
     executor: &dyn Executor,
     visitor: &mut dyn Visitor,
 ) -> Result<Option<u64>> {
-    let mut owned =
-        OwnedWorld::<I>::new(config).with_context(|| format!("no world for {} objects", source.objects()))?;
+    let mut owned = OwnedWorld::<I>::with_index(config)
+        .with_context(|| format!("no world for {} objects", source.objects()))?;
     let mut world = owned.world();
     let mut number = 0;
     while let Some(boxes) = source.next_frame()? {

@@ -62,7 +62,7 @@ impl<I: Index> Ours<I> {
         }
         let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
         let build = || {
-            let mut world = OwnedWorld::new(&config)?;
+            let mut world = OwnedWorld::with_index(&config)?;
             let mut ids = vec![None; boxes.len()];
             world.world().insert_many(Boxes::new(&boxes), &mut ids)?;
             let movers = if setting.is_crowd() { setting.movers } else { &[] };

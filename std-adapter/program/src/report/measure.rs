@@ -136,7 +136,7 @@ pub(super) fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> 
 /// Plays the clip once and compares what can be compared.
 fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<Started<'c>> {
     let Contender { clip, kernels, .. } = *contender;
-    let mut owned = OwnedWorld::<I>::new(config)?;
+    let mut owned = OwnedWorld::<I>::with_index(config)?;
     let mut world = owned.world();
     world.insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
     let mut measured = Measured { name: contender.name.clone(), ..Measured::default() };

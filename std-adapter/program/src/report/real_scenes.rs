@@ -112,7 +112,8 @@ fn run(kind: Kind, objects: u32) -> Result<Run> {
 fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
     let mut scene = Scene::new(setup)?;
     let mut run = Run { setup, old: Life::default(), fresh: Life::default(), verdict: Verdict::default() };
-    let (mut old_memory, mut fresh_memory) = (OwnedWorld::<I>::new(config)?, OwnedWorld::<I>::new(config)?);
+    let (mut old_memory, mut fresh_memory) =
+        (OwnedWorld::<I>::with_index(config)?, OwnedWorld::<I>::with_index(config)?);
     let (mut old, mut fresh) = (old_memory.world(), fresh_memory.world());
     for frame in 0..FRAMES {
         let boxes = Boxes::new(scene.boxes());

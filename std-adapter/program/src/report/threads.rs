@@ -121,9 +121,9 @@ fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<
     let rayon = Rayon::in_pool(&pool);
     let executors: [&dyn Executor; 3] = [&Serial, &Unaided, &rayon];
     let mut owned = [
-        OwnedWorld::<I>::new(&shared.with_workers(1))?,
-        OwnedWorld::new(&shared)?,
-        OwnedWorld::new(&shared)?,
+        OwnedWorld::<I>::with_index(&shared.with_workers(1))?,
+        OwnedWorld::with_index(&shared)?,
+        OwnedWorld::with_index(&shared)?,
     ];
     for owned in &mut owned {
         owned.world().insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;

@@ -38,7 +38,7 @@ const CUBE: Aabb = Aabb::new([0.0; 3], [1.0; 3]);
 
 fn counts(kernels: Kernels) -> Result<()> {
     const MOST: u32 = 100;
-    let mut owned = OwnedWorld::<u16>::new(&Config::new(Capacity::for_objects(MOST)))?;
+    let mut owned = OwnedWorld::<u16>::with_index(&Config::new(Capacity::for_objects(MOST)))?;
     let mut world = owned.world();
     let mut pairs = 0;
     for count in 0..=MOST {
@@ -61,7 +61,7 @@ fn counts(kernels: Kernels) -> Result<()> {
 
 fn full_buffer(kernels: Kernels) -> Result<()> {
     let config = Config::new(Capacity { pairs: 10, ..Capacity::for_objects(6) }).with_events();
-    let mut owned = OwnedWorld::<u16>::new(&config)?;
+    let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
     let mut ids = [None; 6];
     world.insert_many(Boxes::new(&[CUBE; 6]), &mut ids)?;
@@ -77,7 +77,7 @@ fn full_buffer(kernels: Kernels) -> Result<()> {
 }
 
 fn reuse(kernels: Kernels) -> Result<()> {
-    let mut owned = OwnedWorld::<u16>::new(&Config::new(Capacity::for_objects(4)).with_events())?;
+    let mut owned = OwnedWorld::<u16>::with_index(&Config::new(Capacity::for_objects(4)).with_events())?;
     let mut world = owned.world();
     let (old, _) = (world.insert(CUBE)?, world.insert(CUBE)?);
     world.step(kernels, &Serial)?;
@@ -99,7 +99,7 @@ fn far_out(kernels: Kernels) -> Result<()> {
     let count = 200;
     let frame = |origin| -> Vec<Aabb> { (0..count).map(|i| cube(i, origin)).collect() };
     let config = Config::new(Capacity { pairs: 40_000, ..Capacity::for_objects(count) }).with_events();
-    let mut owned = OwnedWorld::<u16>::new(&config)?;
+    let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
     world.insert_many(Boxes::new(&frame(0.0)), &mut vec![None; count as usize])?;
     let step = world.step(kernels, &Serial)?;
