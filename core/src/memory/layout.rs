@@ -165,6 +165,7 @@ impl Sizes {
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
         plan.add::<u32>(SlotSet::len(self.changed));
+        plan.add::<u32>(SlotSet::len(self.before));
         plan.add::<u32>(bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);

@@ -32,6 +32,9 @@ pub(crate) struct Parts<'m, I> {
     /// With events, and in an exact world with margins and a tree: the swept or the reported box has changed since the last
     /// complete step, or a filter has.
     pub(crate) changed: SlotSet<'m>,
+    /// With events: the box of the last complete step may not be that of the slot, as it was the step before it that reported
+    /// that one.
+    pub(crate) outdated: SlotSet<'m>,
     /// With a tree, one bit a slot: the object's pairs are not parked.
     pub(crate) active: &'m mut [u32],
     /// One bit a slot: it stands in the sorted lists.
@@ -54,7 +57,8 @@ pub(crate) struct BoxParts<'m> {
     pub(crate) fat: &'m mut [KeyBox],
     /// With a margin: the length that the box is grown by (erratum E2).
     pub(crate) margins: &'m mut [f32],
-    /// With events: the boxes that the last complete step reported; empty for objects that are new since.
+    /// With events: the boxes that the last complete step reported, of those who have [changed](Parts::changed) since; empty for
+    /// objects that are new since. Of others what the step reports now, unless they are [outdated](Parts::outdated).
     pub(crate) before: &'m mut [KeyBox],
     /// Whether a step sweeps the boxes as given though there are fat ones.
     pub(crate) tight: bool,
@@ -180,6 +184,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let (resting, rest) = rest.split_at_mut_checked(words)?;
         let moved = SlotSet::carve(rest, sizes.objects)?;
         let changed = SlotSet::carve(slab.take(SlotSet::len(sizes.changed))?, sizes.changed)?;
+        let outdated = SlotSet::carve(slab.take(SlotSet::len(sizes.before))?, sizes.before)?;
         let active = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
@@ -194,6 +199,7 @@ impl<'m, I: Index> Parts<'m, I> {
             moved,
             resting,
             changed,
+            outdated,
             active,
             listed,
             order: [x, y, z],
@@ -256,6 +262,7 @@ impl<'m, I: Index> Parts<'m, I> {
         for mut marks in [
             self.moved.reborrow(),
             self.changed.reborrow(),
+            self.outdated.reborrow(),
             self.filters.changed.reborrow(),
             self.former.reused.reborrow(),
         ] {

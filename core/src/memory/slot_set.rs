@@ -74,6 +74,12 @@ impl<'m> SlotSet<'m> {
         }
     }
 
+    /// Takes all slots out, and adds them to another set of as many, if the world keeps that.
+    pub(crate) fn move_to(&mut self, other: &mut SlotSet<'_>) {
+        self.for_each_word(|index, word| other.add(index, word));
+        self.clear();
+    }
+
     /// Finds the groups anew, where words were written directly.
     pub(crate) fn regroup(&mut self) {
         self.groups.fill(0);

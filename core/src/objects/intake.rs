@@ -36,8 +36,9 @@ pub(crate) fn ingest<I: Index>(
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
+        let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
-        let objects = Objects { now, fat, moved, changed, mode };
+        let objects = Objects { now, fat, moved, changed, before, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
     let slots = (parts.state.slots as usize).min(bounds.len());
@@ -46,17 +47,17 @@ pub(crate) fn ingest<I: Index>(
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let claims = BlockQueue::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
-        Chunks::optional(parts.boxes.fat, len),
+        (Chunks::optional(parts.boxes.fat, len), Chunks::optional(parts.boxes.before, len)),
         parts.moved.blocks(len),
         parts.changed.blocks(len),
         Chunks::new(&mut found, 1),
     ));
     executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, (now, fat, moved, changed, found))) = claims.claim() {
+        while let Some((block, (now, (fat, before), moved, changed, found))) = claims.claim() {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
             let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
-            let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), mode };
+            let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
         }
@@ -110,9 +111,12 @@ fn take_in<S: Simd>(
     resting: u32,
     intake: &mut Intake,
 ) {
-    let Objects { now, fat, .. } = objects;
+    let Objects { now, fat, changed: kept, before, mode, .. } = objects;
     let end = now.len().min(word * 32 + 32);
     let now = now.get_mut(word * 32..end).unwrap_or_default();
+    // The boxes that the events compare with are kept where they have not changed since the last complete step.
+    let before = before.get_mut(word * 32..end).unwrap_or_default();
+    let kept = if before.is_empty() { u32::MAX } else { kept.words.at(word) };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
     let (mut changed, mut contained, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
@@ -129,6 +133,9 @@ fn take_in<S: Simd>(
             Some(keys) if simd.same(keys, simd.keys(old)) => {}
             Some(keys) => {
                 let bounds = simd.bounds(keys);
+                if kept >> (at % 32) & 1 == 0 {
+                    before.put(at % 32, fat.reported(*mode, at, old));
+                }
                 if fat.exist() {
                     contained |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
                 }

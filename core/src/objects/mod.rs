@@ -2,7 +2,7 @@
 
 pub(crate) mod intake;
 
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::config::{Margin, Mode};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
@@ -16,6 +16,8 @@ pub(crate) struct Objects<'o> {
     pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: SlotSet<'o>,
     pub(crate) changed: SlotSet<'o>,
+    /// See [`BoxParts::before`](crate::memory::slab::BoxParts::before).
+    pub(crate) before: &'o mut [KeyBox],
     pub(crate) mode: Mode,
 }
 
@@ -41,6 +43,12 @@ impl FatBoxes<'_> {
     #[inline(always)]
     pub(crate) fn exist(&self) -> bool {
         !self.boxes.is_empty()
+    }
+
+    /// The box that a result speaks of, of an object whose box as given is known.
+    #[inline(always)]
+    pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
+        if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
     }
 
     /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box. Not inline: it is
@@ -75,6 +83,7 @@ impl<I: Index> Parts<'_, I> {
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
+            before: self.boxes.before,
             mode: self.state.mode(),
         }
     }
@@ -89,8 +98,30 @@ impl State {
 }
 
 impl Objects<'_> {
-    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before.
+    /// Keeps the box that the last complete step reported of a slot, for the events of the next one: to be called before anything
+    /// of the slot is replaced. The first call since that step counts.
+    #[inline(always)]
+    fn keep(&mut self, at: usize) {
+        if let Some(before) = self.before.get_mut(at)
+            && !bits::test(self.changed.words, at)
+        {
+            *before = self.fat.reported(self.mode, at, &self.now.at(at));
+        }
+    }
+
+    /// Notes that the next step has to look at a slot.
+    pub(crate) fn touch(&mut self, at: usize) {
+        self.keep(at);
+        self.moved.set(at);
+        self.changed.set(at);
+    }
+
+    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before: of an object that had the slot since
+    /// the last step nothing is known any more, as its pairs are lost either way.
     pub(crate) fn enter(&mut self, at: usize, bounds: KeyBox) {
+        if let Some(before) = self.before.get_mut(at) {
+            *before = KeyBox::EMPTY;
+        }
         self.now.put(at, bounds);
         if self.fat.exist() {
             self.fat.boxes.put(at, bounds.grown(self.fat.margins.at(at)));
@@ -103,6 +134,7 @@ impl Objects<'_> {
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
         let old = self.now.at(at);
         if bounds != old {
+            self.keep(at);
             self.now.put(at, bounds);
             let contained = self.fat.exist() && self.fat.follow(at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
@@ -120,19 +152,17 @@ impl Objects<'_> {
 
     /// Anchors the fat box at the current box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox, margin: f32) {
+        self.touch(at);
         self.fat.boxes.put(at, bounds.grown(margin));
-        self.moved.set(at);
-        self.changed.set(at);
     }
 
     /// The object goes; `next` is the free slot behind it.
     pub(crate) fn leave(&mut self, at: usize, next: u32) {
-        self.changed.set(at);
+        self.touch(at);
         self.now.put(at, KeyBox::free(next));
         if self.fat.exist() {
             self.fat.boxes.put(at, KeyBox::EMPTY);
         }
-        self.moved.set(at);
     }
 }
 

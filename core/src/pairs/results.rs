@@ -10,9 +10,7 @@ use crate::config::Mode;
 use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::limits::block_len;
 use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::slot_set::SlotSet;
 use crate::pairs::persistent::is_clear_of;
 use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::context::StepContext;
@@ -62,38 +60,18 @@ pub(crate) fn sort_out<I: Index>(
     parts.state.found = (result - persisting) as u64;
 }
 
-/// Keeps the boxes that a complete step reports, for the events of the next one.
-pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
+/// Brings the boxes of the last complete step up to date, of those who have not changed since: the others have kept theirs.
+pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     let mode = parts.state.mode();
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
-    if context.is_small() {
-        return remember_block(boxes, before, parts.changed.reborrow());
-    }
-    if before.is_empty() {
-        return parts.changed.clear();
-    }
-    let len = block_len(before.len());
-    let claims = BlockQueue::new((Chunks::new(before, len), parts.changed.blocks(len)));
-    executor::run(context.executor, context.workers, claims.count(), &|| {
-        while let Some((block, (before, changed))) = claims.claim() {
-            remember_block(boxes.span(block * len, before.len()), before, changed.into());
+    let changed = &*parts.changed.words;
+    parts.outdated.for_each_word(|word, outdated| {
+        for bit in bits::of_word(outdated & !changed.at(word)) {
+            before.put(word * 32 + bit, boxes.at(word * 32 + bit));
         }
     });
-}
-
-fn remember_block(boxes: &[KeyBox], before: &mut [KeyBox], mut changed: SlotSet<'_>) {
-    changed.for_each_word(|word, bits| {
-        let first = word * 32;
-        if bits == u32::MAX {
-            before.span_mut(first, 32).copy_in(boxes.span(first, 32));
-        } else {
-            for bit in bits::of_word(bits) {
-                before.put(first + bit, boxes.at(first + bit));
-            }
-        }
-    });
-    changed.clear();
+    parts.outdated.clear();
 }
 
 /// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the

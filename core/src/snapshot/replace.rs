@@ -50,6 +50,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
         parts.output.previous.put(at, pair);
     }
     last_boxes(parts, stored);
+    parts.outdated.clear();
     parts.listed.fill(0);
     parts.home.fill(I::NONE);
     if !parts.sizes.is_small() && state.built > 0 {

@@ -20,6 +20,7 @@ use crate::tree::{Cell, first_of_eight, home_of};
 /// Checks all of that.
 pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     unused(parts)?;
+    last_boxes(parts)?;
     lists(parts)?;
     if !parts.sizes.is_small() && parts.state.filled != 0 {
         tree(parts)?;
@@ -34,6 +35,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for marks in [
         &*parts.moved.words,
         parts.changed.words,
+        parts.outdated.words,
         parts.filters.changed.words,
         parts.resting,
         parts.active,
@@ -52,6 +54,16 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     }
     let generations = parts.generations.get(slots..).unwrap_or_default();
     check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
+}
+
+/// The box of the last complete step is that of the slot, where neither has changed since.
+fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let reported = parts.boxes.reported(parts.state.mode());
+    for (slot, before) in parts.boxes.before.iter().enumerate().take(parts.state.slots as usize) {
+        let known = !bits::test(parts.changed.words, slot) && !bits::test(parts.outdated.words, slot);
+        check(!known || *before == reported.at(slot), "a box of the last step is not kept", slot)?;
+    }
+    Ok(())
 }
 
 /// Slots that are looked for at a time: their bits are on the stack, which is small where all worlds are.

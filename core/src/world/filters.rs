@@ -65,8 +65,7 @@ impl<I: Index> World<'_, I> {
 
     fn ask_again(&mut self, slot: usize) {
         self.parts.filters.changed.set(slot);
-        self.parts.moved.set(slot);
-        self.parts.changed.set(slot);
+        self.parts.objects().touch(slot);
         self.parts.state.dirty = 1;
     }
 }

@@ -80,6 +80,7 @@ impl<I: Index> World<'_, I> {
             Self::keep(parts, shared);
             return Ok(());
         }
+        results::remember(parts);
         let (mut route, mut progress) = step::find(parts, route, context);
         if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
             (route, progress) = step::find_without_surplus(parts, context);
@@ -128,7 +129,7 @@ impl<I: Index> World<'_, I> {
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }
-        results::remember(parts, context);
+        parts.changed.move_to(&mut parts.outdated);
         parts.moved.clear();
         parts.state.moved_inside_margin = 0;
         parts.state.outran = 0;

@@ -151,9 +151,7 @@ impl<I: Index> World<'_, I> {
         if let Some(filter) = parts.filters.of.get_mut(at) {
             *filter = Filter::ALL;
         }
-        // An object that had the slot since the last step is forgotten: its pairs are lost either way.
-        if let Some(before) = parts.boxes.before.get_mut(at) {
-            *before = KeyBox::EMPTY;
+        if !parts.boxes.before.is_empty() {
             let is_first = parts.state.has_inserted == 0;
             parts.former.note(at, former, is_first);
         }

@@ -55,6 +55,9 @@ impl<I: Index> World<'_, I> {
             if now.is_empty() {
                 continue;
             }
+            // The boxes of the last complete step are compared with each other alone. They are kept as they are, which
+            // keeps the events exact where boxes are rounded.
+            parts.objects().touch(slot);
             let (now, exact) = shifted(now, by);
             parts.boxes.now.put(slot, now);
             // Rounding keeps the order of numbers, so that the fat box still holds the box.
@@ -62,10 +65,6 @@ impl<I: Index> World<'_, I> {
                 (*fat, _) = shifted(*fat, by);
             }
             rounded += u32::from(!exact);
-            parts.moved.set(slot);
-            // The boxes of the last complete step are compared with each other alone. They stay as they are, which
-            // keeps the events exact where boxes are rounded, and the next complete step replaces all of them.
-            parts.changed.set(slot);
         }
         // Planes and records are those of the old origin.
         parts.state.dirty = 1;
