@@ -72,6 +72,9 @@ pub(crate) struct Sizes {
     pub(crate) pairs: usize,
     /// Pairs of the last step, kept for the events.
     pub(crate) previous: usize,
+    /// Blocks of leaves in a full step, where events are told block by block: see
+    /// [`Segments`](super::slab::Segments).
+    pub(crate) event_blocks: usize,
     /// Pairs of parallel workers before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
@@ -126,6 +129,7 @@ impl Sizes {
             whole_leaves: leaves >> SUB_LEVELS,
             pairs,
             previous: if config.events { pairs } else { 0 },
+            event_blocks: if config.events { blocks } else { 0 },
             // Every block may leave a chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
@@ -180,6 +184,7 @@ impl Sizes {
         plan.add::<u32>(self.histogram());
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);
+        plan.add::<[u32; 2]>(3 * self.event_blocks);
         match self.staged.checked_mul(CHUNK) {
             Some(pairs) => plan.add::<Pair<I>>(pairs),
             None => return None,

@@ -135,8 +135,10 @@ pub(crate) struct TreeParts<'m> {
 pub(crate) struct OutputParts<'m, I> {
     /// The pairs of swept boxes: see [`State::swept_pairs`].
     pub(crate) pairs: &'m mut [Pair<I>],
-    /// With events: the pairs of the last complete step that were not parked; after a step, the lost ones come first.
+    /// With events: the pairs of the last complete step, in a step with few movers without those parked; after a step, the lost
+    /// ones come first. It and the buffer of pairs change places, so that nothing is copied: see [`State::swapped`].
     pub(crate) previous: &'m mut [Pair<I>],
+    pub(crate) segments: Segments<'m>,
     /// With workers: pairs in the order in which they were found, in chunks.
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each staged chunk.
@@ -146,6 +148,17 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) planes: &'m mut [Planes],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
+}
+
+/// With events and a tree: which pairs of the last complete result are near which leaves. It has the persisting pairs of each
+/// block of leaves, in order, and then the pairs that were found in each, the last block first.
+pub(crate) struct Segments<'m> {
+    /// Where each of these segments ends. See [`State::segments`].
+    pub(crate) ends: &'m mut [u32],
+    /// How many pairs the step has for each block: persisting ones and found ones.
+    pub(crate) counts: &'m mut [[u32; 2]],
+    /// How many pairs of the two segments of each block are lost.
+    pub(crate) lost: &'m mut [[u32; 2]],
 }
 
 /// Cuts sections off a slab.
@@ -163,7 +176,7 @@ impl<'m, I: Index> Parts<'m, I> {
     /// Carves a slab that is long enough and aligned. The order is that of [`Sizes::bytes`].
     fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
         let mut slab = Carver(slab);
-        let state = slab.take(1)?.first_mut()?;
+        let state: &mut State = slab.take(1)?.first_mut()?;
         let now = slab.take(sizes.objects)?;
         let fat = slab.take(sizes.fat)?;
         let margins = slab.take(sizes.fat)?;
@@ -188,8 +201,28 @@ impl<'m, I: Index> Parts<'m, I> {
         let active = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
+        let (swapped, blocks) = (state.swapped != 0, sizes.event_blocks);
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
         // A struct's fields are evaluated in the order in which they are written here.
+        let tree = TreeParts {
+            records: slab.take(sizes.records)?,
+            straddlers: slab.take(sizes.straddlers)?,
+            planes: slab.take(sizes.leaves)?,
+            cells: slab.take(sizes.leaves)?,
+            frames: slab.take(sizes.whole_leaves)?,
+            leaves: slab.take(sizes.leaves)?,
+            bounds: slab.take(sizes.leaves)?,
+            nodes: slab.take(2 * sizes.whole_leaves)?,
+            histogram: slab.take(sizes.histogram())?,
+        };
+        let mut pairs = slab.take(sizes.pairs)?;
+        let mut previous = slab.take(sizes.previous)?;
+        if swapped {
+            core::mem::swap(&mut pairs, &mut previous);
+        }
+        let (ends, counts) = slab.take::<[u32; 2]>(3 * blocks)?.split_at_mut_checked(blocks)?;
+        let (counts, lost) = counts.split_at_mut_checked(blocks)?;
+        let segments = Segments { ends: ends.as_flattened_mut(), counts, lost };
         Some(Self {
             state,
             boxes: BoxParts { now, fat, margins, before, tight: false },
@@ -205,20 +238,11 @@ impl<'m, I: Index> Parts<'m, I> {
             order: [x, y, z],
             home,
             place,
-            tree: TreeParts {
-                records: slab.take(sizes.records)?,
-                straddlers: slab.take(sizes.straddlers)?,
-                planes: slab.take(sizes.leaves)?,
-                cells: slab.take(sizes.leaves)?,
-                frames: slab.take(sizes.whole_leaves)?,
-                leaves: slab.take(sizes.leaves)?,
-                bounds: slab.take(sizes.leaves)?,
-                nodes: slab.take(2 * sizes.whole_leaves)?,
-                histogram: slab.take(sizes.histogram())?,
-            },
+            tree,
             output: OutputParts {
-                pairs: slab.take(sizes.pairs)?,
-                previous: slab.take(sizes.previous)?,
+                pairs,
+                previous,
+                segments,
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
                 members: slab.take(sizes.members)?,

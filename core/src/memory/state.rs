@@ -63,8 +63,12 @@ pub(crate) struct State {
     pub(crate) result_pairs: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
-    /// With events: pairs of the last complete result in the other buffer, all but those parked.
+    /// With events: pairs of the last complete result in the other buffer; in a step with few movers all but those parked.
     pub(crate) previous_result: u64,
+    /// Whether the two pair buffers have changed places.
+    pub(crate) swapped: u32,
+    /// The blocks of leaves that the last complete result is divided by, or zero where it is not.
+    pub(crate) segments: u32,
     /// Steps in a row in which few objects have moved.
     pub(crate) calm: u32,
     /// How many objects are active, or more.
@@ -259,13 +263,14 @@ impl State {
     /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
     /// was built for about the slab alone. A snapshot has no lists.
     pub(crate) fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, faults: 0, listed: 0, stale_lists: 1, unproven: 0, ..*self }
+        Self { workers: 1, magic: 0, faults: 0, listed: 0, stale_lists: 1, unproven: 0, swapped: 0, ..*self }
     }
 
     /// Whether it is such a state.
     pub(crate) const fn is_portable(&self) -> bool {
-        let Self { workers, magic, faults, listed, stale_lists, unproven, .. } = *self;
-        workers == 1 && magic == 0 && faults == 0 && listed == 0 && stale_lists == 1 && unproven == 0
+        let Self { workers, magic, faults, listed, stale_lists, unproven, swapped, .. } = *self;
+        let known = stale_lists == 1 && unproven == 0 && swapped == 0;
+        workers == 1 && magic == 0 && faults == 0 && listed == 0 && known
     }
 
     /// The configuration of the world that a [portable](Self::portable) state is of.
@@ -330,6 +335,7 @@ impl State {
             flags: self.flags,
             workers: self.workers,
             faults: self.faults,
+            swapped: self.swapped,
             stale_lists: 1,
             // More than can be, so that the next step looks which pairs can be parked.
             active: u32::MAX,
@@ -346,6 +352,7 @@ impl State {
     /// Takes over what a snapshot does not have.
     pub(crate) fn adopt(&mut self, other: &Self) {
         (self.workers, self.magic, self.faults) = (other.workers, other.magic, other.faults);
+        self.swapped = other.swapped;
     }
 
     pub(crate) fn mode(&self) -> Mode {

@@ -137,4 +137,6 @@ pub(crate) struct Progress {
     pub(crate) leaves: u32,
     pub(crate) rebalanced: u32,
     pub(crate) coarse: Option<bool>,
+    /// How many pairs are found, where the step has told its events: they stand behind the others.
+    pub(crate) found: Option<u64>,
 }

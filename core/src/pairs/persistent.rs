@@ -37,28 +37,36 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     kept as u64
 }
 
-/// For a step that finds all pairs anew. With events, the last complete result is kept for the comparison.
+/// For a step that finds all pairs anew. With events, the last complete result is kept for the comparison: the two buffers change
+/// places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.state.complete != 0 {
-        parts.state.parked = parts.state.surplus_parked;
-        keep_for_events(parts);
+    let Parts { state, output, .. } = parts;
+    let result = state.result();
+    if parts.sizes.previous > 0 && state.complete != 0 {
+        // The surplus in front has had its time: the last pairs take its place.
+        for at in 0..result.start.min(result.len()) {
+            output.pairs.put(at, output.pairs.at(result.end - 1 - at));
+        }
+        core::mem::swap(&mut output.pairs, &mut output.previous);
+        state.swapped ^= 1;
+        state.previous_result = result.len() as u64;
     } else if parts.sizes.previous > 0 {
         // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
-        let state = &mut *parts.state;
-        let parked = state.result().start..state.parked as usize;
+        let parked = result.start..state.parked as usize;
         let others = state.previous_result as usize;
         state.previous_result += parked.len() as u64;
-        let parked = parts.output.pairs.span(parked.start, parked.len());
-        parts.output.previous.span_mut(others, parked.len()).copy_in(parked);
+        let parked = output.pairs.span(parked.start, parked.len());
+        output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
-    parts.state.parked = 0;
-    parts.state.surplus_parked = 0;
-    parts.state.active = u32::MAX;
+    state.parked = 0;
+    state.surplus_parked = 0;
+    state.active = u32::MAX;
 }
 
 /// With events, the reported pairs that are not parked go to the other buffer.
 fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.sizes.previous > 0 {
+        parts.state.segments = 0;
         let first = parts.state.parked as usize;
         let count = parts.state.result().end - first;
         parts.output.previous.span_mut(0, count).copy_in(parts.output.pairs.span(first, count));

@@ -3,6 +3,7 @@
 //! A claim hands out each block once, as an exclusive slice, to whichever thread asks next. The bounds of
 //! the blocks depend on the item count alone.
 
+use crate::access::Access;
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -76,6 +77,54 @@ unsafe impl<T: Send> Parted for Chunks<'_, T> {
         // SAFETY: `index < count()` puts `start..start + len` inside the borrowed slice, and the caller holds
         // no other part with this index, so the range is not aliased.
         unsafe { core::slice::from_raw_parts_mut(self.start.add(start), len) }
+    }
+}
+
+/// A slice in parts of any lengths, taken two by two: the first and the last one, the one after the first and the one before the
+/// last, and so on.
+pub(crate) struct Mirrored<'a, T> {
+    start: *mut T,
+    /// Where the parts end, of an even number of parts.
+    ends: &'a [u32],
+    borrow: PhantomData<&'a mut [T]>,
+}
+
+impl<'a, T> Mirrored<'a, T> {
+    /// Parts that end there. There are none where these are no ends of parts of the slice.
+    pub(crate) fn new(slice: &'a mut [T], ends: &'a [u32]) -> Self {
+        let fit = ends.is_sorted() && ends.last().is_none_or(|end| *end as usize <= slice.len());
+        Self { start: slice.as_mut_ptr(), ends: if fit { ends } else { &[] }, borrow: PhantomData }
+    }
+
+    /// # Safety
+    /// No other part with this index may be alive.
+    #[expect(clippy::mut_from_ref, reason = "as for every `Parted`")]
+    unsafe fn one(&self, index: usize) -> &mut [T] {
+        let start = index.checked_sub(1).map_or(0, |last| self.ends.at(last)) as usize;
+        let end = self.ends.at(index) as usize;
+        // SAFETY: `new` has seen that ends ascend and stay in the borrowed slice, so parts of different indices are disjoint
+        // ranges of it, and the caller holds no other one with this index. An index that is out of range reads zero twice.
+        unsafe { core::slice::from_raw_parts_mut(self.start.add(start), end.saturating_sub(start)) }
+    }
+}
+
+// SAFETY: a `Mirrored` is an exclusive borrow of a slice of `T: Send`; it reaches other threads only part by part.
+unsafe impl<T: Send> Sync for Mirrored<'_, T> {}
+
+// SAFETY: of `2 n` disjoint parts, `i` and `2 n - 1 - i` are two, and other ones for each `i < n`.
+unsafe impl<T: Send> Parted for Mirrored<'_, T> {
+    type Part<'p>
+        = [&'p mut [T]; 2]
+    where
+        Self: 'p;
+
+    fn count(&self) -> usize {
+        self.ends.len() / 2
+    }
+
+    unsafe fn part(&self, index: usize) -> [&mut [T]; 2] {
+        // SAFETY: the caller holds no other part with this index, and no other index has these two.
+        unsafe { [self.one(index), self.one(self.ends.len() - 1 - index)] }
     }
 }
 
@@ -299,6 +348,20 @@ mod tests {
         assert!(claims.claim().is_none());
         assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
         assert_eq!(b, [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn parts_of_any_lengths_are_taken_two_by_two() {
+        let mut items = [0u8; 10];
+        let claims = BlockQueue::new(Mirrored::new(&mut items, &[3, 4, 4, 9]));
+        while let Some((index, [first, second])) = claims.claim() {
+            first.fill(index as u8 + 1);
+            second.fill(index as u8 + 5);
+        }
+        assert_eq!(items, [1, 1, 1, 2, 5, 5, 5, 5, 5, 0]);
+        for ends in [[3, 2, 4, 9], [3, 4, 4, 11]] {
+            assert_eq!(Mirrored::new(&mut items, &ends).count(), 0);
+        }
     }
 
     #[test]

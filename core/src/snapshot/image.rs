@@ -98,6 +98,8 @@ pub(super) struct Stored<'b, I> {
     pub(super) large: Packed<'b, I>,
     pub(super) pairs: Packed<'b, Pair<I>>,
     pub(super) previous: Packed<'b, Pair<I>>,
+    /// See [`Segments::ends`](crate::memory::slab::Segments::ends).
+    pub(super) segments: Packed<'b, u32>,
     pub(super) before: Packed<'b, KeyBox>,
     pub(super) reused: Packed<'b, u32>,
     /// Of the reused slots.
@@ -168,6 +170,7 @@ impl<'b, I: Index> Stored<'b, I> {
         let members = usize::try_from(members).ok().filter(|members| *members <= slots)?;
         let (members, large) = (body.cut(members)?, body.cut(lengths.large)?);
         let (pairs, previous) = (body.cut(lengths.pairs)?, body.cut(kept(sizes.previous, lengths.previous))?);
+        let segments = body.cut(kept(sizes.event_blocks, 2 * state.segments as usize))?;
         let ones = |words: &Packed<'b, u32>| words.iter().map(|word| word.count_ones() as usize).sum();
         let before = body.cut(kept(sizes.before, ones(&changed)))?;
         let reused: Packed<'b, u32> = body.cut(kept(sizes.before, words))?;
@@ -195,6 +198,7 @@ impl<'b, I: Index> Stored<'b, I> {
             large,
             pairs,
             previous,
+            segments,
             before,
             reused,
             former,
@@ -309,6 +313,10 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     fn previous(&self, at: usize) -> Pair<I> {
         self.stored.previous.at(at)
+    }
+
+    fn segment(&self, at: usize) -> u32 {
+        self.stored.segments.at(at)
     }
 
     #[inline(always)]

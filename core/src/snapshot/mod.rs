@@ -37,7 +37,7 @@ struct Header {
 }
 
 /// Also tells the version and the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0008;
+const MAGIC: u64 = 0x7472_6973_6170_0009;
 
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
@@ -222,6 +222,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.each(large.len(), large.iter().map(|straddler| I::from_slot(straddler.slot)));
     to.section(parts.output.pairs.span(0, lengths.pairs));
     to.section(parts.output.previous.span(0, kept(sizes.previous, lengths.previous)));
+    to.section(parts.output.segments.ends.span(0, kept(sizes.event_blocks, 2 * state.segments as usize)));
     // Of the boxes that the last step reported only those that differ from what it would report now.
     let changed = parts.changed.words.span(0, kept(sizes.before, words));
     to.each(bits::count(changed) as usize, bits::ones(changed).map(|slot| parts.boxes.before.at(slot)));

@@ -49,6 +49,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     for (at, pair) in stored.previous.iter().enumerate() {
         parts.output.previous.put(at, pair);
     }
+    stored.segments.copy_to(parts.output.segments.ends, 0);
     last_boxes(parts, stored);
     parts.outdated.clear();
     parts.listed.fill(0);

@@ -4,6 +4,7 @@ use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Reason, Route};
+use crate::pairs::events;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -50,17 +51,26 @@ pub(super) fn full<I: Index>(
     balance::review(parts);
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
+    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
+    let tells = events::share_out(parts, blocks);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.slots, &context);
-    let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
-    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
+    let mut next = [&[][..]; 2];
+    let mut collector = if tells {
+        let boxes = events::Boxes::new(&parts.boxes, parts.state, kernels);
+        next = boxes.far();
+        Collector::with_events(&mut parts.output, &parts.sizes, pair_filter, boxes, parts.state)
+    } else {
+        Collector::new(&mut parts.output, &parts.sizes, pair_filter)
+    };
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, scratch, sink });
+        kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, next, scratch, sink });
     });
+    let found = tells.then_some(collector.found);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
     let rebalanced = if rebuild { parts.state.live } else { rebalanced };
     let coarse = Some(bounds_scan.is_coarse(parts.state.live));
-    (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
+    (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
 }

@@ -123,6 +123,8 @@ impl<S: Simd> Gathered<'_, S> {
 pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     pub(crate) leaves: core::ops::Range<usize>,
+    /// Boxes of all slots that are needed right after the sweep of a leaf, for its members and ghosts.
+    pub(crate) next: [&'g [KeyBox]; 2],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
     pub(crate) sink: &'p mut dyn Sink<I>,
 }
@@ -133,7 +135,7 @@ impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         for index in self.leaves {
-            sweep_leaf(simd, self.tree_view, index, self.scratch, self.sink);
+            sweep_leaf(simd, self.tree_view, index, self.next, self.scratch, self.sink);
         }
     }
 }
@@ -143,6 +145,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     index: usize,
+    next: [&[KeyBox]; 2],
     scratch: &mut Scratch<'_, I>,
     sink: &mut dyn Sink<I>,
 ) {
@@ -152,6 +155,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     scratch.copies += count as u64;
     if members.len() + count <= scratch.leaf_scratch.sorted.len() {
         let ghosts = scratch.ghosts.span(0, count);
+        ask_for(simd, [members, ghosts], next);
         bucket::sweep(
             simd,
             [members, ghosts],
@@ -162,6 +166,20 @@ fn sweep_leaf<S: Simd, I: Index>(
         );
     } else {
         sweep_tiles(simd, tree_view, index, members.len() + count, scratch, sink);
+    }
+}
+
+/// Asks for the boxes of some records, one by one, so that they come while the records are swept.
+#[inline(always)]
+fn ask_for<S: Simd>(simd: S, buckets: [&[Record]; 2], boxes: [&[KeyBox]; 2]) {
+    if boxes[0].is_empty() {
+        return;
+    }
+    for bucket in buckets {
+        for record in bucket {
+            simd.prefetch(boxes[0], record.slot() as usize);
+            simd.prefetch(boxes[1], record.slot() as usize);
+        }
     }
 }
 

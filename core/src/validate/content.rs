@@ -76,6 +76,8 @@ pub(crate) trait Content<I: Index> {
     fn large(&self, at: usize) -> usize;
     fn pair(&self, at: usize) -> Pair<I>;
     fn previous(&self, at: usize) -> Pair<I>;
+    /// Where a segment of the last complete result ends.
+    fn segment(&self, at: usize) -> u32;
     /// Notes where an object stands; false if it stands anywhere else. Asked of every record and large object.
     fn stands(&mut self, slot: usize, at: Stand) -> bool;
 
@@ -191,6 +193,10 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 
     fn previous(&self, at: usize) -> Pair<I> {
         self.0.output.previous.at(at)
+    }
+
+    fn segment(&self, at: usize) -> u32 {
+        self.0.output.segments.ends.at(at)
     }
 
     fn stands(&mut self, slot: usize, at: Stand) -> bool {

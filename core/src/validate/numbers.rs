@@ -82,6 +82,9 @@ fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     check(state.found <= end - parked, "more pairs are found than there are", state.found as usize)?;
     let events = sizes.previous > 0;
     check(events || state.found == 0, "pairs are found without events", state.found as usize)?;
+    let blocks = state.segments as usize;
+    check(blocks <= sizes.event_blocks, "the last result is divided by leaves that there are not", blocks)?;
+    check(events && state.swapped == 1 || state.swapped == 0, "buffers that have not changed places", 0)?;
     let previous = state.previous_result;
     check(state.lost <= previous, "more pairs are lost than there were", state.lost as usize)?;
     // A step that finds all pairs anew adds those that are parked.

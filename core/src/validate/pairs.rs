@@ -59,7 +59,18 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
         let pair = content.previous(at);
         check(pair[0] < pair[1] && pair[1].at() < slots, "a pair of the last step is not of two slots", at)?;
     }
-    Ok(())
+    let mut end = 0;
+    for at in 0..2 * state.segments as usize {
+        let next = content.segment(at);
+        check(end <= next, "a segment of the last result ends before it starts", at)?;
+        end = next;
+    }
+    let last = if state.complete != 0 { state.result_pairs } else { state.previous_result };
+    check(
+        state.segments == 0 || u64::from(end) == last,
+        "the segments are not those of the last result",
+        end as usize,
+    )
 }
 
 /// How many pairs of the step before mean something: those that are lost; after a step without room for its pairs, all.

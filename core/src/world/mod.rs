@@ -21,7 +21,7 @@ use crate::filter::Rule;
 use crate::geometry::aabb::{Aabb, Boxes};
 use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
-use crate::memory::stats::{Path, Route, Stats};
+use crate::memory::stats::{Path, Progress, Route, Stats};
 use crate::objects::intake::ingest;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
@@ -87,7 +87,7 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.record(moved, route, shared, &progress);
         context.executor.enter(Stage::Results);
-        Self::conclude(parts, progress.pairs, context)
+        Self::conclude(parts, &progress, context)
     }
 
     /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
@@ -112,7 +112,7 @@ impl<I: Index> World<'_, I> {
     /// Nothing has changed: the result stays as it is, with nothing found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
         let leaves = parts.state.leaves();
-        let progress = crate::memory::stats::Progress { leaves, ..Default::default() };
+        let progress = Progress { leaves, ..Progress::default() };
         parts.state.record(0, Route::UNCHANGED, shared, &progress);
         parts.state.found = 0;
         parts.state.lost = 0;
@@ -121,10 +121,15 @@ impl<I: Index> World<'_, I> {
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
     /// the step that will be complete.
-    fn conclude(parts: &mut Parts<'_, I>, pairs: u64, context: StepContext<'_>) -> Result<(), Error> {
+    fn conclude(
+        parts: &mut Parts<'_, I>,
+        progress: &Progress,
+        context: StepContext<'_>,
+    ) -> Result<(), Error> {
+        let pairs = progress.pairs;
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
-        results::sort_out(parts, fitting as usize, complete, context);
+        results::sort_out(parts, fitting as usize, complete, progress.found, context);
         parts.state.complete = u8::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });

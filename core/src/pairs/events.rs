@@ -1,0 +1,202 @@
+//! Found and lost pairs of a step that sweeps all leaves: told block by block, while the boxes are in the cache.
+//!
+//! What a block of leaves has found is divided at once: persisting pairs go to one end of a buffer and found ones to the other.
+//! Then the pairs that the last complete result has near these leaves are tested against the boxes as they are now. Any
+//! division of that result gives the same pairs; the one by leaves has the boxes at hand.
+
+use crate::access::Access;
+use crate::filter::FILTERS;
+use crate::geometry::key::KeyBox;
+use crate::id::{Index, Pair};
+use crate::memory::slab::{BoxParts, Parts, Segments};
+use crate::memory::state::State;
+use crate::pairs::partition::{Apart, Ended, PartitionBlock};
+use crate::parallel::block_queue::{BlockQueue, Chunks, Mirrored};
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
+
+/// The most boxes that are not asked for.
+const NEAR: usize = 16 << 10;
+
+/// What tells found and lost pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct Boxes<'b> {
+    kernels: Kernels,
+    /// What the step reports.
+    pub(crate) now: &'b [KeyBox],
+    /// What the last complete one has reported.
+    pub(crate) before: &'b [KeyBox],
+    /// Whether slots may have new objects.
+    has_inserted: bool,
+}
+
+impl<'b> Boxes<'b> {
+    pub(crate) fn new(parts: &'b BoxParts<'_>, state: &State, kernels: Kernels) -> Self {
+        let (now, before) = (parts.reported(state.mode()), &*parts.before);
+        Self { kernels, now, before, has_inserted: state.has_inserted != 0 }
+    }
+
+    /// The boxes that should be asked for before a leaf is swept: none where all of them are near anyway.
+    pub(crate) fn far(&self) -> [&'b [KeyBox]; 2] {
+        if self.now.len() > NEAR { [self.before, self.now] } else { [&[], &[]] }
+    }
+
+    /// Divides new pairs: those that persist go to the front of `room`, those that are found to its end, backwards. There is room for
+    /// all of them. Returns how many persist.
+    #[inline]
+    pub(crate) fn divide<I: Index>(&self, pairs: &[Pair<I>], room: &mut [Pair<I>]) -> usize {
+        self.kernels.run(Divide { pairs, room, before: self.before })
+    }
+
+    /// Brings the lost ones of some pairs of the last result to their front and returns how many there are.
+    fn lost<I: Index>(&self, pairs: &mut [Pair<I>]) -> u32 {
+        let Self { kernels, now, before, has_inserted } = *self;
+        let count = if has_inserted {
+            kernels.run(PartitionBlock { pairs, test: Ended { now, before }, far: false })
+        } else {
+            kernels.run(PartitionBlock { pairs, test: Apart(now), far: false })
+        };
+        count as u32
+    }
+}
+
+struct Divide<'d, I> {
+    pairs: &'d [Pair<I>],
+    room: &'d mut [Pair<I>],
+    before: &'d [KeyBox],
+}
+
+impl<I: Index> Phase for Divide<'_, I> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> usize {
+        let Self { pairs, room, before } = self;
+        let (mut persisting, mut end) = (0, room.len());
+        for pair in pairs {
+            let stays = simd.overlap(KeyBox::of(before, pair[0].at()), KeyBox::of(before, pair[1].at()));
+            // Written to both ends always, so that nothing hangs on a guess of the branch predictor.
+            room.put(persisting, *pair);
+            room.put(end.wrapping_sub(1), *pair);
+            persisting += usize::from(stays);
+            end -= usize::from(!stays);
+        }
+        persisting
+    }
+}
+
+/// Divides the last result among so many blocks of leaves. False where the step cannot tell its events block by block, but has to
+/// look at all pairs in the end: where not all of them are pairs of the result, or where filters may answer differently.
+pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bool {
+    let asked = FILTERS && parts.filters.changed.count() > 0;
+    if parts.sizes.event_blocks == 0 || parts.has_surplus() || asked {
+        return false;
+    }
+    if parts.state.segments as usize != blocks {
+        // The leaves are others, or the pairs are not in their order.
+        let count = parts.state.previous_result;
+        let shares = 2 * blocks as u64;
+        for (end, number) in parts.output.segments.ends.iter_mut().zip(1..=shares) {
+            *end = (count * number / shares) as u32;
+        }
+        parts.state.segments = blocks as u32;
+    }
+    true
+}
+
+/// The last complete result, and what becomes of it in a step.
+pub(crate) struct Events<'e, I> {
+    pub(crate) boxes: Boxes<'e>,
+    previous: &'e mut [Pair<I>],
+    // See `Segments`.
+    ends: &'e [u32],
+    counts: &'e mut [[u32; 2]],
+    lost: &'e mut [[u32; 2]],
+    /// Whether the lost pairs are at the front of their segments.
+    lost_known: bool,
+}
+
+impl<'e, I: Index> Events<'e, I> {
+    /// Of a result that is [shared out](share_out).
+    pub(crate) fn new(
+        boxes: Boxes<'e>,
+        previous: &'e mut [Pair<I>],
+        segments: &'e mut Segments<'_>,
+        state: &State,
+    ) -> Self {
+        let previous = previous.span_mut(0, state.previous_result as usize);
+        let ends = segments.ends.span(0, 2 * state.segments as usize);
+        Self { boxes, previous, ends, counts: segments.counts, lost: segments.lost, lost_known: false }
+    }
+
+    /// What there is to do for each block of leaves. The second time, if the pairs have to be found once more, the lost ones are
+    /// known.
+    pub(crate) fn blocks(&mut self) -> Blocks<'_, I> {
+        let lost_known = core::mem::replace(&mut self.lost_known, true);
+        let Self { boxes, previous, ends, counts, lost, .. } = self;
+        let parts = (Mirrored::new(previous, ends), Chunks::new(counts, 1), Chunks::new(lost, 1));
+        Blocks { boxes: *boxes, queue: BlockQueue::new(parts), lost_known }
+    }
+}
+
+/// What belongs to each block of leaves.
+type BlockParts<'b, I> = (Mirrored<'b, Pair<I>>, Chunks<'b, [u32; 2]>, Chunks<'b, [u32; 2]>);
+
+/// All blocks of leaves, to be claimed one by one.
+pub(crate) struct Blocks<'b, I> {
+    boxes: Boxes<'b>,
+    queue: BlockQueue<BlockParts<'b, I>>,
+    lost_known: bool,
+}
+
+impl<I: Index> Blocks<'_, I> {
+    /// The next block, and its number.
+    pub(crate) fn claim(&self) -> Option<(usize, Block<'_, I>)> {
+        let (index, (last, counts, lost)) = self.queue.claim()?;
+        let lost = if self.lost_known { None } else { Some(lost) };
+        Some((index, Block { boxes: self.boxes, last, counts, lost }))
+    }
+}
+
+/// A block of leaves.
+pub(crate) struct Block<'b, I> {
+    boxes: Boxes<'b>,
+    last: [&'b mut [Pair<I>]; 2],
+    counts: &'b mut [[u32; 2]],
+    lost: Option<&'b mut [[u32; 2]]>,
+}
+
+impl<I: Index> Block<'_, I> {
+    /// Notes how many pairs persist and are found, and looks for the lost ones.
+    pub(crate) fn finish(self, counts: [u32; 2]) {
+        self.counts.fill(counts);
+        if let Some(lost) = self.lost {
+            lost.fill(self.last.map(|pairs| self.boxes.lost(pairs)));
+        }
+    }
+}
+
+/// After a complete step whose events were told block by block: brings the lost pairs of all blocks together, and notes how its own
+/// result is divided. Returns how many pairs are lost.
+pub(crate) fn conclude<I: Index>(parts: &mut Parts<'_, I>) -> usize {
+    let blocks = parts.state.segments as usize;
+    let Segments { ends, counts, lost } = &mut parts.output.segments;
+    let previous = &mut *parts.output.previous;
+    let (mut start, mut end, mut all_lost) = (0, 0, 0);
+    for index in 0..2 * blocks {
+        // The segments of found pairs are in the opposite order.
+        let found = usize::from(index >= blocks);
+        let block = if found == 0 { index } else { 2 * blocks - 1 - index };
+        let count = lost.at(block)[found] as usize;
+        if start > all_lost {
+            for offset in 0..count {
+                previous.put(all_lost + offset, previous.at(start + offset));
+            }
+        }
+        all_lost += count;
+        start = ends.at(index) as usize;
+        end += counts.at(block)[found];
+        ends.put(index, end);
+    }
+    all_lost
+}
