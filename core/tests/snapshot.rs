@@ -2,7 +2,7 @@
 
 use std::vec;
 use std::vec::Vec;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Kernels, Margin, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Kernels, Margin, World, layout};
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -28,7 +28,7 @@ fn lived(slab: &mut [Line], config: &Config) -> Vec<u8> {
     for step in 0..3 {
         let id = ids[step].expect("an id");
         world.set_aabb(id, boxes[step + 9]).expect("alive");
-        world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+        world.set_kernels(Kernels::BASELINE).step().expect("room for the pairs");
     }
     world.remove(ids[4].expect("an id")).expect("alive");
     let mut bytes = vec![0; world.snapshot_size()];

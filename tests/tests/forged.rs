@@ -330,7 +330,7 @@ fn forge_at_random<I: Index>(config: Config, count: usize, calm: usize, times: u
             good += 1;
             let questions = Questions::about(&Model::default(), 1, rng);
             for cast in &questions.casts {
-                let _ = world.hits(cast, setup.kernels, &mut [None; 8]);
+                let _ = world.set_kernels(setup.kernels).hits(cast, &mut [None; 8]);
             }
             let _ = world.leaves().count() + world.planes().count() + world.large().count();
             go_on(&mut world, rng, setup, &format!("round {round}"));

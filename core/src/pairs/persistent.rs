@@ -155,7 +155,6 @@ impl<'p, I: Index> Division<'p, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parallel::executor::Serial;
     use crate::{Aabb, Boxes, Capacity, Config, Kernels, Margin, World, layout};
     use std::{vec, vec::Vec};
 
@@ -177,11 +176,11 @@ mod tests {
                 (0..1000u16).map(|k| cube(f32::from(k) + f32::from(k % 2) * -0.1, 0.0)).collect();
             let mut ids = vec![None; boxes.len()];
             world.insert_many(Boxes::new(&boxes), &mut ids).unwrap();
-            world.step(Kernels::BASELINE, &Serial).unwrap();
+            world.set_kernels(Kernels::BASELINE).step().unwrap();
             for (creeper, round) in [(5, 0.0), (5, 0.1), (500, 0.0), (500, 0.1), (5, 0.05)] {
                 let moved = boxes[creeper].min[0];
                 world.set_aabb(ids[creeper].unwrap(), cube(moved, 0.01 + round)).unwrap();
-                world.step(Kernels::BASELINE, &Serial).unwrap();
+                world.set_kernels(Kernels::BASELINE).step().unwrap();
                 let Parts { state, active, output, .. } = &world.parts;
                 for (at, pair) in output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {
                     assert_eq!(

@@ -7,7 +7,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
 use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
-use crate::simd::kernels::Kernels;
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
@@ -69,16 +68,11 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the cast is not valid: NaN, infinities other than the distance, a negative distance.
-    pub fn visit_hits(
-        &self,
-        cast: &Cast,
-        kernels: Kernels,
-        visit: &mut dyn FnMut(Hit) -> f64,
-    ) -> Result<(), Error> {
+    pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        kernels.run(Hits { world: self, cast, visit });
+        self.kernels.run(Hits { world: self, cast, visit });
         Ok(())
     }
 
@@ -86,9 +80,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn first_hit(&self, cast: &Cast, kernels: Kernels) -> Result<Option<Hit>, Error> {
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
             first = Some(nearest);
             nearest.distance
@@ -101,9 +95,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
-    pub fn hits(&self, cast: &Cast, kernels: Kernels, out: &mut [Option<Hit>]) -> Result<usize, Error> {
+    pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         let mut count = 0;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             if let Some(place) = out.get_mut(count) {
                 *place = Some(hit);
             }

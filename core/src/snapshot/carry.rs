@@ -27,7 +27,7 @@ impl<I: Index> World<'_, I> {
     /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is written then.
     ///
     /// ```
-    /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, Kernels, Serial, layout};
+    /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
     ///
     /// const FEW: Config = Config::new(Capacity { objects: 2, leaf_refs: 0, pairs: 1 }).with_events();
     /// const MORE: Config = Config::new(Capacity { objects: 4, leaf_refs: 0, pairs: 6 }).with_events();
@@ -37,13 +37,13 @@ impl<I: Index> World<'_, I> {
     /// let cube = Aabb::new([0.0; 3], [1.0; 3]);
     /// let mut world = memory.init::<u16>(&FEW)?;
     /// let ids = [world.insert(cube)?, world.insert(cube)?];
-    /// world.step(Kernels::BASELINE, &Serial)?;
+    /// world.step()?;
     /// assert_eq!(world.insert(cube), Err(Error::ObjectsFull { needed: 3 }));
     ///
     /// let mut world = larger.receive(&world, &MORE)?;
     /// world.insert(cube)?;
     /// assert!(world.contains(ids[1]));
-    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.found().len(), 2);
+    /// assert_eq!(world.step()?.found().len(), 2);
     /// # Ok::<(), Error>(())
     /// ```
     pub fn move_into<'n>(&self, slab: &'n mut [u8], config: &Config) -> Result<World<'n, I>, Error> {

@@ -2,23 +2,12 @@
 
 use super::{Step, World};
 use crate::config::Capacity;
-use crate::error::Error;
 use crate::geometry::aabb::Aabb;
 use crate::id::{Id, Index};
-use crate::parallel::executor::Serial;
-use crate::simd::kernels::Kernels;
 use core::fmt;
 
 /// Looking around.
 impl<I: Index> World<'_, I> {
-    /// As [`step`](Self::step), on this thread alone, with the best kernels of this processor.
-    ///
-    /// # Errors
-    /// Those of [`step`](Self::step).
-    pub fn step_alone(&mut self) -> Result<Step<'_, I>, Error> {
-        self.step(Kernels::detect(), &Serial)
-    }
-
     /// How much fits into the world.
     #[must_use]
     pub fn capacity(&self) -> Capacity {

@@ -8,16 +8,17 @@ mod objects;
 mod rest;
 mod result;
 mod shift;
+mod stepper;
 mod view;
 
 pub use inline::InlineWorld;
 pub use result::Step;
+pub use stepper::Stepper;
 pub use view::{LeafView, PlaneView};
 
 use crate::access::{Access, faults};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::filter::Rule;
 use crate::geometry::aabb::{Aabb, Boxes};
 use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
@@ -25,7 +26,7 @@ use crate::memory::stats::{Path, Route, Stats};
 use crate::objects::intake::ingest;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
-use crate::parallel::executor::{Executor, OneStep, Stage};
+use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
 use crate::step::{policy, recount};
@@ -36,6 +37,7 @@ use crate::step::{policy, recount};
 /// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
 pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
+    pub(crate) kernels: Kernels,
 }
 
 /// From this many objects on a step is shared between workers, where nobody has chosen: below, to hand out the work takes
@@ -151,7 +153,7 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
     pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
-        Parts::init(slab, config).map(|parts| Self { parts })
+        Parts::init(slab, config).map(Self::of)
     }
 
     /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
@@ -159,7 +161,11 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        Parts::open(slab).map(|parts| Self { parts })
+        Parts::open(slab).map(Self::of)
+    }
+
+    fn of(parts: Parts<'m, I>) -> Self {
+        Self { parts, kernels: Kernels::detect() }
     }
 
     /// What the world was made for.
@@ -206,61 +212,8 @@ impl<'m, I: Index> World<'m, I> {
     }
 }
 
-/// Stepping and results.
+/// Results.
 impl<I: Index> World<'_, I> {
-    /// Finds all overlapping pairs of the boxes as they are now.
-    ///
-    /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`].
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
-    pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, self.context(kernels, executor, None))
-    }
-
-    /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
-    /// array: one pass over it, no copy. What stands at the slots of no object does not matter; objects beyond its end
-    /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`]. It says nothing of refused boxes; a step over the same array tells of them again.
-    pub fn step_over(
-        &mut self,
-        bounds: Boxes<'_>,
-        kernels: Kernels,
-        executor: &dyn Executor,
-    ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), self.context(kernels, executor, None))
-    }
-
-    /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
-    /// about the pairs that the filters let through. A world that has a rule in one step should have it in all.
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`], or [`Error::NoFilters`] in a world without filters.
-    pub fn step_with_rule(
-        &mut self,
-        bounds: Option<Boxes<'_>>,
-        rule: &Rule<'_>,
-        kernels: Kernels,
-        executor: &dyn Executor,
-    ) -> Result<Step<'_, I>, Error> {
-        if self.parts.filters.classes.is_empty() {
-            return Err(Error::NoFilters);
-        }
-        self.advance(bounds, self.context(kernels, executor, Some(rule)))
-    }
-
-    fn context<'e>(
-        &self,
-        kernels: Kernels,
-        executor: &'e dyn Executor,
-        rule: Option<&'e Rule<'e>>,
-    ) -> StepContext<'e> {
-        let sizes = &self.parts.sizes;
-        StepContext { kernels, executor, rule, workers: sizes.workers, small: sizes.is_small() }
-    }
-
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
     /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
     #[must_use]
