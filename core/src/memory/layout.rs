@@ -185,6 +185,7 @@ impl Sizes {
         plan.add::<Pair<I>>(self.pairs);
         plan.add::<Pair<I>>(self.previous);
         plan.add::<[u32; 2]>(3 * self.event_blocks);
+        plan.add::<u32>((self.event_blocks > 0) as usize);
         match self.staged.checked_mul(CHUNK) {
             Some(pairs) => plan.add::<Pair<I>>(pairs),
             None => return None,

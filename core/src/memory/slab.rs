@@ -133,10 +133,10 @@ pub(crate) struct TreeParts<'m> {
 
 /// What the sweeps write to.
 pub(crate) struct OutputParts<'m, I> {
-    /// The pairs of swept boxes: see [`State::swept_pairs`].
+    /// The pairs of swept boxes: see `PairState::swept`.
     pub(crate) pairs: &'m mut [Pair<I>],
     /// With events: the pairs of the last complete step, in a step with few movers without those parked; after a step, the lost
-    /// ones come first. It and the buffer of pairs change places, so that nothing is copied: see [`State::swapped`].
+    /// ones come first. It and the buffer of pairs change places, so that nothing is copied: see [`PairState::swapped`].
     pub(crate) previous: &'m mut [Pair<I>],
     pub(crate) segments: Segments<'m>,
     /// With workers: pairs in the order in which they were found, in chunks.
@@ -153,12 +153,32 @@ pub(crate) struct OutputParts<'m, I> {
 /// With events and a tree: which pairs of the last complete result are near which leaves. It has the persisting pairs of each
 /// block of leaves, in order, and then the pairs that were found in each, the last block first.
 pub(crate) struct Segments<'m> {
-    /// Where each of these segments ends. See [`State::segments`].
+    /// How many blocks there were, or zero where the pairs are not in this order.
+    count: &'m mut [u32],
+    /// Where each of these segments ends.
     pub(crate) ends: &'m mut [u32],
     /// How many pairs the step has for each block: persisting ones and found ones.
     pub(crate) counts: &'m mut [[u32; 2]],
     /// How many pairs of the two segments of each block are lost.
     pub(crate) lost: &'m mut [[u32; 2]],
+}
+
+impl Segments<'_> {
+    /// The blocks that the last complete result is divided by, or zero where it is not.
+    pub(crate) fn blocks(&self) -> usize {
+        self.count.first().map_or(0, |count| *count as usize)
+    }
+
+    pub(crate) fn set_blocks(&mut self, blocks: usize) {
+        if let Some(count) = self.count.first_mut() {
+            *count = blocks as u32;
+        }
+    }
+
+    /// The pairs come to stand in another order.
+    pub(crate) fn forget(&mut self) {
+        self.set_blocks(0);
+    }
 }
 
 /// Cuts sections off a slab.
@@ -201,7 +221,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let active = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
-        let (swapped, blocks) = (state.swapped != 0, sizes.event_blocks);
+        let (swapped, blocks) = (state.pairs.swapped != 0, sizes.event_blocks);
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
         // A struct's fields are evaluated in the order in which they are written here.
         let tree = TreeParts {
@@ -222,7 +242,8 @@ impl<'m, I: Index> Parts<'m, I> {
         }
         let (ends, counts) = slab.take::<[u32; 2]>(3 * blocks)?.split_at_mut_checked(blocks)?;
         let (counts, lost) = counts.split_at_mut_checked(blocks)?;
-        let segments = Segments { ends: ends.as_flattened_mut(), counts, lost };
+        let (count, ends) = (slab.take(usize::from(blocks > 0))?, ends.as_flattened_mut());
+        let segments = Segments { count, ends, counts, lost };
         Some(Self {
             state,
             boxes: BoxParts { now, fat, margins, before, tight: false },
@@ -315,7 +336,7 @@ impl<'m, I: Index> Parts<'m, I> {
         check(slab, size_of::<State>())?;
         let state =
             slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
-        let config = state.and_then(|state| state.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
+        let config = state.and_then(|state| state.setup.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
         let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
         let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
         check(slab, needed)?;
@@ -324,7 +345,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Which pairs the world returns.
     pub(crate) fn mode(&self) -> Mode {
-        self.state.mode()
+        self.state.setup.mode()
     }
 
     /// Whether steps find overlaps of fat boxes that are no pairs.

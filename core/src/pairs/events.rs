@@ -32,8 +32,8 @@ pub(crate) struct Boxes<'b> {
 
 impl<'b> Boxes<'b> {
     pub(crate) fn new(parts: &'b BoxParts<'_>, state: &State, kernels: Kernels) -> Self {
-        let (now, before) = (parts.reported(state.mode()), &*parts.before);
-        Self { kernels, now, before, has_inserted: state.has_inserted != 0 }
+        let (now, before) = (parts.reported(state.setup.mode()), &*parts.before);
+        Self { kernels, now, before, has_inserted: state.objects.has_inserted != 0 }
     }
 
     /// The boxes that should be asked for before a leaf is swept: none where all of them are near anyway.
@@ -92,14 +92,14 @@ pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bo
     if parts.sizes.event_blocks == 0 || parts.has_surplus() || asked {
         return false;
     }
-    if parts.state.segments as usize != blocks {
+    if parts.output.segments.blocks() != blocks {
         // The leaves are others, or the pairs are not in their order.
-        let count = parts.state.previous_result;
+        let count = parts.state.pairs.previous;
         let shares = 2 * blocks as u64;
         for (end, number) in parts.output.segments.ends.iter_mut().zip(1..=shares) {
             *end = (count * number / shares) as u32;
         }
-        parts.state.segments = blocks as u32;
+        parts.output.segments.set_blocks(blocks);
     }
     true
 }
@@ -124,8 +124,8 @@ impl<'e, I: Index> Events<'e, I> {
         segments: &'e mut Segments<'_>,
         state: &State,
     ) -> Self {
-        let previous = previous.span_mut(0, state.previous_result as usize);
-        let ends = segments.ends.span(0, 2 * state.segments as usize);
+        let previous = previous.span_mut(0, state.pairs.previous as usize);
+        let ends = segments.ends.span(0, 2 * segments.blocks());
         Self { boxes, previous, ends, counts: segments.counts, lost: segments.lost, lost_known: false }
     }
 
@@ -179,8 +179,8 @@ impl<I: Index> Block<'_, I> {
 /// After a complete step whose events were told block by block: brings the lost pairs of all blocks together, and notes how its own
 /// result is divided. Returns how many pairs are lost.
 pub(crate) fn conclude<I: Index>(parts: &mut Parts<'_, I>) -> usize {
-    let blocks = parts.state.segments as usize;
-    let Segments { ends, counts, lost } = &mut parts.output.segments;
+    let blocks = parts.output.segments.blocks();
+    let Segments { ends, counts, lost, .. } = &mut parts.output.segments;
     let previous = &mut *parts.output.previous;
     let (mut start, mut end, mut all_lost) = (0, 0, 0);
     for index in 0..2 * blocks {

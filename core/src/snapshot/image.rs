@@ -43,7 +43,7 @@ impl<'b, T: Pod + Default> Packed<'b, T> {
         bytemuck::try_pod_read_unaligned(bytes).ok()
     }
 
-    const fn len(&self) -> usize {
+    pub(super) const fn len(&self) -> usize {
         self.bytes.len() / size_of::<T>()
     }
 
@@ -123,18 +123,18 @@ pub(super) struct Lengths {
 impl Lengths {
     /// By the numbers of a state, which have been checked.
     pub(super) fn of(state: &State, sizes: &Sizes) -> Self {
-        let filled = |count: usize| if state.filled != 0 { count } else { 0 };
-        let slots = state.slots as usize;
+        let filled = |count: usize| if state.tree.filled != 0 { count } else { 0 };
+        let slots = state.objects.slots as usize;
         Self {
             slots,
             words: bits::words(slots),
             planes: tree::planes(state, sizes.depth),
             leaves: tree::leaves(state),
-            whole_leaves: filled(1 << state.depth),
-            bounds: if state.subdivided != 0 { filled(tree::leaves(state)) } else { 0 },
-            nodes: filled((2 << state.depth) - 1),
-            large: filled(state.large as usize),
-            pairs: state.swept_pairs as usize,
+            whole_leaves: filled(1 << state.tree.depth),
+            bounds: if state.tree.subdivided != 0 { filled(tree::leaves(state)) } else { 0 },
+            nodes: filled((2 << state.tree.depth) - 1),
+            large: filled(state.tree.large as usize),
+            pairs: state.pairs.swept as usize,
             previous: pairs::previous(state) as usize,
         }
     }
@@ -170,7 +170,9 @@ impl<'b, I: Index> Stored<'b, I> {
         let members = usize::try_from(members).ok().filter(|members| *members <= slots)?;
         let (members, large) = (body.cut(members)?, body.cut(lengths.large)?);
         let (pairs, previous) = (body.cut(lengths.pairs)?, body.cut(kept(sizes.previous, lengths.previous))?);
-        let segments = body.cut(kept(sizes.event_blocks, 2 * state.segments as usize))?;
+        let blocks: Packed<'b, u32> = body.cut(kept(sizes.event_blocks, 1))?;
+        let blocks = blocks.get(0).unwrap_or_default() as usize;
+        let segments = if blocks <= sizes.event_blocks { body.cut(2 * blocks)? } else { return None };
         let ones = |words: &Packed<'b, u32>| words.iter().map(|word| word.count_ones() as usize).sum();
         let before = body.cut(kept(sizes.before, ones(&changed)))?;
         let reused: Packed<'b, u32> = body.cut(kept(sizes.before, words))?;
@@ -313,6 +315,10 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     fn previous(&self, at: usize) -> Pair<I> {
         self.stored.previous.at(at)
+    }
+
+    fn segments(&self) -> usize {
+        self.stored.segments.len()
     }
 
     fn segment(&self, at: usize) -> u32 {

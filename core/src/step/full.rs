@@ -50,11 +50,11 @@ pub(super) fn full<I: Index>(
     assign::fill(parts, &bounds_scan, kernels, executor);
     balance::review(parts);
     executor.enter(Stage::Sweep);
-    let leaf_count = 1usize << parts.state.depth;
+    let leaf_count = 1usize << parts.state.tree.depth;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let tells = events::share_out(parts, blocks);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.slots, &context);
+    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let mut next = [&[][..]; 2];
     let mut collector = if tells {
         let boxes = events::Boxes::new(&parts.boxes, parts.state, kernels);
@@ -70,7 +70,7 @@ pub(super) fn full<I: Index>(
     });
     let found = tells.then_some(collector.found);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    let rebalanced = if rebuild { parts.state.live } else { rebalanced };
-    let coarse = Some(bounds_scan.is_coarse(parts.state.live));
+    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
+    let coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
 }

@@ -76,7 +76,8 @@ pub(crate) trait Content<I: Index> {
     fn large(&self, at: usize) -> usize;
     fn pair(&self, at: usize) -> Pair<I>;
     fn previous(&self, at: usize) -> Pair<I>;
-    /// Where a segment of the last complete result ends.
+    /// Into how many segments the last complete result is divided, and where each of them ends.
+    fn segments(&self) -> usize;
     fn segment(&self, at: usize) -> u32;
     /// Notes where an object stands; false if it stands anywhere else. Asked of every record and large object.
     fn stands(&mut self, slot: usize, at: Stand) -> bool;
@@ -183,7 +184,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
     }
 
     fn large(&self, at: usize) -> usize {
-        self.0.tree.straddlers.at(self.0.state.large_start as usize + at).slot as usize
+        self.0.tree.straddlers.at(self.0.state.tree.large_start as usize + at).slot as usize
     }
 
     #[inline(always)]
@@ -193,6 +194,10 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 
     fn previous(&self, at: usize) -> Pair<I> {
         self.0.output.previous.at(at)
+    }
+
+    fn segments(&self) -> usize {
+        2 * self.0.output.segments.blocks()
     }
 
     fn segment(&self, at: usize) -> u32 {
@@ -211,7 +216,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 /// What a snapshot has of a leaf of a world.
 pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
     let leaf = parts.tree.leaves.at(index);
-    let filled = parts.state.filled != 0;
+    let filled = parts.state.tree.filled != 0;
     let [len, room] = [leaf.len, leaf.room].map(|count| if filled { count } else { 0 });
     LeafCounts { len, room, baseline: leaf.baseline }
 }

@@ -42,7 +42,7 @@ impl<I: Index> World<'_, I> {
             return Err(Error::NoFilters);
         }
         self.parts.filters.classes.copy_in(meets);
-        for slot in 0..self.parts.state.slots as usize {
+        for slot in 0..self.parts.state.objects.slots as usize {
             if !self.parts.boxes.now.at(slot).is_empty() {
                 self.ask_again(slot);
             }
@@ -66,6 +66,6 @@ impl<I: Index> World<'_, I> {
     fn ask_again(&mut self, slot: usize) {
         self.parts.filters.changed.set(slot);
         self.parts.objects().touch(slot);
-        self.parts.state.dirty = 1;
+        self.parts.state.objects.dirty = 1;
     }
 }
