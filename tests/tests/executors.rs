@@ -9,6 +9,7 @@ use trisap_core::{
 };
 use trisap_tests::checked::Outcome;
 use trisap_tests::jobs::Jobs;
+use trisap_tests::lives::saved;
 use trisap_tests::scenes::{self, Brownian, Rng};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
@@ -27,10 +28,12 @@ struct Frame {
     bytes: Vec<u8>,
 }
 
-/// The length of the part of a world's memory that outlives a step. Behind it stand the workers' staged pairs and
-/// their scratch, which the next step writes before it reads them.
+/// The length of the part of a world's memory that outlives a step, but for the pairs: behind these there is what a step has
+/// written on its way, and what they are is in a snapshot. At the end stand the workers' staged pairs and their scratch, which the
+/// next step writes before it reads them.
 fn persistent<I: Index>(config: &Config) -> usize {
-    let bytes = |workers| layout::<I>(&config.with_workers(workers)).expect("a world").bytes;
+    let no_pairs = Config { capacity: Capacity { pairs: 0, ..config.capacity }, ..*config };
+    let bytes = |workers| layout::<I>(&no_pairs.with_workers(workers)).expect("a world").bytes;
     // One worker stages nothing; four more workers cost four scratches, without rounding.
     let scratch = (bytes(6) - bytes(2)) / 4;
     bytes(1) - scratch.next_multiple_of(64)
@@ -104,7 +107,8 @@ fn play<I: Index>(config: &Config, acts: &[Act], kernels: Kernels, executor: &dy
         if !cfg!(miri) {
             world.validate().expect("a valid world");
         }
-        frames.push(Frame { result, bytes: slab.bytes()[..persistent].to_vec() });
+        let snapshot = saved(&world);
+        frames.push(Frame { result, bytes: [&slab.bytes()[..persistent], &snapshot].concat() });
     }
     frames
 }

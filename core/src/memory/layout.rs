@@ -168,8 +168,7 @@ impl Sizes {
         plan.add::<u32>(SlotSet::len(self.filters));
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
-        plan.add::<u32>(SlotSet::len(self.changed));
-        plan.add::<u32>(SlotSet::len(self.before));
+        plan.add::<u32>(SlotSet::len(self.changed) + SlotSet::len(self.before));
         plan.add::<u32>(bits::words(self.tree));
         plan.add::<I>(3 * objects);
         plan.add::<I>(2 * self.tree);
@@ -182,10 +181,10 @@ impl Sizes {
         plan.add::<Record>(self.leaves);
         plan.add::<KeyBox>(2 * self.whole_leaves);
         plan.add::<u32>(self.histogram());
-        plan.add::<Pair<I>>(self.pairs);
-        plan.add::<Pair<I>>(self.previous);
         plan.add::<[u32; 2]>(3 * self.event_blocks);
         plan.add::<u32>((self.event_blocks > 0) as usize);
+        plan.add::<Pair<I>>(self.pairs);
+        plan.add::<Pair<I>>(self.previous);
         match self.staged.checked_mul(CHUNK) {
             Some(pairs) => plan.add::<Pair<I>>(pairs),
             None => return None,

@@ -216,8 +216,10 @@ impl<'m, I: Index> Parts<'m, I> {
             slab.take(2 * words + SlotSet::len(sizes.objects))?.split_at_mut_checked(words)?;
         let (resting, rest) = rest.split_at_mut_checked(words)?;
         let moved = SlotSet::carve(rest, sizes.objects)?;
-        let changed = SlotSet::carve(slab.take(SlotSet::len(sizes.changed))?, sizes.changed)?;
-        let outdated = SlotSet::carve(slab.take(SlotSet::len(sizes.before))?, sizes.before)?;
+        let len = SlotSet::len(sizes.changed);
+        let (changed, outdated) = slab.take(len + SlotSet::len(sizes.before))?.split_at_mut_checked(len)?;
+        let changed = SlotSet::carve(changed, sizes.changed)?;
+        let outdated = SlotSet::carve(outdated, sizes.before)?;
         let active = slab.take(bits::words(sizes.tree))?;
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
@@ -235,15 +237,15 @@ impl<'m, I: Index> Parts<'m, I> {
             nodes: slab.take(2 * sizes.whole_leaves)?,
             histogram: slab.take(sizes.histogram())?,
         };
+        let (ends, counts) = slab.take::<[u32; 2]>(3 * blocks)?.split_at_mut_checked(blocks)?;
+        let (counts, lost) = counts.split_at_mut_checked(blocks)?;
+        let (count, ends) = (slab.take(usize::from(blocks > 0))?, ends.as_flattened_mut());
+        let segments = Segments { count, ends, counts, lost };
         let mut pairs = slab.take(sizes.pairs)?;
         let mut previous = slab.take(sizes.previous)?;
         if swapped {
             core::mem::swap(&mut pairs, &mut previous);
         }
-        let (ends, counts) = slab.take::<[u32; 2]>(3 * blocks)?.split_at_mut_checked(blocks)?;
-        let (counts, lost) = counts.split_at_mut_checked(blocks)?;
-        let (count, ends) = (slab.take(usize::from(blocks > 0))?, ends.as_flattened_mut());
-        let segments = Segments { count, ends, counts, lost };
         Some(Self {
             state,
             boxes: BoxParts { now, fat, margins, before, tight: false },

@@ -9,8 +9,8 @@ use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts, Segments};
-use crate::memory::state::State;
-use crate::pairs::partition::{Apart, Ended, PartitionBlock};
+use crate::memory::state::{PairState, State};
+use crate::pairs::partition::{Apart, Ended, PartitionBlock, ahead};
 use crate::parallel::block_queue::{BlockQueue, Chunks, Mirrored};
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
@@ -52,9 +52,9 @@ impl<'b> Boxes<'b> {
     fn lost<I: Index>(&self, pairs: &mut [Pair<I>]) -> u32 {
         let Self { kernels, now, before, has_inserted } = *self;
         let count = if has_inserted {
-            kernels.run(PartitionBlock { pairs, test: Ended { now, before }, far: false })
+            kernels.run(PartitionBlock { pairs, test: Ended { now, before } })
         } else {
-            kernels.run(PartitionBlock { pairs, test: Apart(now), far: false })
+            kernels.run(PartitionBlock { pairs, test: Apart(now) })
         };
         count as u32
     }
@@ -73,23 +73,45 @@ impl<I: Index> Phase for Divide<'_, I> {
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, room, before } = self;
         let (mut persisting, mut end) = (0, room.len());
-        for pair in pairs {
-            let stays = simd.overlap(KeyBox::of(before, pair[0].at()), KeyBox::of(before, pair[1].at()));
-            // Written to both ends always, so that nothing hangs on a guess of the branch predictor.
-            room.put(persisting, *pair);
-            room.put(end.wrapping_sub(1), *pair);
-            persisting += usize::from(stays);
-            end -= usize::from(!stays);
+        let later = pairs.get(ahead(before, pairs.len())..).unwrap_or_default();
+        for (pair, later) in pairs.iter().zip(later) {
+            simd.prefetch(before, later[0].at());
+            simd.prefetch(before, later[1].at());
+            place(simd, pair, before, room, &mut persisting, &mut end);
+        }
+        for pair in pairs.get(later.len()..).unwrap_or_default() {
+            place(simd, pair, before, room, &mut persisting, &mut end);
         }
         persisting
     }
 }
 
+/// Puts a pair where it belongs: behind the persisting ones, or before the `end` that found ones come from.
+#[inline(always)]
+fn place<S: Simd, I: Index>(
+    simd: S,
+    pair: &Pair<I>,
+    before: &[KeyBox],
+    room: &mut [Pair<I>],
+    persisting: &mut usize,
+    end: &mut usize,
+) {
+    let stays = simd.overlap(KeyBox::of(before, pair[0].at()), KeyBox::of(before, pair[1].at()));
+    // Written to both ends always, so that nothing hangs on a guess of the branch predictor.
+    room.put(*persisting, *pair);
+    room.put(end.wrapping_sub(1), *pair);
+    *persisting += usize::from(stays);
+    *end -= usize::from(!stays);
+}
+
 /// Divides the last result among so many blocks of leaves. False where the step cannot tell its events block by block, but has to
-/// look at all pairs in the end: where not all of them are pairs of the result, or where filters may answer differently.
+/// look at all pairs in the end: where not all of them are pairs of the result, or where filters may answer differently; and where
+/// more than three of four pairs were new in the last step, since who moves as fast as that has left its leaf.
 pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bool {
     let asked = FILTERS && parts.filters.changed.count() > 0;
-    if parts.sizes.event_blocks == 0 || parts.has_surplus() || asked {
+    let PairState { found, reported, .. } = parts.state.pairs;
+    let fast = found / 3 > reported / 4;
+    if parts.sizes.event_blocks == 0 || parts.has_surplus() || asked || fast {
         return false;
     }
     if parts.output.segments.blocks() != blocks {

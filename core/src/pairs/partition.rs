@@ -22,9 +22,8 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: impl Test<I>,
 ) -> usize {
-    let far = true;
     if context.is_small() {
-        return context.kernels.run(PartitionBlock { pairs, test, far });
+        return context.kernels.run(PartitionBlock { pairs, test });
     }
     let count = pairs.len();
     let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
@@ -33,7 +32,7 @@ pub(crate) fn partition<I: Index>(
     let claims = BlockQueue::new((Chunks::new(pairs, len), Chunks::new(&mut fronts, 1)));
     executor::run(context.executor, context.workers, blocks, &|| {
         while let Some((_, (pairs, front))) = claims.claim() {
-            front.fill(context.kernels.run(PartitionBlock { pairs, test, far }));
+            front.fill(context.kernels.run(PartitionBlock { pairs, test }));
         }
     });
     let border = fronts.iter().sum();
@@ -52,8 +51,6 @@ pub(crate) fn partition<I: Index>(
 pub(crate) struct PartitionBlock<'b, I, T> {
     pub(crate) pairs: &'b mut [Pair<I>],
     pub(crate) test: T,
-    /// Whether boxes are asked for ahead.
-    pub(crate) far: bool,
 }
 
 /// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
@@ -61,16 +58,22 @@ const AHEAD: usize = 12;
 /// The most boxes that are not asked for, as they are near anyway.
 const NEAR: usize = 4 << 10;
 
+/// How many pairs ahead the boxes of so many pairs are asked for; as many as there are, where they are near.
+#[inline(always)]
+pub(crate) fn ahead(boxes: &[KeyBox], pairs: usize) -> usize {
+    if cfg!(feature = "large") && boxes.len() > NEAR { AHEAD } else { pairs }
+}
+
 impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     type Output = usize;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { pairs, test, far } = self;
+        let Self { pairs, test } = self;
         // So that those further on can be read while others change.
         let pairs = Cell::from_mut(pairs).as_slice_of_cells();
         let boxes = test.boxes();
-        let ahead = if cfg!(feature = "large") && far && boxes.len() > NEAR { AHEAD } else { pairs.len() };
+        let ahead = ahead(boxes, pairs.len());
         let mut front = 0;
         let later = pairs.get(ahead..).unwrap_or_default();
         for (pair, later) in pairs.iter().zip(later) {
