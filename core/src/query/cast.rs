@@ -148,10 +148,10 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let Self { world, cast, visit } = self;
         let parts = &world.parts;
         // What takes longest is started first: the way to the leaf where the cast starts, which is found by planes alone.
-        let first = 1u32 << parts.state.depth;
+        let first = 1u32 << parts.state.tree.depth;
         let mut home = first;
         if world.has_tree() {
-            let leaf = leaf_of(parts.tree.planes, parts.state.depth, &cast.start.min.map(key));
+            let leaf = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
             prefetch_parts(simd, parts, leaf);
             home |= leaf as u32;
         }
@@ -173,7 +173,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let mut stack = [Waiting::default(); STACK];
         let mut waiting = 0;
         // All that is beside that way, the deepest last: the nearest. None of it waits for another; node zero is nothing.
-        for level in (0..parts.state.depth).rev().step_by(2) {
+        for level in (0..parts.state.tree.depth).rev().step_by(2) {
             let upper = home >> level ^ 1;
             let lower = if level > 0 { home >> (level - 1) ^ 1 } else { 0 };
             for node in enter(simd, &walk, nodes, [upper, lower], until) {
@@ -258,7 +258,7 @@ impl<I: Index> Search<'_, '_, I> {
     #[inline(always)]
     fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
         let parts = &self.world.parts;
-        let sub_levels = parts.state.sub_levels();
+        let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
         let first = whole << sub_levels;

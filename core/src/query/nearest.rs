@@ -91,9 +91,9 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             }
         }
         let has_tree = world.has_tree();
-        let sub_levels = parts.state.sub_levels();
+        let sub_levels = parts.state.tree.sub_levels();
         let home = if has_tree { home_of(parts.tree.planes, parts.state, &point.map(key)) } else { 0 };
-        let first = 1u32 << parts.state.depth;
+        let first = 1u32 << parts.state.tree.depth;
         let mut stack = [Waiting::default(); STACK];
         stack[0] = Waiting { node: 1, squared: 0.0 };
         let mut waiting = usize::from(has_tree);

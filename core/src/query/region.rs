@@ -138,7 +138,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let (depth, sub_levels) = (parts.state.depth, parts.state.sub_levels());
+            let (depth, sub_levels) = (parts.state.tree.depth, parts.state.tree.sub_levels());
             let home = leaf_of(tree.planes, depth, &bounds.min);
             let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
             let mut wholes = [0; WHOLES];

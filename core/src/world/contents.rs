@@ -16,7 +16,7 @@ impl<I: Index> World<'_, I> {
 
     /// The living objects by ascending slot. O(slots that have been in use).
     pub fn ids(&self) -> impl Iterator<Item = Id> {
-        (0..self.parts.state.slots).filter_map(|slot| self.id_at(slot))
+        (0..self.parts.state.objects.slots).filter_map(|slot| self.id_at(slot))
     }
 
     /// The living objects and their boxes, by ascending slot. O(slots that have been in use).
@@ -42,7 +42,7 @@ impl<I: Index> World<'_, I> {
 
     /// Removes all objects. Their ids are stale from now on; their pairs are lost at the next step. O(slots that have been in use).
     pub fn clear(&mut self) {
-        for slot in 0..self.parts.state.slots {
+        for slot in 0..self.parts.state.objects.slots {
             if let Some(id) = self.id_at(slot) {
                 // It lives.
                 let _ = self.remove(id);

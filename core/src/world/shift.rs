@@ -50,7 +50,7 @@ impl<I: Index> World<'_, I> {
         }
         let parts = &mut self.parts;
         let mut rounded = 0;
-        for slot in 0..parts.state.slots as usize {
+        for slot in 0..parts.state.objects.slots as usize {
             let now = parts.boxes.now.at(slot);
             if now.is_empty() {
                 continue;
@@ -68,10 +68,10 @@ impl<I: Index> World<'_, I> {
             parts.changed.set(slot);
         }
         // Planes and records are those of the old origin.
-        parts.state.dirty = 1;
-        parts.state.built = 0;
-        parts.state.baseline = 0;
-        parts.state.filled = 0;
+        parts.state.objects.dirty = 1;
+        parts.state.tree.built = 0;
+        parts.state.tree.baseline = 0;
+        parts.state.tree.filled = 0;
         Ok(rounded)
     }
 }
