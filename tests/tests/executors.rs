@@ -32,7 +32,7 @@ struct Frame {
 /// written on its way, and what they are is in a snapshot. At the end stand the workers' staged pairs and their scratch, which the
 /// next step writes before it reads them.
 fn persistent<I: Index>(config: &Config) -> usize {
-    let no_pairs = Config { capacity: Capacity { pairs: 0, ..config.capacity }, ..*config };
+    let no_pairs = config.with_capacity(config.capacity.with_pairs(0));
     let bytes = |workers| layout::<I>(&no_pairs.with_workers(workers)).expect("a world").bytes;
     // One worker stages nothing; four more workers cost four scratches, without rounding.
     let scratch = (bytes(6) - bytes(2)) / 4;

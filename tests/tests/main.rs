@@ -10,6 +10,7 @@ mod cliffs;
 mod contents;
 mod edges;
 mod errata;
+mod events;
 mod executors;
 mod filters;
 mod forged;

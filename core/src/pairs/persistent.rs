@@ -53,6 +53,9 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     } else if parts.sizes.previous > 0 {
         // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
         let parked = result.start..state.pairs.parked as usize;
+        if !parked.is_empty() {
+            output.segments.forget();
+        }
         let others = state.pairs.previous as usize;
         state.pairs.previous += parked.len() as u64;
         let parked = output.pairs.span(parked.start, parked.len());
