@@ -51,6 +51,8 @@ pub(crate) struct State {
     pub(crate) baseline: u64,
     /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
     pub(crate) baseline_work: u64,
+    /// Candidates that tied when all leaves were filled from the boxes.
+    pub(crate) baseline_ties: u64,
 
     /// Overlaps of swept boxes in the pair buffer: those parked, the persisting ones, the found ones, then, in exact
     /// mode with a margin, the surplus.
@@ -89,6 +91,9 @@ pub(crate) struct State {
     /// Indices out of range that the last step knew of: see [`access`](crate::access).
     pub(crate) faults: u32,
 
+    /// Objects that have changed their leaf since all leaves were filled from the boxes: their records are not in the order of slots.
+    pub(crate) strays: u32,
+
     // Small numbers, and what is so or not.
     /// Whether an object may differ from what the last complete step has seen.
     pub(crate) dirty: u8,
@@ -125,6 +130,11 @@ pub(crate) struct State {
     pub(crate) deeper_after: u8,
     /// Full steps in a row with far more such candidates.
     pub(crate) heavy: u8,
+    /// Whether the next intake is to bring boxes to the records: most objects have stayed in their leaves in the last full step.
+    pub(crate) settles: u8,
+    /// Full steps in a row that have kept the leaves as they were.
+    pub(crate) kept: u8,
+    reserved: [u8; 2],
     /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
     pub(crate) unproven: u8,
 }

@@ -11,12 +11,13 @@ use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
 use crate::sweep::leaves::{SweepLeaves, TreeView};
 use crate::tree::subdivide::merge;
-use crate::tree::{assign, balance};
+use crate::tree::{assign, balance, keep};
 
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     mut route: Route,
+    settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     let StepContext { kernels, executor, .. } = context;
@@ -32,21 +33,28 @@ pub(super) fn full<I: Index>(
     } else {
         balance::rebalance(parts, context)
     };
+    let depth = parts.state.depth;
     balance::deepen(parts);
     executor.enter(Stage::Fill);
-    let mut bounds_scan = assign::count(parts, kernels, executor);
+    let settled =
+        settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.depth == depth);
+    let kept = settled.is_some_and(|settled| keep::settle(parts, settled, context));
+    let mut counted = if kept { None } else { Some(assign::count(parts, kernels, executor)) };
     if !rebuild && balance::is_out_of_balance(parts) {
         rebuild = true;
         route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
         executor.enter(Stage::Build);
         balance::build_planes(parts, context);
         executor.enter(Stage::Fill);
-        bounds_scan = assign::count(parts, kernels, executor);
+        counted = Some(assign::count(parts, kernels, executor));
     }
     if rebuild {
         balance::set_baseline(parts);
     }
-    assign::fill(parts, &bounds_scan, kernels, executor);
+    let coarse = counted.map(|bounds_scan| {
+        assign::fill(parts, &bounds_scan, kernels, executor);
+        bounds_scan.is_coarse(parts.state.live)
+    });
     balance::review(parts);
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.depth;
@@ -60,7 +68,7 @@ pub(super) fn full<I: Index>(
         kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, scratch, sink });
     });
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+    keep::weigh(parts.state, work.tied, counted.is_none());
     let rebalanced = if rebuild { parts.state.live } else { rebalanced };
-    let coarse = Some(bounds_scan.is_coarse(parts.state.live));
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
 }

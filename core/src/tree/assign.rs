@@ -1,18 +1,19 @@
 //! Fills the leaves: a counting sort of all objects by leaf, in the order of their slots.
 //!
 //! The first pass finds each object's leaf (the one it was in, or a walk down the tree) and counts; the second
-//! writes records, straddlers and the large-object list to where the counts say. Both read the boxes in memory order
+//! writes records and the large-object list to where the counts say. Both read the boxes in memory order
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
 use super::cells::{cut, frame};
+use super::enclose::{enclose, number_straddlers};
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Straddler, are_few, leaf_of};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
+use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, histogram_row};
+use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::{BlockQueue, Chunks, Ends};
 use crate::parallel::executor::{self, Executor};
@@ -20,36 +21,6 @@ use crate::parallel::shared::Shared;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
-
-/// What the passes found, over all objects.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundsScan {
-    pub(crate) extent: Extent,
-    /// Whether a box is coarse, and whether one is a point away from the origin.
-    coarse: bool,
-    points: bool,
-}
-
-impl BoundsScan {
-    const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
-
-    /// Looks at a box that may be coarse, as few are.
-    #[cold]
-    #[inline(never)]
-    fn examine(&mut self, bounds: &KeyBox) {
-        self.coarse |= bounds.is_coarse();
-        self.points |= bounds.is_distant_point();
-    }
-
-    /// Whether `f32` is too coarse for some of the boxes, as many as there are. Points may be meant to be points, or have
-    /// lost all their sides far from the origin: then neighbours are not told apart either. So points count where on no axis
-    /// the world has four steps for each box of a row, if the boxes filled a cube.
-    pub(crate) fn is_coarse(&self, live: u32) -> bool {
-        let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
-        let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
-        self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
-    }
-}
 
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
 /// objects stay within the capacity and the limits on copies. Leaves the counts in the histogram.
@@ -65,13 +36,14 @@ pub(crate) fn count<I: Index>(
         let bounds_scan = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
         let (mut straddlers, mut large) = (0u64, 0u64);
-        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
-            let (counts, rest) = histogram.as_chunks::<2>();
-            straddlers += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
-            large += u64::from(rest.at(0));
+        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row) {
+            large += u64::from(histogram.at(leaves));
+            straddlers += u64::from(histogram.at(leaves + 1));
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if depth == 0 || (fits && are_few(large, depth, parts.state.live)) {
+            parts.state.large_start = straddlers as u32;
+            offsets(parts, leaves);
             return bounds_scan;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
@@ -91,7 +63,7 @@ fn count_at<I: Index>(
     let row = histogram_row(depth);
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
-    let mut found = [BoundsScan::NONE; SLOT_BLOCKS];
+    let mut found = [(BoundsScan::NONE, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
     let claims = BlockQueue::new((
@@ -108,7 +80,9 @@ fn count_at<I: Index>(
         }
     });
     let mut sum = BoundsScan::NONE;
-    for bounds_scan in &found {
+    parts.state.strays = 0;
+    for (bounds_scan, left) in &found {
+        parts.state.strays += left;
         sum.extent.union(&bounds_scan.extent);
         sum.coarse |= bounds_scan.coarse;
         sum.points |= bounds_scan.points;
@@ -126,17 +100,19 @@ struct CountBlock<'b, I> {
 }
 
 impl<I: Index> Phase for CountBlock<'_, I> {
-    type Output = BoundsScan;
+    type Output = (BoundsScan, u32);
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> BoundsScan {
+    fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
         let Self { boxes, homes, planes, cells, depth, histogram } = self;
-        let (counts, large) = histogram.as_chunks_mut::<2>();
         // Of one length, so that one check of an index serves both.
         let leaves = 1 << depth;
-        let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
-            return BoundsScan::NONE;
+        let (Some(cells), Some((counts, [large, straddlers]))) =
+            (cells.get(..leaves), histogram.split_at_mut_checked(leaves))
+        else {
+            return (BoundsScan::NONE, 0);
         };
+        let (mut reaching, mut far, mut left) = (0, 0, 0);
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
@@ -156,30 +132,32 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 high = simd.upper(high, simd.lower(keys, most));
             };
             let leaf = home.at();
-            if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
+            if let (Some(cell), Some(members)) = (cells.get(leaf), counts.get_mut(leaf)) {
                 let classify = cell.classify(simd, keys);
                 if classify.is_home() && !classify.is_large() {
                     include();
                     *members += 1;
-                    *straddlers += u32::from(classify.leaves());
+                    reaching += u32::from(classify.leaves());
                     continue;
                 }
             }
             // It is new, large, or has left its leaf.
+            left += u32::from(*home != I::LARGE);
             let leaf = leaf_of(planes, depth, &bounds.min);
             let classify = cells.at(leaf).classify(simd, keys);
             if classify.is_large() {
                 *home = I::LARGE;
-                large.put(0, large.at(0) + 1);
-            } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
+                far += 1;
+            } else if let Some(members) = counts.get_mut(leaf) {
                 include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
-                *straddlers += u32::from(classify.leaves());
+                reaching += u32::from(classify.leaves());
             }
         }
+        (*large, *straddlers) = (far, reaching);
         bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
-        bounds_scan
+        (bounds_scan, left)
     }
 }
 
@@ -190,14 +168,13 @@ pub(crate) fn fill<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) {
-    let depth = parts.state.depth;
-    let leaves = 1usize << depth;
+    let leaves = 1usize << parts.state.depth;
     parts.state.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
-    offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
-    enclose(parts, depth, executor);
+    number_straddlers(parts, executor);
+    enclose(parts, kernels, executor);
     parts.state.filled = 1;
 }
 
@@ -205,17 +182,14 @@ pub(crate) fn fill<I: Index>(
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     let row = histogram_row(parts.state.depth);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
-    let (mut record, mut straddler) = (0u32, 0u32);
+    let mut record = 0;
     for index in 0..leaves {
         let mut leaf = parts.tree.leaves.at(index);
         (leaf.start, leaf.len) = (record, 0);
-        (leaf.straddler_start, leaf.straddler_len) = (straddler, 0);
-        for histogram in histograms.chunks_exact_mut(row.max(1)) {
-            let (counts, _) = histogram.as_chunks_mut::<2>();
-            if let Some([members, straddlers]) = counts.get_mut(index) {
+        for histogram in histograms.chunks_exact_mut(row) {
+            if let Some(members) = histogram.get_mut(index) {
                 // Positions in the leaf, as they become the objects' places.
                 leaf.len += core::mem::replace(members, leaf.len);
-                leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
         }
         if leaf.baseline == 0 {
@@ -224,17 +198,14 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         // Some room, so that objects can come without a new fill, also when the leaf is divided.
         leaf.room = leaf.len + leaf.len / 8 + ROOM;
         record += leaf.room;
-        straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.large_start = straddler;
-    for histogram in histograms.chunks_exact_mut(row.max(1)) {
-        let (_, large) = histogram.as_chunks_mut::<2>();
-        let count = large.at(0);
-        large.put(0, straddler);
-        straddler += count;
+    parts.state.large = 0;
+    for histogram in histograms.chunks_exact_mut(row) {
+        if let Some(large) = histogram.get_mut(leaves) {
+            parts.state.large += core::mem::replace(large, parts.state.large);
+        }
     }
-    parts.state.large = straddler - parts.state.large_start;
 }
 
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
@@ -296,87 +267,34 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
         let Self { large_start, histogram, .. } = self;
-        let (next, large) = histogram.as_chunks_mut::<2>();
         // Of one length, for the same reason as the counts.
-        let (Some(next), Some(cells), Some(frames)) =
-            (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
-        else {
+        let (Some((next, [large, ..])), Some(cells), Some(frames)) = (
+            histogram.split_at_mut_checked(leaves.len()),
+            cells.get(..leaves.len()),
+            frames.get(..leaves.len()),
+        ) else {
             return;
         };
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
             let leaf = home.at();
-            if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
+            if let (Some(member), Some(cell), Some(frame), Some(leaf)) =
                 (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
             {
                 let at = *member;
                 *member = at + 1;
                 *place = I::from_slot(at);
                 let keys = simd.keys(bounds);
-                let record = simd.record(frame, keys, slot);
-                records.store((leaf.start + at) as usize, &record);
-                if cell.classify(simd, keys).leaves() {
-                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
-                    *straddler += 1;
-                }
+                let marks = cell.classify(simd, keys).marks();
+                records.store((leaf.start + at) as usize, &simd.record(frame, keys, slot | marks));
             } else if *home == I::LARGE {
-                let at = large.at(0);
-                large.put(0, at + 1);
-                *place = I::from_slot(at - large_start);
-                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                let at = *large;
+                *large = at + 1;
+                *place = I::from_slot(at);
+                straddlers
+                    .store((large_start + at) as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
             }
         }
-    }
-}
-
-/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
-fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
-    let leaves = 1usize << depth;
-    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
-    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
-    let outer = outer.span_mut(0, leaves);
-    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, nodes)) = claims.claim() {
-            for (offset, node) in nodes.iter_mut().enumerate() {
-                let index = block * LEAVES_PER_BLOCK + offset;
-                let leaf = buckets.at(index);
-                *node = KeyBox::NOTHING;
-                if leaf.len > 0 {
-                    *node = cells.at(index).inside();
-                    for straddler in
-                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
-                    {
-                        node.include(&straddler.bounds);
-                    }
-                }
-            }
-        }
-    });
-    for node in (1..leaves).rev() {
-        let mut around = KeyBox::NOTHING;
-        for child in [2 * node, 2 * node + 1] {
-            around.include(match child.checked_sub(leaves) {
-                Some(leaf) => KeyBox::of(outer, leaf),
-                None => KeyBox::of(inner, child),
-            });
-        }
-        inner.put(node, around);
-    }
-}
-
-/// Grows the boxes of a node and of those above it to hold a box.
-#[inline(always)]
-pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
-    while node > 0 {
-        let mut around = nodes.at(node);
-        // So do those above.
-        if around.contains(bounds) {
-            break;
-        }
-        around.include(bounds);
-        nodes.put(node, around);
-        node /= 2;
     }
 }
 
