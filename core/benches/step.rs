@@ -10,7 +10,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use memmap2::MmapMut;
 use std::hint::black_box;
 use std::time::Duration;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, World, layout};
 
 /// Numbers from 0 to 1, the same in every run.
 struct Random(u64);
@@ -82,7 +82,7 @@ impl Fixture {
     fn world(&mut self, boxes: &[Aabb], kernels: Kernels) -> World<'_> {
         let mut world = World::new_in(&mut self.slab, &self.config).expect("a world");
         world.insert_many(Boxes::new(boxes), &mut self.ids).expect("room");
-        world.step(kernels, &Serial).expect("room for the pairs");
+        world.set_kernels(kernels).step().expect("room for the pairs");
         world
     }
 }
@@ -99,7 +99,7 @@ fn steps(bencher: &mut criterion::Bencher<'_>, config: Config, frames: &[Frame],
     let mut next = order.iter().cycle();
     bencher.iter(|| {
         let frame = &frames[*next.next().unwrap_or(&0)];
-        let step = world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+        let step = world.set_kernels(kernels).step_over(Boxes::new(frame)).expect("room for the pairs");
         black_box(step.pairs().len())
     });
 }
@@ -204,7 +204,7 @@ fn crowd(criterion: &mut Criterion) {
             let mut step = || {
                 let frame = &frames[*next.next().unwrap_or(&0)];
                 world.update_many(&ids, Boxes::new(frame)).expect("living objects");
-                let step = world.step(kernels, &Serial).expect("room for the pairs");
+                let step = world.set_kernels(kernels).step().expect("room for the pairs");
                 black_box(step.found().len() + step.lost().len())
             };
             // Until all leaves are divided.
@@ -235,7 +235,7 @@ fn churn(criterion: &mut Criterion) {
                     *id = new;
                 }
                 first = (first + tenth) % (10 * tenth);
-                world.step(Kernels::detect(), &Serial).expect("room for the pairs").pairs().len()
+                world.step().expect("room for the pairs").pairs().len()
             });
         });
     }
@@ -250,7 +250,7 @@ fn snapshot(criterion: &mut Criterion) {
     let mut fixture = Fixture::new(config(count, 20 * count).with_events());
     let mut world = fixture.world(&frames[0], kernels);
     for frame in &frames {
-        world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+        world.set_kernels(kernels).step_over(Boxes::new(frame)).expect("room for the pairs");
     }
     let mut bytes = vec![0; world.snapshot_size()];
     let name = format!("{count}, {:.1} bytes an object", bytes.len() as f64 / count as f64);
@@ -265,7 +265,7 @@ fn snapshot(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("load and an idle step", &name), |bencher| {
         bencher.iter(|| {
             world.load(&bytes).expect("a snapshot of this world");
-            world.step(kernels, &Serial).expect("room for the pairs");
+            world.set_kernels(kernels).step().expect("room for the pairs");
         });
     });
 }

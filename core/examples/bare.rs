@@ -5,7 +5,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, Kernels, Serial, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, layout};
 
 const VEHICLES: usize = 8;
 /// Room for as many pairs as there can be, so that no step ever fails.
@@ -34,7 +34,7 @@ fn drive(memory: &mut InlineWorld<BYTES>, ticks: usize) -> Result<[usize; 2], Er
         if world.is_empty() {
             world.insert_many(Boxes::new(&spaces), &mut [None; VEHICLES])?;
         }
-        let step = world.step_over(Boxes::new(&spaces), Kernels::BASELINE, &Serial)?;
+        let step = world.step_over(Boxes::new(&spaces))?;
         near += step.found().len();
         apart += step.lost().len();
     }

@@ -1,7 +1,7 @@
 //! Worlds whose origin moves, beside worlds whose origin stays.
 
 use proptest::prelude::*;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, Kernels, Margin, Mode, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, Margin, Mode, World, layout};
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -26,7 +26,7 @@ fn sorted(pairs: &[[u32; 2]]) -> Pairs {
 /// Pairs, found and lost pairs of a step, each ascending. All invariants hold before and after it.
 fn step(world: &mut World<'_>) -> [Pairs; 3] {
     world.validate().expect("valid before the step");
-    let step = world.step(Kernels::detect(), &Serial).expect("room");
+    let step = world.step().expect("room");
     let result = [sorted(step.pairs()), sorted(step.found()), sorted(step.lost())];
     world.validate().expect("valid after the step");
     result
@@ -201,7 +201,7 @@ proptest! {
                 }
                 // Everything may overlap now.
                 world.validate().expect("valid before the step");
-                let Ok(step) = world.step(Kernels::detect(), &Serial) else { break };
+                let Ok(step) = world.step() else { break };
                 let [pairs, found, lost] = [step.pairs(), step.found(), step.lost()].map(sorted);
                 world.validate().expect("valid after the step");
                 let within = |inner: &Pairs, outer: &Pairs| inner.iter().all(|p| outer.binary_search(p).is_ok());

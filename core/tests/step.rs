@@ -62,7 +62,7 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
     let mut results = vec![];
     let mut last = vec![];
     for frame in 0..8 {
-        let step = world.step_over(Boxes::new(&boxes), kernels, executor).unwrap();
+        let step = world.set_kernels(kernels).on(executor).step_over(Boxes::new(&boxes)).unwrap();
         let mut pairs = step.pairs().to_vec();
         results.push(step.pairs().to_vec());
         let stats = step.stats();
@@ -151,13 +151,13 @@ fn ties_are_counted() {
     let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
     world.insert_many(Boxes::new(&boxes), &mut vec![None; 1000]).unwrap();
     for kernels in Kernels::all() {
-        let stats = world.step_over(Boxes::new(&boxes), kernels, &Serial).unwrap().stats();
+        let stats = world.set_kernels(kernels).step_over(Boxes::new(&boxes)).unwrap().stats();
         assert!(stats.path == Path::Unchanged || stats.tied > 1000, "{stats:?}");
     }
     // Few of ordinary boxes.
     let mut random = Random(3);
     let boxes: Vec<_> = (0..1000).map(|_| random.boxed(18.0)).collect();
-    let stats = world.step_over(Boxes::new(&boxes), Kernels::detect(), &Serial).unwrap().stats();
+    let stats = world.step_over(Boxes::new(&boxes)).unwrap().stats();
     assert!(stats.candidates > 1000 && stats.tied < stats.candidates / 20, "{stats:?}");
 }
 

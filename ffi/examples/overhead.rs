@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::ptr::null;
 use std::time::Instant;
-use trisap_core::{Boxes, Capacity, Config, Error, Id, Kernels, Serial, World, layout};
+use trisap_core::{Boxes, Capacity, Config, Error, Id, World, layout};
 use trisap_ffi::objects::{trisap_world_insert_many, trisap_world_update_many};
 use trisap_ffi::status::trisap_status;
 use trisap_ffi::step::trisap_world_step;
@@ -107,7 +107,7 @@ impl<'m> Native<'m> {
         // Called as it stands, not compiled anew for this caller and its layout of boxes.
         let update_many: fn(&mut World<'m>, &[Id], Boxes<'_>) -> Result<(), Error> = World::update_many;
         black_box(update_many)(&mut self.world, &self.ids, Boxes::padded(frame)).expect("good boxes");
-        self.world.step(Kernels::detect(), &Serial).expect("room for all pairs").pairs().len()
+        self.world.step().expect("room for all pairs").pairs().len()
     }
 }
 

@@ -11,7 +11,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
 use trisap::scene::real::{Ground, HITCH_FRAME, Kind, Scene, Setup};
-use trisap::{Aabb, Boxes, Capacity, Config, Filter, OwnedWorld, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Config, Filter, OwnedWorld, World};
 
 type Frame = Vec<Aabb>;
 
@@ -35,7 +35,7 @@ fn memory(count: u32, pairs: u32) -> OwnedWorld<u32> {
 }
 
 fn step(world: &mut World<'_, u32>, frame: &Frame) -> usize {
-    let step = world.step_over(Boxes::new(frame), trisap::detect(), &Serial);
+    let step = world.step_over(Boxes::new(frame));
     step.expect("room for the pairs").pairs().len()
 }
 

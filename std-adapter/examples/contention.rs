@@ -102,11 +102,7 @@ fn measure(size: usize, runs: usize, busy: bool) -> Result<(), Box<dyn Error>> {
                 let last = frames.len() - 1;
                 let at = count % (2 * last);
                 let step = Instant::now();
-                world.step_over(
-                    Boxes::new(&frames[at.min(2 * last - at)]),
-                    trisap::detect(),
-                    executors[turn],
-                )?;
+                world.on(executors[turn]).step_over(Boxes::new(&frames[at.min(2 * last - at)]))?;
                 let time = step.elapsed().as_secs_f64() * 1e3;
                 if run > 0 {
                     steps[turn].push(time);

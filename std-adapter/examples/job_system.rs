@@ -172,9 +172,8 @@ fn play(count: usize, frames: usize, executor: &dyn Executor) -> Result<Vec<Stat
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
     world.insert_many(Boxes::new(&crowd(count, 0)), &mut vec![None; count])?;
-    let step = |frame| {
-        world.step_over(Boxes::new(&crowd(count, frame)), trisap::detect(), executor).map(|step| step.stats())
-    };
+    let step =
+        |frame| world.on(executor).step_over(Boxes::new(&crowd(count, frame))).map(|step| step.stats());
     (0..frames).map(step).collect()
 }
 

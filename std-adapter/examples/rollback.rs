@@ -1,7 +1,7 @@
 //! Rollback: a game plays on with guessed inputs, and goes back by up to 8 frames when the true ones come. The world is
 //! saved before each frame, and goes back with the game.
 
-use trisap::{Aabb, Boxes, Capacity, Config, Error, OwnedWorld, Pair, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Config, Error, OwnedWorld, Pair, World};
 
 /// Frames that can be taken back.
 const KEPT: usize = 8;
@@ -28,7 +28,7 @@ fn play(world: &mut World<'_>, bodies: &mut [Aabb], frame: usize, known: usize) 
         body.min[0] += step;
         body.max[0] += step;
     }
-    let step = world.step_over(Boxes::new(bodies), trisap::detect(), &Serial)?;
+    let step = world.step_over(Boxes::new(bodies))?;
     Ok([step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()])
 }
 

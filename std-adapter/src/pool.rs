@@ -52,7 +52,7 @@ const GAP_PART: u64 = 4;
 /// #     trisap::Aabb::new(corner, corner.map(|low| low + 0.5))
 /// # }).collect();
 /// world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
-/// let step = world.step(trisap::detect(), &executor)?;
+/// let step = world.on(&executor).step()?;
 /// # assert_eq!(step.pairs().len(), 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

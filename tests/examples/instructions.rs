@@ -4,7 +4,7 @@
 //! The recording, the kernels and, if not ten, the number of steps are the arguments. Without any it prints the kernels of this
 //! CPU.
 
-use trisap_core::{Boxes, Config, Kernels, Serial, World};
+use trisap_core::{Boxes, Config, Kernels, World};
 use trisap_tests::recordings;
 use trisap_tests::worlds::{Slab, ample};
 
@@ -23,7 +23,7 @@ fn main() {
     let mut world: World<'_> = slab.world(&config);
     world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
     // The first step builds: it is not what later ones cost.
-    world.step(kernels, &Serial).expect("room for the pairs");
+    world.set_kernels(kernels).step().expect("room for the pairs");
     let steps = std::env::args().nth(3).map_or(10, |steps| steps.parse().expect("a number of steps"));
     let frames = &recording.frames[1..recording.frames.len().min(1 + steps)];
     let pairs = measured(&mut world, frames, kernels);
@@ -35,7 +35,8 @@ fn measured(world: &mut World<'_>, frames: &[Vec<[f32; 8]>], kernels: Kernels) -
     let mut pairs = 0;
     for frame in frames {
         pairs += world
-            .step_over(Boxes::padded(frame), kernels, &Serial)
+            .set_kernels(kernels)
+            .step_over(Boxes::padded(frame))
             .expect("room for the pairs")
             .pairs()
             .len();

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
         let mut world: World<'_> = slab.world(&config);
         world.insert_many(Boxes::new(&boxes), &mut vec![None; COUNT]).expect("room for all");
         let start = Instant::now();
-        let error = world.step(kernels, &Jobs::Threads(2)).err();
+        let error = world.set_kernels(kernels).on(&Jobs::Threads(2)).step().err();
         let time = start.elapsed();
         let good = error == Some(Error::PairsFull { needed })
             && world.pairs().len() == 1000

@@ -268,10 +268,14 @@ impl<'m, I: Index> Checked<'m, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, setup: Setup) -> Result<Outcome, Error> {
         let Self { world, model, .. } = self;
         let Setup { kernels, jobs } = setup;
+        let rule = |a, b| model.agree(a, b);
+        let mut stepper = world.set_kernels(kernels).on(&jobs);
+        if model.has_rule() {
+            stepper = stepper.with_rule(&rule);
+        }
         let step = match bounds {
-            _ if model.has_rule() => world.step_with_rule(bounds, &|a, b| model.agree(a, b), kernels, &jobs),
-            Some(bounds) => world.step_over(bounds, kernels, &jobs),
-            None => world.step(kernels, &jobs),
+            Some(bounds) => stepper.step_over(bounds),
+            None => stepper.step(),
         };
         step.map(|step| Outcome::of(&step))
     }

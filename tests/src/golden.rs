@@ -46,7 +46,11 @@ pub fn hash<I: Index>(recording: &Recording, config: Config, setup: Setup) -> u6
     world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
     let mut fnv = Fnv(0xcbf2_9ce4_8422_2325);
     for frame in &recording.frames {
-        let step = world.step_over(Boxes::padded(frame), setup.kernels, &setup.jobs).expect("room for all");
+        let step = world
+            .set_kernels(setup.kernels)
+            .on(&setup.jobs)
+            .step_over(Boxes::padded(frame))
+            .expect("room for all");
         fnv.pairs(step.pairs());
         fnv.pairs(step.found());
         fnv.pairs(step.lost());

@@ -84,9 +84,9 @@ pub fn act<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup) -> R
         let place = |slot: usize| world.id_at(slot as u32).map_or(Aabb::default(), |id| aabb(world, id));
         let mut boxes: Vec<Aabb> = (0..last).map(place).collect();
         scenes::walk(&mut boxes, [5, 1000][rng.below(2)], 0.5, rng);
-        world.step_over(Boxes::new(&boxes), setup.kernels, &setup.jobs)
+        world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&boxes))
     } else {
-        world.step(setup.kernels, &setup.jobs)
+        world.set_kernels(setup.kernels).on(&setup.jobs).step()
     };
     step.map(|step| Outcome::of(&step))
 }
@@ -104,10 +104,10 @@ pub fn lived<'m, I: Index>(slab: &'m mut Slab, config: &Config, count: usize, ca
     let ids: Vec<Id> = ids.into_iter().flatten().collect();
     let setup = Setup::REFERENCE;
     // Without room for all pairs it goes on all the same.
-    let _ = world.step(setup.kernels, &setup.jobs);
+    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
     for at in 0..calm {
         world.set_aabb(ids[at], boxes[at + 1]).expect("alive");
-        let _ = world.step(setup.kernels, &setup.jobs);
+        let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
     }
     world.set_resting(&ids[..count / 3]).expect("alive");
     if calm % 2 == 1 {

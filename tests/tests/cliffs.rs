@@ -2,7 +2,7 @@
 //! it, or of a fresh one on the same frame. Counters repeat exactly, so that no time is needed; and all steps but those of the
 //! largest worlds are checked against brute force.
 
-use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Serial, Stats};
+use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
@@ -32,7 +32,7 @@ fn fresh(boxes: &[Aabb]) -> Stats {
     let mut world = slab.world::<u32>(&config);
     world.insert_many(Boxes::new(boxes), &mut vec![None; boxes.len()]).expect("room and good boxes");
     for _ in 0..2 {
-        world.step(Kernels::detect(), &Serial).expect("room for the pairs");
+        world.step().expect("room for the pairs");
     }
     world.stats()
 }
@@ -285,13 +285,13 @@ fn few_movers_for_long_leave_no_trace() {
     let mut rng = Rng::new(19);
     let mut after = Vec::new();
     for round in 0..2 {
-        world.step(Kernels::detect(), &Serial).expect("room");
+        world.step().expect("room");
         for _ in 0..1000 * round {
             let movers: Vec<usize> = (0..20).map(|_| rng.below(ids.len())).collect();
             for &k in &movers {
                 world.set_aabb(ids[k], at(rng.point(0.0, 30.0), [2.0; 3])).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
             assert_ne!(world.stats().path, Path::Rebuilt);
             for &k in &movers {
                 world.set_aabb(ids[k], boxes[k]).expect("alive");
@@ -302,11 +302,11 @@ fn few_movers_for_long_leave_no_trace() {
             for k in 0..40 {
                 world.set_aabb(ids[k], shifted(&boxes[k], [0.01; 3])).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
             for k in 0..40 {
                 world.set_aabb(ids[k], boxes[k]).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
         }
         after.push(world.stats());
     }

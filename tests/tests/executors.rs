@@ -97,8 +97,8 @@ fn play<I: Index>(config: &Config, acts: &[Act], kernels: Kernels, executor: &dy
             }
         }
         let result = match act {
-            Act::Over(boxes) => world.step_over(Boxes::new(boxes), kernels, executor),
-            _ => world.step(kernels, executor),
+            Act::Over(boxes) => world.set_kernels(kernels).on(executor).step_over(Boxes::new(boxes)),
+            _ => world.set_kernels(kernels).on(executor).step(),
         };
         let result = result.map(|step| Outcome::of(&step));
         if !cfg!(miri) {
@@ -344,7 +344,7 @@ fn a_world_can_be_made_anew_after_an_executor_has_unwound() {
         world.insert_many(Boxes::new(&others), &mut vec![None; TREE]).expect("room");
         let executor = Unwinding { at, calls, joins: Mutex::default() };
         let mut step = |executor: &dyn Executor| {
-            let step = || world.step_over(Boxes::new(&others), Kernels::detect(), executor).map(|_| ());
+            let step = || world.on(executor).step_over(Boxes::new(&others)).map(|_| ());
             catch_unwind(AssertUnwindSafe(step))
         };
         let payload = step(&executor).expect_err("the executor's panic comes through");
@@ -353,7 +353,7 @@ fn a_world_can_be_made_anew_after_an_executor_has_unwound() {
         assert!(step(&Jobs::Threads(2)).is_ok(), "join {at}");
         let mut world: World<'_> = slab.world(&config);
         world.insert_many(Boxes::new(boxes), &mut vec![None; TREE]).expect("room");
-        let outcome = world.step(Kernels::detect(), &Jobs::Serial).map(|step| Outcome::of(&step));
+        let outcome = world.on(&Jobs::Serial).step().map(|step| Outcome::of(&step));
         assert!(outcome == reference[0].result, "the world that was made anew");
     }
 }

@@ -187,10 +187,7 @@ fn a_world_without_filters_refuses_and_pays_nothing() {
     assert_eq!(world.refuse(|world| world.set_filter(id, Filter::ALL)), Error::NoFilters);
     assert_eq!(world.refuse(|world| world.set_classes(&[0; 32])), Error::NoFilters);
     assert_eq!(world.refuse(|world| world.refilter(id)), Error::NoFilters);
-    let setup = Setup::REFERENCE;
-    let error = world.refuse(|world| {
-        world.step_with_rule(None, &|_, _| panic!("nobody is asked"), setup.kernels, &setup.jobs).map(|_| ())
-    });
+    let error = world.refuse(|world| world.with_rule(&|_, _| panic!("nobody is asked")).step().map(|_| ()));
     assert_eq!(error, Error::NoFilters);
     assert_eq!(world.world().filter(id), None);
 

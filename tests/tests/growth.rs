@@ -2,8 +2,7 @@
 //! the beginning, and of the model.
 
 use trisap_core::{
-    Aabb, Boxes, Capacity, Choice, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, Serial,
-    World,
+    Aabb, Boxes, Capacity, Choice, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, World,
 };
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::lives::{configs, lived, saved};
@@ -206,8 +205,8 @@ impl Life<'_> {
         }
         let mut large = World::<I>::open(self.large.bytes_mut()).expect("the large world");
         let expected = match &boxes {
-            Some(boxes) => large.step_over(Boxes::new(boxes), Kernels::detect(), &Serial),
-            None => large.step(Kernels::detect(), &Serial),
+            Some(boxes) => large.step_over(Boxes::new(boxes)),
+            None => large.step(),
         };
         let expected = Outcome::of(&expected.expect("ample room"));
         let said = loop {
@@ -311,13 +310,13 @@ fn nothing_happens_by_a_move_alone() {
         let mut world = slab.world::<u32>(&config);
         let mut ids = vec![None; 650];
         world.insert_many(Boxes::new(&scenes::uniform(650, 2)), &mut ids).expect("room");
-        world.step(Kernels::BASELINE, &Serial).expect("room");
+        world.set_kernels(Kernels::BASELINE).step().expect("room");
         let count = world.pairs().len();
         assert!(count > 20);
         let more = Config { capacity: ample(2000, 20_000), ..base };
         let mut room = Slab::new::<u32>(&more);
         let mut world = world.move_into(room.bytes_mut(), &more).expect("room");
-        let step = world.step(Kernels::BASELINE, &Serial).expect("room");
+        let step = world.set_kernels(Kernels::BASELINE).step().expect("room");
         assert_eq!((step.pairs().len(), step.found().len(), step.lost().len()), (count, 0, 0));
         assert_eq!(step.stats().moved, 0);
     }

@@ -51,7 +51,7 @@ fn transcript(config: Config, frames: &[Vec<Aabb>], setup: Setup) -> Vec<Result<
     let mut world: World<'_> = slab.world(&config);
     world.insert_many(Boxes::new(&frames[0]), &mut vec![None; frames[0].len()]).expect("room for all");
     let mut step = |frame: &Vec<Aabb>| {
-        let step = world.step_over(Boxes::new(frame), setup.kernels, &setup.jobs)?;
+        let step = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(frame))?;
         Ok(Outcome::of(&step))
     };
     frames.iter().map(&mut step).collect()
@@ -605,7 +605,7 @@ fn everything_overlaps() {
         let mut world: World<'_> = slab.world(&config);
         let boxes = scenes::identical(count);
         world.insert_many(Boxes::new(&boxes), &mut vec![None; count]).expect("room for all");
-        let error = world.step(setup.kernels, &setup.jobs).map(|step| step.pairs().len());
+        let error = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.pairs().len());
         let count = count as u64;
         assert_eq!(error, Err(Error::PairsFull { needed: count * (count - 1) / 2 }), "{setup:?}");
         assert_eq!(world.pairs().len(), 1000);
@@ -732,7 +732,7 @@ fn counters_go_on_for_long() {
         assert_eq!((id.slot(), id.generation()), (1, life));
         if life.is_power_of_two() {
             old.push(id);
-            let step = world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room");
+            let step = world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room");
             assert_eq!((step.pairs().len(), step.found().len()), (1, 1), "life {life}");
             assert!(old[..old.len() - 1].iter().all(|id| !world.contains(*id)));
         }
@@ -740,7 +740,7 @@ fn counters_go_on_for_long() {
         assert_eq!(world.remove(id), Err(Error::StaleId { id }));
     }
     for i in 0..100_000 {
-        let step = world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room");
+        let step = world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room");
         assert!(step.pairs().is_empty() && step.lost().len() == usize::from(i == 0));
     }
     world.validate().expect("a valid world");
@@ -803,11 +803,12 @@ fn p2_no_input_panics() {
                         let _ = world.set_aabb(Id::from_bits((1 << 32) + i as u64).expect("an id"), any());
                     }
                     let bounds: Vec<Aabb> = (0..count + 10).map(|_| any()).collect();
-                    let _ = world.step_over(Boxes::new(&bounds), setup.kernels, &setup.jobs);
+                    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&bounds));
                     for slot in 0..count as u32 / 2 {
                         let _ = world.id_at(slot * 2).map(|id| world.remove(id));
                     }
-                    let _ = world.step(setup.kernels, &setup.jobs).map(|step| step.surplus());
+                    let _ =
+                        world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.surplus());
                     world.validate().expect("a valid world");
                 }
             }));

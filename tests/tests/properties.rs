@@ -240,7 +240,9 @@ fn live<I: Index>(case: &Case, workers: u32, choose: impl Fn(usize) -> Setup) ->
             apply(op, case, &mut checked, &mut life, &choose);
             // Whatever has been done, queries see it at once.
             let questions = Questions::about(checked.model(), 1, &mut life.rng);
-            questions.ask(checked.world(), checked.model(), choose(life.rng.below(1 << 16)));
+            let setup = choose(life.rng.below(1 << 16));
+            let (world, model) = checked.parts_mut();
+            questions.ask(world, model, setup);
         }
         let snapshot = matches!(ops.last(), Some(Op::Migrate)).then(|| checked.save().0);
         model = checked.into_model();
@@ -347,8 +349,9 @@ fn apply<I: Index>(
         }
         Op::Ask(number) => {
             let questions = Questions::about(world.model(), 12, rng);
-            questions.ask(world.world(), world.model(), choose(*number));
-            questions.ask_batches(world.world(), choose(*number));
+            let (world, model) = world.parts_mut();
+            questions.ask(world, model, choose(*number));
+            questions.ask_batches(world, choose(*number));
         }
         Op::Step(number) => said.push(world.try_step(choose(*number))),
         Op::StepOver(number, thousandths, motion, some_bad, length) => {

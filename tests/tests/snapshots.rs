@@ -197,7 +197,8 @@ fn a_snapshot_is_small() {
         let mut sizes = Vec::new();
         for frame in 0..8 {
             let boxes = if frame < 4 { scene.advance() } else { scene.boxes() };
-            let step = world.step_over(Boxes::new(boxes), Setup::REFERENCE.kernels, &Jobs::Serial);
+            let step =
+                world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step_over(Boxes::new(boxes));
             step.expect("room for all pairs");
             sizes.push(world.snapshot_size());
         }

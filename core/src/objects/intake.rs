@@ -35,9 +35,9 @@ pub(crate) fn ingest<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> Intake {
-    let (mode, fixed_margins) = (parts.mode(), parts.state.has_fixed_margins());
-    let resting = if parts.state.resting != 0 { &*parts.resting } else { &[] };
-    let slots = (parts.state.slots as usize).min(bounds.len());
+    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
@@ -51,7 +51,7 @@ pub(crate) fn ingest<I: Index>(
     let len = block_len(slots);
     let margins = &*parts.boxes.margins;
     let (homes, places) = (&*parts.home, &*parts.place);
-    let leaves = if settle { 1usize << parts.state.depth } else { 0 };
+    let leaves = if settle { 1usize << parts.state.tree.depth } else { 0 };
     let (cells, frames) = (parts.tree.cells.span(0, leaves), parts.tree.frames.span(0, leaves));
     let buckets = parts.tree.leaves.span(0, leaves);
     let records = Shared::new(parts.tree.records);
@@ -97,7 +97,7 @@ pub(crate) fn ingest<I: Index>(
         sum.rejected += intake.rejected;
     }
     if settle {
-        parts.state.stale_lists = 1;
+        parts.state.lists.stale = 1;
         for slot in pending_list.span(0, pending) {
             // Where so many have left that there is no room, nobody looks.
             if let Some(to) = left.get_mut(end) {

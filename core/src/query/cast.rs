@@ -7,7 +7,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
 use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
-use crate::simd::kernels::Kernels;
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
@@ -69,16 +68,11 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the cast is not valid: NaN, infinities other than the distance, a negative distance.
-    pub fn visit_hits(
-        &self,
-        cast: &Cast,
-        kernels: Kernels,
-        visit: &mut dyn FnMut(Hit) -> f64,
-    ) -> Result<(), Error> {
+    pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        kernels.run(Hits { world: self, cast, visit });
+        self.kernels.run(Hits { world: self, cast, visit });
         Ok(())
     }
 
@@ -86,9 +80,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn first_hit(&self, cast: &Cast, kernels: Kernels) -> Result<Option<Hit>, Error> {
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
             first = Some(nearest);
             nearest.distance
@@ -101,9 +95,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
-    pub fn hits(&self, cast: &Cast, kernels: Kernels, out: &mut [Option<Hit>]) -> Result<usize, Error> {
+    pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         let mut count = 0;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             if let Some(place) = out.get_mut(count) {
                 *place = Some(hit);
             }
@@ -154,10 +148,10 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let Self { world, cast, visit } = self;
         let parts = &world.parts;
         // What takes longest is started first: the way to the leaf where the cast starts, which is found by planes alone.
-        let first = 1u32 << parts.state.depth;
+        let first = 1u32 << parts.state.tree.depth;
         let mut home = first;
         if world.has_tree() {
-            let leaf = leaf_of(parts.tree.planes, parts.state.depth, &cast.start.min.map(key));
+            let leaf = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
             prefetch_parts(simd, parts, leaf);
             home |= leaf as u32;
         }
@@ -179,7 +173,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let mut stack = [Waiting::default(); STACK];
         let mut waiting = 0;
         // All that is beside that way, the deepest last: the nearest. None of it waits for another; node zero is nothing.
-        for level in (0..parts.state.depth).rev().step_by(2) {
+        for level in (0..parts.state.tree.depth).rev().step_by(2) {
             let upper = home >> level ^ 1;
             let lower = if level > 0 { home >> (level - 1) ^ 1 } else { 0 };
             for node in enter(simd, &walk, nodes, [upper, lower], until) {
@@ -264,7 +258,7 @@ impl<I: Index> Search<'_, '_, I> {
     #[inline(always)]
     fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
         let parts = &self.world.parts;
-        let sub_levels = parts.state.sub_levels();
+        let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
         let first = whole << sub_levels;

@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::Index;
-use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
@@ -20,16 +19,11 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
-    pub fn nearest(
-        &self,
-        point: [f32; 3],
-        kernels: Kernels,
-        out: &mut [Option<Hit>],
-    ) -> Result<usize, Error> {
+    pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(kernels.run(Nearest { world: self, point, out }))
+        Ok(self.kernels.run(Nearest { world: self, point, out }))
     }
 }
 
@@ -97,9 +91,9 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             }
         }
         let has_tree = world.has_tree();
-        let sub_levels = parts.state.sub_levels();
+        let sub_levels = parts.state.tree.sub_levels();
         let home = if has_tree { home_of(parts.tree.planes, parts.state, &point.map(key)) } else { 0 };
-        let first = 1u32 << parts.state.depth;
+        let first = 1u32 << parts.state.tree.depth;
         let mut stack = [Waiting::default(); STACK];
         stack[0] = Waiting { node: 1, squared: 0.0 };
         let mut waiting = usize::from(has_tree);

@@ -33,11 +33,11 @@ pub(super) fn full<I: Index>(
     } else {
         balance::rebalance(parts, context)
     };
-    let depth = parts.state.depth;
+    let depth = parts.state.tree.depth;
     balance::deepen(parts);
     executor.enter(Stage::Fill);
     let settled =
-        settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.depth == depth);
+        settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
     let kept = settled.is_some_and(|settled| keep::settle(parts, settled, context));
     let mut counted = if kept { None } else { Some(assign::count(parts, kernels, executor)) };
     if !rebuild && balance::is_out_of_balance(parts) {
@@ -53,13 +53,13 @@ pub(super) fn full<I: Index>(
     }
     let coarse = counted.map(|bounds_scan| {
         assign::fill(parts, &bounds_scan, kernels, executor);
-        bounds_scan.is_coarse(parts.state.live)
+        bounds_scan.is_coarse(parts.state.objects.live)
     });
     balance::review(parts);
     executor.enter(Stage::Sweep);
-    let leaf_count = 1usize << parts.state.depth;
+    let leaf_count = 1usize << parts.state.tree.depth;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.slots, &context);
+    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
@@ -69,6 +69,6 @@ pub(super) fn full<I: Index>(
     });
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
     keep::weigh(parts.state, work.tied, counted.is_none());
-    let rebalanced = if rebuild { parts.state.live } else { rebalanced };
+    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
 }

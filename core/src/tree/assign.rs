@@ -30,8 +30,8 @@ pub(crate) fn count<I: Index>(
     executor: &dyn Executor,
 ) -> BoundsScan {
     loop {
-        let depth = parts.state.depth;
-        let extent = parts.state.extent();
+        let depth = parts.state.tree.depth;
+        let extent = parts.state.tree.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
         let bounds_scan = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
@@ -41,13 +41,13 @@ pub(crate) fn count<I: Index>(
             straddlers += u64::from(histogram.at(leaves + 1));
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
-        if depth == 0 || (fits && are_few(large, depth, parts.state.live)) {
-            parts.state.large_start = straddlers as u32;
+        if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
+            parts.state.tree.large_start = straddlers as u32;
             offsets(parts, leaves);
             return bounds_scan;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
-        parts.state.depth = depth - 1;
+        parts.state.tree.depth = depth - 1;
         super::subdivide::ascend(parts.home, 1);
     }
 }
@@ -58,7 +58,7 @@ fn count_at<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> BoundsScan {
-    let slots = parts.state.slots as usize;
+    let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(depth);
     let boxes = parts.boxes.swept();
@@ -80,9 +80,9 @@ fn count_at<I: Index>(
         }
     });
     let mut sum = BoundsScan::NONE;
-    parts.state.strays = 0;
+    parts.state.tree.strays = 0;
     for (bounds_scan, left) in &found {
-        parts.state.strays += left;
+        parts.state.tree.strays += left;
         sum.extent.union(&bounds_scan.extent);
         sum.coarse |= bounds_scan.coarse;
         sum.points |= bounds_scan.points;
@@ -168,19 +168,19 @@ pub(crate) fn fill<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) {
-    let leaves = 1usize << parts.state.depth;
-    parts.state.set_extent(&bounds_scan.extent);
+    let leaves = 1usize << parts.state.tree.depth;
+    parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
     number_straddlers(parts, executor);
     enclose(parts, kernels, executor);
-    parts.state.filled = 1;
+    parts.state.tree.filled = 1;
 }
 
 /// Turns the counts of each block into the positions where the block writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
-    let row = histogram_row(parts.state.depth);
+    let row = histogram_row(parts.state.tree.depth);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     let mut record = 0;
     for index in 0..leaves {
@@ -200,20 +200,20 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         record += leaf.room;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.large = 0;
+    parts.state.tree.large = 0;
     for histogram in histograms.chunks_exact_mut(row) {
         if let Some(large) = histogram.get_mut(leaves) {
-            parts.state.large += core::mem::replace(large, parts.state.large);
+            parts.state.tree.large += core::mem::replace(large, parts.state.tree.large);
         }
     }
 }
 
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
-    let slots = parts.state.slots as usize;
+    let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
-    let row = histogram_row(parts.state.depth);
+    let row = histogram_row(parts.state.tree.depth);
     let boxes = parts.boxes.swept();
-    let large_start = parts.state.large_start;
+    let large_start = parts.state.tree.large_start;
     let (homes, cells, frames, buckets) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));

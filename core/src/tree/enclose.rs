@@ -15,7 +15,7 @@ use crate::simd::{Phase, Simd};
 /// Says where the straddlers of each leaf are to stand, by the marks of the records. Returns how many there are. O(records).
 pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &dyn Executor) -> u32 {
     let records = &*parts.tree.records;
-    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.depth);
+    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
     let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
     executor::run(executor, parts.sizes.workers, claims.count(), &|| {
         while let Some((_, leaves)) = claims.claim() {
@@ -26,7 +26,7 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &d
         }
     });
     let mut start = 0;
-    for leaf in parts.tree.leaves.span_mut(0, 1 << parts.state.depth) {
+    for leaf in parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth) {
         leaf.straddler_start = start;
         start += leaf.straddler_len;
     }
@@ -36,7 +36,7 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &d
 /// Lists the straddlers, and finds the box of each node: for a leaf, around its cell and its straddlers; for an inner node,
 /// around its children.
 pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
-    let leaves = 1usize << parts.state.depth;
+    let leaves = 1usize << parts.state.tree.depth;
     let boxes = parts.boxes.swept();
     let (cells, buckets, records) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.records);
     let straddlers = Shared::new(parts.tree.straddlers);

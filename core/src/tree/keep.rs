@@ -22,38 +22,41 @@ const TIES_SHARE: u64 = 16;
 
 /// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and the statistics of boxes
 /// are of late.
-const MOST_KEPT: u8 = 32;
+const MOST_KEPT: u16 = 32;
 
 /// Whether the next boxes are to be brought to their records as they are taken in.
 pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
     let state = &parts.state;
-    let known = state.filled != 0 && state.subdivided == 0 && state.complete != 0 && state.unproven == 0;
-    known && state.settles != 0 && parts.moved.count() <= state.live / LEAVERS_SHARE
+    let known = state.tree.filled != 0
+        && state.tree.subdivided == 0
+        && state.pairs.complete != 0
+        && state.pairs.unproven == 0;
+    known && state.tree.settles != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
 }
 
 /// Moves the records of those that have left their leaf, or were changed one by one. Returns whether all leaves are filled then;
 /// else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
-    let State { live, depth, .. } = *parts.state;
+    let (live, depth) = (parts.state.objects.live, parts.state.tree.depth);
     if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
         return false;
     }
-    parts.state.strays = parts.state.strays.saturating_add(left);
-    let large = parts.state.large;
+    parts.state.tree.strays = parts.state.tree.strays.saturating_add(left);
+    let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context.executor);
     let fits = u64::from(straddlers) + u64::from(large) <= parts.tree.straddlers.len() as u64;
     if !fits || !are_few(u64::from(large), depth, live) {
         return false;
     }
     // Behind the straddlers, of which there may be more or fewer now.
-    let (from, to) = (parts.state.large_start as usize, straddlers as usize);
+    let (from, to) = (parts.state.tree.large_start as usize, straddlers as usize);
     for index in 0..large as usize {
         // From the end that is not written to yet.
         let index = if to > from { large as usize - 1 - index } else { index };
         let object = parts.tree.straddlers.at(from + index);
         parts.tree.straddlers.put(to + index, object);
     }
-    parts.state.large_start = straddlers;
+    parts.state.tree.large_start = straddlers;
     enclose(parts, context.kernels, context.executor);
     true
 }
@@ -61,13 +64,14 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
 /// Notes how a full step went, whether it kept the leaves or filled them anew: does the next one keep them?
 pub(crate) fn weigh(state: &mut State, ties: u64, has_kept: bool) {
     let calm = if has_kept {
-        state.kept = state.kept.saturating_add(1);
-        state.kept < MOST_KEPT && ties <= TIES * state.baseline_ties + u64::from(state.live) / TIES_SHARE
+        state.tree.kept = state.tree.kept.saturating_add(1);
+        state.tree.kept < MOST_KEPT
+            && ties <= TIES * state.tree.baseline_ties + u64::from(state.objects.live) / TIES_SHARE
     } else {
-        state.baseline_ties = ties;
-        let few = state.strays <= state.live / LEAVERS_SHARE;
-        (state.strays, state.kept) = (0, 0);
+        state.tree.baseline_ties = ties;
+        let few = state.tree.strays <= state.objects.live / LEAVERS_SHARE;
+        (state.tree.strays, state.tree.kept) = (0, 0);
         few
     };
-    state.settles = u8::from(calm);
+    state.tree.settles = u16::from(calm);
 }

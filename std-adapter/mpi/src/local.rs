@@ -103,7 +103,7 @@ impl Local {
 
     fn sweep(&mut self, means: Means<'_>) -> Result<(), Error> {
         let mut world = self.world.world();
-        world.step_over(Boxes::new(&self.table.now), means.kernels, means.executor)?;
+        world.set_kernels(means.kernels).on(means.executor).step_over(Boxes::new(&self.table.now))?;
         Ok(())
     }
 
@@ -152,7 +152,7 @@ impl Local {
             let slot = world.insert(object.before)?.slot();
             self.table.put(slot, object, *owned);
         }
-        world.step(means.kernels, means.executor)?;
+        world.set_kernels(means.kernels).on(means.executor).step()?;
         for slot in self.gone[EARLY].keys() {
             if let Some(id) = world.id_at(*slot) {
                 world.remove(id)?;
@@ -213,7 +213,7 @@ mod tests {
     use trisap::{Aabb, Serial};
 
     fn means() -> Means<'static> {
-        Means { kernels: trisap::detect(), executor: &Serial }
+        Means { kernels: trisap::Kernels::detect(), executor: &Serial }
     }
 
     fn cube(x: f32) -> Aabb {

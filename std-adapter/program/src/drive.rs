@@ -91,7 +91,7 @@ fn pass<I: Index>(
         }
         let start = Instant::now();
         let stopwatch = Stopwatch::new(executor);
-        let step = world.step_over(boxes, kernels, &stopwatch);
+        let step = world.set_kernels(kernels).on(&stopwatch).step_over(boxes);
         let (time, stages) = (start.elapsed(), stopwatch.times());
         let step = match step {
             // The surplus of margins should fit, too: steps are cheaper then.

@@ -13,7 +13,7 @@ use machine::Console;
 use scenes::Random;
 use trisap_core::{
     Aabb, Boxes, Capacity, Cast, Config, Error, Id, Index, InlineWorld, Kernels, Margin, Mode, Pair, Region,
-    Serial, World,
+    World,
 };
 
 /// The most objects of a world.
@@ -62,7 +62,6 @@ struct Outcome {
 /// A run through some frames.
 struct Run<'w, 'm, I: Index> {
     world: &'w mut World<'m, I>,
-    kernels: Kernels,
     digest: Digest,
     pairs: u64,
     instructions: u64,
@@ -71,7 +70,8 @@ struct Run<'w, 'm, I: Index> {
 
 impl<'w, 'm, I: Index> Run<'w, 'm, I> {
     fn new(world: &'w mut World<'m, I>, kernels: Kernels) -> Self {
-        Self { world, kernels, digest: Digest(0xcbf2_9ce4_8422_2325), pairs: 0, instructions: 0, steps: 0 }
+        world.set_kernels(kernels);
+        Self { world, digest: Digest(0xcbf2_9ce4_8422_2325), pairs: 0, instructions: 0, steps: 0 }
     }
 
     fn step(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
@@ -79,7 +79,7 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
             self.world.insert_many(boxes, ids)?;
         }
         let before = machine::instructions();
-        let step = self.world.step_over(boxes, self.kernels, &Serial)?;
+        let step = self.world.step_over(boxes)?;
         let after = machine::instructions();
         if self.steps > 0 {
             self.instructions += after - before;
@@ -101,7 +101,7 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
             let start = Aabb::new(from, from.map(|x| x + 0.5));
             for cast in [Cast::ray(from, direction, 1.0), Cast::swept(start, direction)] {
                 let digest = &mut self.digest;
-                self.world.visit_hits(&cast, self.kernels, &mut |hit| {
+                self.world.visit_hits(&cast, &mut |hit| {
                     digest.word(hit.id.to_bits());
                     digest.word(hit.distance.to_bits());
                     1.0
@@ -109,7 +109,7 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
             }
             let region = Region::Aabb(Aabb::new(from, from.map(|x| x + 2.0)));
             let digest = &mut self.digest;
-            self.world.visit_overlaps(&region, self.kernels, &mut |id| {
+            self.world.visit_overlaps(&region, &mut |id| {
                 digest.word(id.to_bits());
                 ControlFlow::Continue(())
             })?;

@@ -11,7 +11,7 @@ use trisap::{Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, OwnedW
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
 pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
     match &options.kernels {
-        None => Ok(trisap::detect()),
+        None => Ok(trisap::Kernels::detect()),
         Some(name) => Kernels::by_name(name).ok_or_else(|| {
             let names: Vec<&str> = Kernels::all().map(Kernels::name).collect();
             format!("no kernels {name} here: {}", names.join(", "))
@@ -96,9 +96,11 @@ impl<I: Index> Peer for Ours<I> {
         let mut world = self.world.world();
         let boxes = Boxes::new(&self.boxes);
         let step = if self.movers.is_empty() {
-            world.step_over(boxes, self.kernels, &*self.executor)
+            world.set_kernels(self.kernels).on(&*self.executor).step_over(boxes)
         } else {
-            world.update_many(&self.movers, boxes).and_then(|()| world.step(self.kernels, &*self.executor))
+            world
+                .update_many(&self.movers, boxes)
+                .and_then(|()| world.set_kernels(self.kernels).on(&*self.executor).step())
         };
         // A step that fails leaves too few pairs, which the check tells.
         _ = std::hint::black_box(step).is_ok();

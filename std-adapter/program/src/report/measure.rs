@@ -12,7 +12,7 @@ use crate::figures::{median, quantile};
 use crate::setup::fits_u16;
 use anyhow::{Context, Result};
 use std::time::{Duration, Instant};
-use trisap::{Boxes, Capacity, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Serial, Stats};
+use trisap::{Boxes, Capacity, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Stats};
 
 /// What is measured: a world, what it is stepped with, and what it is stepped through.
 pub(super) struct Contender<'c> {
@@ -142,7 +142,7 @@ fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<S
     let mut measured = Measured { name: contender.name.clone(), ..Measured::default() };
     let mut last = Vec::new();
     for (frame, boxes) in clip.frames.iter().enumerate() {
-        let step = world.step_over(Boxes::new(boxes), kernels, &Serial)?;
+        let step = world.set_kernels(kernels).step_over(Boxes::new(boxes))?;
         if let Some(expected) = clip.pairs(frame) {
             let reported = step.pairs().sorted();
             measured.verdict.add(compare(expected, &reported, config.mode, step.surplus()));
@@ -186,7 +186,7 @@ impl<I: Index> Runner for Played<'_, I> {
             let frame = if self.at_end { count - 1 - k } else { k };
             let boxes = Boxes::new(&self.clip.frames[frame]);
             let start = Instant::now();
-            if let Err(error) = world.step_over(boxes, self.kernels, &Serial) {
+            if let Err(error) = world.set_kernels(self.kernels).step_over(boxes) {
                 let error = error.into();
                 return roomier(&self.config, &error).ok_or(error).map(Some);
             }

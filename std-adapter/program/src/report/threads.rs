@@ -128,7 +128,7 @@ fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<
     for owned in &mut owned {
         owned.world().insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
     }
-    let kernels = trisap::detect();
+    let kernels = trisap::Kernels::detect();
     let mut verdict = Verdict::default();
     let mut times: [Vec<[StageTime; Stage::ALL.len()]>; 3] = Default::default();
     let begun = Instant::now();
@@ -141,7 +141,7 @@ fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<
         {
             let stopwatch = Stopwatch::new(executor);
             let mut world = owned.world();
-            let found = world.step_over(Boxes::new(boxes), kernels, &stopwatch)?;
+            let found = world.set_kernels(kernels).on(&stopwatch).step_over(Boxes::new(boxes))?;
             if step <= last {
                 // The whole order, since that is what has to be the same.
                 verdict.faults += u64::from(turn > 0 && found.pairs() != pairs);

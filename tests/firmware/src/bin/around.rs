@@ -34,7 +34,7 @@ static mut MEMORY: Memory =
 /// The calls. None is inlined, so that each is a root of the call graph.
 mod api {
     use super::*;
-    use trisap_core::{Kernels, Serial};
+    use trisap_core::Serial;
 
     #[inline(never)]
     pub(super) fn shift_origin(world: &mut World<'_, u16>, by: &[f64; 3]) -> Result<u32, Error> {
@@ -58,7 +58,7 @@ mod api {
         region: &Region,
         out: &mut [Option<Id>],
     ) -> Result<usize, Error> {
-        world.overlaps(region, Kernels::BASELINE, out)
+        world.overlaps(region, out)
     }
     #[inline(never)]
     pub(super) fn overlaps_many(
@@ -68,11 +68,11 @@ mod api {
         counts: &mut [u32; 2],
     ) -> Result<(), Error> {
         // Arrays, since more than four words of arguments would be on the caller's stack.
-        world.overlaps_many(regions, Kernels::BASELINE, &Serial, out, counts)
+        world.overlaps_many(regions, &Serial, out, counts)
     }
     #[inline(never)]
     pub(super) fn first_hit(world: &World<'_, u16>, cast: &Cast) -> Result<Option<Hit>, Error> {
-        world.first_hit(cast, Kernels::BASELINE)
+        world.first_hit(cast)
     }
     #[inline(never)]
     pub(super) fn first_hits(
@@ -80,11 +80,11 @@ mod api {
         casts: &[Cast],
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        world.first_hits(casts, Kernels::BASELINE, &Serial, out)
+        world.first_hits(casts, &Serial, out)
     }
     #[inline(never)]
     pub(super) fn hits(world: &World<'_, u16>, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        world.hits(cast, Kernels::BASELINE, out)
+        world.hits(cast, out)
     }
     #[inline(never)]
     pub(super) fn nearest(
@@ -92,7 +92,7 @@ mod api {
         point: &[f32; 3],
         out: &mut [Option<Hit>],
     ) -> Result<usize, Error> {
-        world.nearest(*point, Kernels::BASELINE, out)
+        world.nearest(*point, out)
     }
     #[inline(never)]
     pub(super) fn save(world: &World<'_, u16>, out: &mut [u8]) -> Result<usize, Error> {
@@ -127,11 +127,11 @@ mod api {
     #[inline(never)]
     pub(super) fn step_with_rule(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<usize, Error> {
         let rule = |a: u32, b: u32| a + b != 1;
-        world.step_with_rule(Some(*boxes), &rule, Kernels::BASELINE, &Serial).map(|step| step.pairs().len())
+        world.with_rule(&rule).step_over(*boxes).map(|step| step.pairs().len())
     }
     #[inline(never)]
     pub(super) fn step_filtered(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<usize, Error> {
-        world.step_over(*boxes, Kernels::BASELINE, &Serial).map(|step| step.pairs().len())
+        world.step_over(*boxes).map(|step| step.pairs().len())
     }
 }
 

@@ -20,7 +20,6 @@ static mut MEMORY: InlineWorld<BYTES> = InlineWorld::EMPTY;
 /// The calls. None is inlined, so that each is a root of the call graph.
 mod api {
     use super::*;
-    use trisap_core::{Kernels, Serial};
 
     #[inline(never)]
     pub(super) fn init(memory: &mut InlineWorld<BYTES>) -> Result<(), Error> {
@@ -80,11 +79,11 @@ mod api {
     }
     #[inline(never)]
     pub(super) fn step(world: &mut World<'_, u16>) -> Result<u64, Error> {
-        world.step(Kernels::BASELINE, &Serial).map(|step| step.surplus())
+        world.step().map(|step| step.surplus())
     }
     #[inline(never)]
     pub(super) fn step_over(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<bool, Error> {
-        world.step_over(*boxes, Kernels::BASELINE, &Serial).map(|step| step.rejected().is_none())
+        world.step_over(*boxes).map(|step| step.rejected().is_none())
     }
     #[inline(never)]
     pub(super) fn results(world: &World<'_, u16>) -> usize {

@@ -5,7 +5,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, Kernels, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, World, layout};
 use trisap_firmware::brute::{self, Keys};
 use trisap_firmware::scenes::{SCENES, Scene};
 use trisap_firmware::{board, entry, print, recording};
@@ -82,7 +82,7 @@ impl Instructions {
 
 /// What steps come to: how many pairs, whether they fit or not, or why not.
 fn step(world: &mut World<'_, u16>, boxes: Boxes<'_>) -> Result<usize, Error> {
-    match world.step_over(boxes, Kernels::BASELINE, &Serial) {
+    match world.step_over(boxes) {
         Ok(step) => Ok(step.pairs().len()),
         Err(Error::PairsFull { needed }) => Ok(needed as usize),
         Err(error) => Err(error),

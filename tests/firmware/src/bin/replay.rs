@@ -4,7 +4,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Capacity, Config, Error, Id, InlineWorld, Kernels, Serial, layout};
+use trisap_core::{Capacity, Config, Error, Id, InlineWorld, layout};
 use trisap_firmware::digest::Digest;
 use trisap_firmware::{board, entry, print, recording};
 
@@ -24,7 +24,7 @@ fn replay(memory: &mut InlineWorld<BYTES>) -> Result<Digest, Error> {
         if index == 0 {
             world.insert_many(boxes, &mut ids)?;
         }
-        let step = world.step_over(boxes, Kernels::BASELINE, &Serial)?;
+        let step = world.step_over(boxes)?;
         digest.pairs(step.pairs());
         digest.pairs(step.found());
         digest.pairs(step.lost());

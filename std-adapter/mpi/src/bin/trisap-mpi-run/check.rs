@@ -3,7 +3,7 @@
 use crate::source::Frame;
 use std::collections::HashMap;
 use std::error::Error;
-use trisap::{Capacity, Config, Id, OwnedWorld, Serial};
+use trisap::{Capacity, Config, Id, OwnedWorld};
 use trisap_mpi::{KeyPair, SplitWorld};
 
 /// The pairs of all objects in one world.
@@ -50,7 +50,7 @@ impl Reference {
             self.keys[id.slot() as usize] = *key;
             self.ids.insert(*key, id);
         }
-        let step = world.step(trisap::detect(), &Serial)?;
+        let step = world.step()?;
         Ok(Answer {
             pairs: sorted(step.pairs(), &self.keys),
             found: sorted(step.found(), &self.keys),
