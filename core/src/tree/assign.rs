@@ -1,12 +1,12 @@
 //! Fills the leaves: a counting sort of all objects by leaf, in the order of their slots.
 //!
 //! The first pass finds each object's leaf (the one it was in, or a walk down the tree) and counts; the second
-//! writes records and the large-object list to where the counts say. Both read the boxes in memory order
+//! writes records, straddlers and the large-object list to where the counts say. Both read the boxes in memory order
 //! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
 //! worker that takes them in order.
 
 use super::cells::{cut, frame};
-use super::enclose::{enclose, number_straddlers};
+use super::enclose::enclose;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Straddler, are_few, leaf_of};
 use crate::access::Access;
@@ -23,7 +23,8 @@ use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
-/// objects stay within the capacity and the limits on copies. Leaves the counts in the histogram.
+/// objects stay within the capacity and the limits on copies. Then each leaf has its count, and the histogram has where each block
+/// of slots writes.
 pub(crate) fn count<I: Index>(
     parts: &mut Parts<'_, I>,
     kernels: Kernels,
@@ -36,13 +37,13 @@ pub(crate) fn count<I: Index>(
         let bounds_scan = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
         let (mut straddlers, mut large) = (0u64, 0u64);
-        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row) {
-            large += u64::from(histogram.at(leaves));
-            straddlers += u64::from(histogram.at(leaves + 1));
+        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
+            let (counts, rest) = histogram.as_chunks::<2>();
+            straddlers += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
+            large += u64::from(rest.at(0));
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
-            parts.state.tree.large_start = straddlers as u32;
             offsets(parts, leaves);
             return bounds_scan;
         }
@@ -105,18 +106,16 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
         let Self { boxes, homes, planes, cells, depth, histogram } = self;
+        let (counts, large) = histogram.as_chunks_mut::<2>();
         // Of one length, so that one check of an index serves both.
         let leaves = 1 << depth;
-        let (Some(cells), Some((counts, [large, straddlers]))) =
-            (cells.get(..leaves), histogram.split_at_mut_checked(leaves))
-        else {
+        let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
             return (BoundsScan::NONE, 0);
         };
-        let (mut reaching, mut far, mut left) = (0, 0, 0);
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
-        let mut bounds_scan = BoundsScan::NONE;
+        let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
         for (bounds, home) in boxes.iter().zip(homes) {
             if bounds.is_empty() {
                 *home = I::NONE;
@@ -132,12 +131,12 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 high = simd.upper(high, simd.lower(keys, most));
             };
             let leaf = home.at();
-            if let (Some(cell), Some(members)) = (cells.get(leaf), counts.get_mut(leaf)) {
+            if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
                 let classify = cell.classify(simd, keys);
                 if classify.is_home() && !classify.is_large() {
                     include();
                     *members += 1;
-                    reaching += u32::from(classify.leaves());
+                    *straddlers += u32::from(classify.leaves());
                     continue;
                 }
             }
@@ -147,15 +146,14 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             let classify = cells.at(leaf).classify(simd, keys);
             if classify.is_large() {
                 *home = I::LARGE;
-                far += 1;
-            } else if let Some(members) = counts.get_mut(leaf) {
+                large.put(0, large.at(0) + 1);
+            } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
                 include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
-                reaching += u32::from(classify.leaves());
+                *straddlers += u32::from(classify.leaves());
             }
         }
-        (*large, *straddlers) = (far, reaching);
         bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
         (bounds_scan, left)
     }
@@ -168,13 +166,13 @@ pub(crate) fn fill<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) {
-    let leaves = 1usize << parts.state.tree.depth;
+    let depth = parts.state.tree.depth;
+    let leaves = 1usize << depth;
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
-    number_straddlers(parts, executor);
-    enclose(parts, kernels, executor);
+    enclose(parts, depth, executor);
     parts.state.tree.filled = 1;
 }
 
@@ -182,14 +180,17 @@ pub(crate) fn fill<I: Index>(
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     let row = histogram_row(parts.state.tree.depth);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
-    let mut record = 0;
+    let (mut record, mut straddler) = (0u32, 0u32);
     for index in 0..leaves {
         let mut leaf = parts.tree.leaves.at(index);
         (leaf.start, leaf.len) = (record, 0);
-        for histogram in histograms.chunks_exact_mut(row) {
-            if let Some(members) = histogram.get_mut(index) {
+        (leaf.straddler_start, leaf.straddler_len) = (straddler, 0);
+        for histogram in histograms.chunks_exact_mut(row.max(1)) {
+            let (counts, _) = histogram.as_chunks_mut::<2>();
+            if let Some([members, straddlers]) = counts.get_mut(index) {
                 // Positions in the leaf, as they become the objects' places.
                 leaf.len += core::mem::replace(members, leaf.len);
+                leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
         }
         if leaf.baseline == 0 {
@@ -198,14 +199,17 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         // Some room, so that objects can come without a new fill, also when the leaf is divided.
         leaf.room = leaf.len + leaf.len / 8 + ROOM;
         record += leaf.room;
+        straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.tree.large = 0;
-    for histogram in histograms.chunks_exact_mut(row) {
-        if let Some(large) = histogram.get_mut(leaves) {
-            parts.state.tree.large += core::mem::replace(large, parts.state.tree.large);
-        }
+    parts.state.tree.large_start = straddler;
+    for histogram in histograms.chunks_exact_mut(row.max(1)) {
+        let (_, large) = histogram.as_chunks_mut::<2>();
+        let count = large.at(0);
+        large.put(0, straddler);
+        straddler += count;
     }
+    parts.state.tree.large = straddler - parts.state.tree.large_start;
 }
 
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
@@ -267,32 +271,35 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
         let Self { large_start, histogram, .. } = self;
+        let (next, large) = histogram.as_chunks_mut::<2>();
         // Of one length, for the same reason as the counts.
-        let (Some((next, [large, ..])), Some(cells), Some(frames)) = (
-            histogram.split_at_mut_checked(leaves.len()),
-            cells.get(..leaves.len()),
-            frames.get(..leaves.len()),
-        ) else {
+        let (Some(next), Some(cells), Some(frames)) =
+            (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
+        else {
             return;
         };
         for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
             let slot = (first + index) as u32;
             let leaf = home.at();
-            if let (Some(member), Some(cell), Some(frame), Some(leaf)) =
+            if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
                 (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
             {
                 let at = *member;
                 *member = at + 1;
                 *place = I::from_slot(at);
                 let keys = simd.keys(bounds);
-                let marks = cell.classify(simd, keys).marks();
-                records.store((leaf.start + at) as usize, &simd.record(frame, keys, slot | marks));
+                let classify = cell.classify(simd, keys);
+                let record = simd.record(frame, keys, slot | classify.marks());
+                records.store((leaf.start + at) as usize, &record);
+                if classify.leaves() {
+                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                    *straddler += 1;
+                }
             } else if *home == I::LARGE {
-                let at = *large;
-                *large = at + 1;
-                *place = I::from_slot(at);
-                straddlers
-                    .store((large_start + at) as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                let at = large.at(0);
+                large.put(0, at + 1);
+                *place = I::from_slot(at - large_start);
+                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
             }
         }
     }

@@ -1,6 +1,6 @@
-//! What follows from the records of all leaves: the straddlers of each leaf, and the box of each node.
+//! The boxes of the nodes, and the straddlers of leaves whose records have marks.
 
-use super::{Cell, Leaf, Record, Straddler};
+use super::{Leaf, Record, Straddler};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -33,57 +33,34 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &d
     start
 }
 
-/// Lists the straddlers, and finds the box of each node: for a leaf, around its cell and its straddlers; for an inner node,
-/// around its children.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
-    let leaves = 1usize << parts.state.tree.depth;
+/// Lists the straddlers where [`number_straddlers`] has said.
+pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
     let boxes = parts.boxes.swept();
-    let (cells, buckets, records) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.records);
+    let records = &*parts.tree.records;
     let straddlers = Shared::new(parts.tree.straddlers);
-    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
-    let outer = outer.span_mut(0, leaves);
-    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
+    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
+    let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
     executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, nodes)) = claims.claim() {
-            let first = block * LEAVES_PER_BLOCK;
-            let (cells, leaves) = (cells.span(first, nodes.len()), buckets.span(first, nodes.len()));
-            kernels.run(EncloseBlock { boxes, cells, leaves, records, straddlers, nodes });
+        while let Some((_, leaves)) = claims.claim() {
+            kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
         }
     });
-    for node in (1..leaves).rev() {
-        let mut around = KeyBox::NOTHING;
-        for child in [2 * node, 2 * node + 1] {
-            around.include(match child.checked_sub(leaves) {
-                Some(leaf) => KeyBox::of(outer, leaf),
-                None => KeyBox::of(inner, child),
-            });
-        }
-        inner.put(node, around);
-    }
 }
 
-struct EncloseBlock<'b, 's> {
+struct ListStraddlers<'b, 's> {
     boxes: &'b [KeyBox],
-    cells: &'b [Cell],
     leaves: &'b [Leaf],
     records: &'b [Record],
     straddlers: Shared<'s, Straddler>,
-    nodes: &'b mut [KeyBox],
 }
 
-impl Phase for EncloseBlock<'_, '_> {
+impl Phase for ListStraddlers<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { boxes, cells, leaves, records, straddlers, nodes } = self;
-        for ((cell, leaf), node) in cells.iter().zip(leaves).zip(nodes) {
-            *node = KeyBox::NOTHING;
-            if leaf.len == 0 {
-                continue;
-            }
-            let inside = simd.keys(&cell.inside());
-            let (mut low, mut high) = (inside, inside);
+        let Self { boxes, leaves, records, straddlers } = self;
+        for leaf in leaves {
             let mut at = leaf.straddler_start as usize;
             for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
                 // Noted for all of them first: which ones are marked is hard to predict, and their boxes are anywhere in memory.
@@ -99,15 +76,48 @@ impl Phase for EncloseBlock<'_, '_> {
                 while marked != 0 {
                     let slot = records.at(marked.trailing_zeros() as usize).slot();
                     marked &= marked - 1;
-                    let bounds = KeyBox::of(boxes, slot as usize);
-                    let keys = simd.keys(bounds);
-                    (low, high) = (simd.lower(low, keys), simd.upper(high, keys));
-                    straddlers.store(at, &Straddler { bounds: *bounds, slot, unused: 0 });
+                    let bounds = *KeyBox::of(boxes, slot as usize);
+                    straddlers.store(at, &Straddler { bounds, slot, unused: 0 });
                     at += 1;
                 }
             }
-            *node = KeyBox { min: simd.bounds(low).min, max: simd.bounds(high).max };
         }
+    }
+}
+
+/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
+    let leaves = 1usize << depth;
+    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
+    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
+    let outer = outer.span_mut(0, leaves);
+    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
+    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
+        while let Some((block, nodes)) = claims.claim() {
+            for (offset, node) in nodes.iter_mut().enumerate() {
+                let index = block * LEAVES_PER_BLOCK + offset;
+                let leaf = buckets.at(index);
+                *node = KeyBox::NOTHING;
+                if leaf.len > 0 {
+                    *node = cells.at(index).inside();
+                    for straddler in
+                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
+                    {
+                        node.include(&straddler.bounds);
+                    }
+                }
+            }
+        }
+    });
+    for node in (1..leaves).rev() {
+        let mut around = KeyBox::NOTHING;
+        for child in [2 * node, 2 * node + 1] {
+            around.include(match child.checked_sub(leaves) {
+                Some(leaf) => KeyBox::of(outer, leaf),
+                None => KeyBox::of(inner, child),
+            });
+        }
+        inner.put(node, around);
     }
 }
 

@@ -5,7 +5,7 @@
 //! objects have come to its rim more candidates tie, and then leaves are filled anew.
 
 use super::are_few;
-use super::enclose::{enclose, number_straddlers};
+use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::Relocate;
 use crate::access::Access;
 use crate::id::Index;
@@ -14,7 +14,7 @@ use crate::memory::state::State;
 use crate::parallel::context::StepContext;
 
 /// One in so many objects may leave its leaf in a step for the others to keep their places.
-const LEAVERS_SHARE: u32 = 16;
+const LEAVERS_SHARE: u32 = 8;
 
 /// How many times as many candidates may tie as when all leaves were filled last, and one in so many objects besides.
 const TIES: u64 = 2;
@@ -57,7 +57,8 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
         parts.tree.straddlers.put(to + index, object);
     }
     parts.state.tree.large_start = straddlers;
-    enclose(parts, context.kernels, context.executor);
+    list_straddlers(parts, context.kernels, context.executor);
+    enclose(parts, depth, context.executor);
     true
 }
 
