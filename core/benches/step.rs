@@ -65,7 +65,6 @@ fn moving(first: Frame, share: f32, length: f32) -> Vec<Frame> {
 struct Fixture {
     slab: MmapMut,
     config: Config,
-    ids: Vec<Option<Id>>,
 }
 
 impl Fixture {
@@ -75,20 +74,20 @@ impl Fixture {
         #[cfg(target_os = "linux")]
         slab.advise(memmap2::Advice::HugePage).ok();
         slab.fill(0);
-        Self { slab, config, ids: vec![None; config.capacity.objects as usize] }
+        Self { slab, config }
     }
 
     /// A world that has made one step over the boxes.
     fn world(&mut self, boxes: &[Aabb], kernels: Kernels) -> World<'_> {
         let mut world = World::new_in(&mut self.slab, &self.config).expect("a world");
-        world.insert_many(Boxes::new(boxes), &mut self.ids).expect("room");
+        world.insert_many(Boxes::new(boxes)).expect("room");
         world.set_kernels(kernels).step().expect("room for the pairs");
         world
     }
 }
 
 fn config(objects: usize, pairs: usize) -> Config {
-    Config::new(Capacity { objects: objects as u32, leaf_refs: objects as u32, pairs: pairs as u32 })
+    Config::new(Capacity::for_objects(objects as u32).with_leaf_refs(objects as u32).with_pairs(pairs as u32))
 }
 
 /// Times steps over frames that run to and fro. Returns the pairs of the last one.
@@ -223,15 +222,13 @@ fn churn(criterion: &mut Criterion) {
         let tenth = count / 10;
         let mut fixture = Fixture::new(config(count, 20 * count));
         let mut world = World::<u32>::new_in(&mut fixture.slab, &fixture.config).expect("a world");
-        world.insert_many(Boxes::new(&boxes), &mut fixture.ids).expect("room");
-        let mut ids: Vec<Id> = fixture.ids.iter().flatten().copied().collect();
+        let mut ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
         let mut first = 0;
         group.bench_function(BenchmarkId::new("remove and insert 10 %", count), |bencher| {
             bencher.iter(|| {
                 world.remove_many(&ids[first..first + tenth]).expect("living objects");
-                let mut new = vec![None; tenth];
-                world.insert_many(Boxes::new(&boxes[first..first + tenth]), &mut new).expect("room");
-                for (id, new) in ids[first..].iter_mut().zip(new.into_iter().flatten()) {
+                let new = world.insert_many(Boxes::new(&boxes[first..first + tenth])).expect("room");
+                for (id, new) in ids[first..].iter_mut().zip(new) {
                     *id = new;
                 }
                 first = (first + tenth) % (10 * tenth);

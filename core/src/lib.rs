@@ -83,7 +83,7 @@ pub use parallel::offer::Offer;
 pub use query::{Cast, Hit, Region};
 pub use simd::kernels::Kernels;
 pub use validate::Invalid;
-pub use world::InlineWorld;
+pub use world::{InlineWorld, Inserted};
 pub use world::{LeafView, PlaneView};
 pub use world::{Step, Stepper, World};
 

@@ -97,9 +97,8 @@ struct Native<'m> {
 impl<'m> Native<'m> {
     fn new(config: &Config, memory: &'m mut [u8], first: &Frame) -> Self {
         let mut world = World::new_in(memory, config).expect("enough memory");
-        let mut ids = vec![None; first.len()];
-        world.insert_many(Boxes::padded(first), &mut ids).expect("enough room");
-        Self { world, ids: ids.into_iter().flatten().collect() }
+        let ids = world.insert_many(Boxes::padded(first)).expect("enough room").collect();
+        Self { world, ids }
     }
 
     #[inline(never)]

@@ -39,7 +39,7 @@ fn play_with_rollback(frames: usize) -> Result<(Vec<Seen>, usize), Error> {
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
     let mut bodies = crowd();
-    world.insert_many(Boxes::new(&bodies), &mut [None; PLAYERS])?;
+    world.insert_many(Boxes::new(&bodies))?;
 
     let mut history: Vec<(Vec<u8>, Vec<Aabb>)> = vec![Default::default(); KEPT];
     let (mut seen, mut wrong) = (vec![Seen::default(); frames], 0);
@@ -71,7 +71,7 @@ fn play_in_time(frames: usize) -> Result<Vec<Seen>, Error> {
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
     let mut bodies = crowd();
-    world.insert_many(Boxes::new(&bodies), &mut [None; PLAYERS])?;
+    world.insert_many(Boxes::new(&bodies))?;
     (0..frames).map(|frame| play(&mut world, &mut bodies, frame, PLAYERS)).collect()
 }
 

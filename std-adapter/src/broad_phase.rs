@@ -171,7 +171,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             Err(Error::ObjectsFull { .. }) => {
                 let Capacity { objects, pairs, .. } = self.config.capacity;
                 let more = Capacity::for_objects(objects.saturating_mul(2).max(FIRST));
-                self.grow(Capacity { pairs: more.pairs.max(pairs), ..more })?;
+                self.grow(more.with_pairs(more.pairs.max(pairs)))?;
                 self.owned.world().insert(aabb)
             }
             said => said,
@@ -225,7 +225,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             let Error::PairsFull { needed } = error else { return Err(error) };
             // A quarter more, so that a growing scene does not move in each step.
             let pairs = u32::try_from(needed + needed / 4).map_err(|_| Error::CapacityTooLarge)?;
-            self.grow(Capacity { pairs, ..self.config.capacity })?;
+            self.grow(self.config.capacity.with_pairs(pairs))?;
         }
         self.names.removed_before = core::mem::take(&mut self.names.removed);
         Ok(KeyedStep { world: self.owned.world(), names: &self.names })
@@ -247,7 +247,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     }
 
     fn grow(&mut self, capacity: Capacity) -> Result<(), Error> {
-        let config = Config { capacity, lean: self.config.lean && capacity.objects <= 256, ..self.config };
+        let mut config = self.config.with_capacity(capacity);
+        config.lean &= capacity.objects <= 256;
         self.owned.move_to(&config)?;
         self.config = config;
         Ok(())
@@ -304,16 +305,12 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
         match self.owned.world().load(&snapshot.bytes) {
             Err(Error::NoRoom { .. }) => {
-                let Capacity { objects, leaf_refs, pairs } = self.config.capacity;
-                let config = Config {
-                    capacity: Capacity {
-                        objects: objects.max(snapshot.capacity.objects),
-                        leaf_refs: leaf_refs.max(snapshot.capacity.leaf_refs),
-                        pairs: pairs.max(snapshot.capacity.pairs),
-                    },
-                    lean: false,
-                    ..self.config
-                };
+                let Capacity { objects, leaf_refs, pairs, .. } = self.config.capacity;
+                let capacity = Capacity::for_objects(objects.max(snapshot.capacity.objects))
+                    .with_leaf_refs(leaf_refs.max(snapshot.capacity.leaf_refs))
+                    .with_pairs(pairs.max(snapshot.capacity.pairs));
+                let mut config = self.config.with_capacity(capacity);
+                config.lean = false;
                 let mut owned = OwnedWorld::new(&config)?;
                 owned.world().load(&snapshot.bytes)?;
                 (self.owned, self.config) = (owned, config);

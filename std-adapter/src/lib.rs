@@ -16,7 +16,7 @@
 //! ];
 //! let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(3)))?;
 //! let mut world = owned.world();
-//! world.insert_many(Boxes::new(&boxes), &mut [None; 3])?;
+//! world.insert_many(Boxes::new(&boxes))?;
 //! assert_eq!(world.step()?.pairs(), [[0, 1]]);
 //!
 //! boxes[2] = Aabb::new([1.5, 0.0, 0.0], [2.5, 1.0, 1.0]);

@@ -21,7 +21,7 @@ fn main() {
     let config = Config::new(ample(objects, 20 * objects)).with_events();
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
-    world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
+    world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     // The first step builds: it is not what later ones cost.
     world.set_kernels(kernels).step().expect("room for the pairs");
     let steps = std::env::args().nth(3).map_or(10, |steps| steps.parse().expect("a number of steps"));

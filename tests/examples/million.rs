@@ -26,7 +26,6 @@ fn main() -> ExitCode {
     println!("{count} objects, {} MB, {} kernels", slab.bytes().len() / 1_000_000, kernels.name());
 
     let mut world: World<'_> = slab.world(&config);
-    let mut ids = vec![None; count];
     let mut scene = Brownian::new(count, 1);
     let mut failures = 0;
     for frame in 0..=frames {
@@ -36,7 +35,7 @@ fn main() -> ExitCode {
         let start = Instant::now();
         let allocations = measure(|| {
             if frame == 0 {
-                world.insert_many(Boxes::new(scene.boxes()), &mut ids).expect("room for all");
+                world.insert_many(Boxes::new(scene.boxes())).expect("room for all");
             }
             world.set_kernels(kernels).step_over(Boxes::new(scene.boxes())).expect("room for all");
         });

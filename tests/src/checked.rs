@@ -134,9 +134,10 @@ impl<'m, I: Index> Checked<'m, I> {
 
     /// Inserts several objects in one call.
     pub fn insert_many(&mut self, boxes: &[Aabb]) -> Vec<Id> {
-        let mut ids = vec![None; boxes.len()];
-        self.world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
-        let ids: Vec<Id> = ids.into_iter().map(|id| id.expect("an id for each box")).collect();
+        let ids = self.world.insert_many(Boxes::new(boxes)).expect("room and good boxes");
+        assert_eq!(ids.len(), boxes.len());
+        let ids: Vec<Id> = ids.collect();
+        assert_eq!(ids.len(), boxes.len(), "an id for each box");
         for (id, aabb) in ids.iter().zip(boxes) {
             self.model.insert(*id, *aabb);
         }

@@ -47,8 +47,7 @@ fn the_counter_counts() {
 
 /// A life of a world with everything in it, from the first object to the last.
 fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
-    let config =
-        Config { capacity: ample(count + 10, 30 * count), ..config }.with_events().with_workers(workers);
+    let config = config.with_capacity(ample(count + 10, 30 * count)).with_events().with_workers(workers);
     let mut slab = Slab::new::<u32>(&config);
     let mut rng = Rng::new(1);
     let mut scene = Brownian::new(count, 1);
@@ -59,15 +58,13 @@ fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
     let mut few = frames[3].clone();
     scenes::walk(&mut few, 5, 1.0, &mut rng);
     frames.extend([few.clone(), few, scenes::uniform(count, 2), scenes::clustered(count, 3)]);
-    let mut ids: Vec<Option<Id>> = vec![None; count];
     let mut known: Vec<Id> = Vec::with_capacity(count);
     let counted = Counted { workers, allocations: AtomicU64::new(0), joins: AtomicU64::new(0) };
     let mut pairs = 0;
 
     let here = measure(|| {
         let mut world = World::<u32>::new_in(slab.bytes_mut(), &config).expect("room");
-        world.insert_many(Boxes::new(&frames[0]), &mut ids).expect("room");
-        known.extend(ids.iter().flatten());
+        known.extend(world.insert_many(Boxes::new(&frames[0])).expect("room"));
         world.set_kernels(kernels).on(&counted).step().expect("room");
         for frame in &frames {
             let step = world.set_kernels(kernels).on(&counted).step_over(Boxes::new(frame)).expect("room");
@@ -119,11 +116,10 @@ fn a_full_buffer_allocates_nothing() {
     for workers in [1, 2] {
         let config = Config::new(ample(3000, 10)).with_events().with_workers(workers);
         let mut slab = Slab::new::<u32>(&config);
-        let mut ids = vec![None; 3000];
         let counted = Counted { workers, allocations: AtomicU64::new(0), joins: AtomicU64::new(0) };
         let here = measure(|| {
             let mut world = World::<u32>::new_in(slab.bytes_mut(), &config).expect("room");
-            world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+            world.insert_many(Boxes::new(&boxes)).expect("room");
             for _ in 0..3 {
                 assert!(world.on(&counted).step().is_err());
             }

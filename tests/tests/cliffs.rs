@@ -30,7 +30,7 @@ fn fresh(boxes: &[Aabb]) -> Stats {
     let config = Config::new(ample(boxes.len(), 40 * boxes.len())).with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
-    world.insert_many(Boxes::new(boxes), &mut vec![None; boxes.len()]).expect("room and good boxes");
+    world.insert_many(Boxes::new(boxes)).expect("room and good boxes");
     for _ in 0..2 {
         world.step().expect("room for the pairs");
     }
@@ -279,9 +279,7 @@ fn few_movers_for_long_leave_no_trace() {
     let config = Config::new(ample(2000, 20_000));
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
-    let mut ids = vec![None; boxes.len()];
-    world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
-    let ids: Vec<Id> = ids.into_iter().flatten().collect();
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
     let mut rng = Rng::new(19);
     let mut after = Vec::new();
     for round in 0..2 {

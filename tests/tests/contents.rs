@@ -9,7 +9,7 @@ use trisap_tests::worlds::{Setup, Slab, ample};
 #[test]
 fn a_cleared_world_loses_all_pairs_and_knows_no_id() {
     for config in configs() {
-        let config = Config { capacity: ample(60, 900), ..config }.with_events();
+        let config = config.with_capacity(ample(60, 900)).with_events();
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         let ids = checked.insert_many(&scenes::uniform(60, 3));

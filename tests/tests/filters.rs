@@ -31,7 +31,7 @@ fn any_filter(rng: &mut Rng) -> Filter {
 /// A world in which filters, classes, minds and boxes change, objects come and go, many at once and one by one.
 fn live<I: Index>(config: Config, count: usize, ruled: bool, setup: Setup) {
     let capacity = ample(count + 10, 30 * count);
-    let config = setup.configure(Config { capacity, ..config });
+    let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
     let mut world = Checked::<I>::new(slab.world(&config));
     let rng = &mut Rng::new(count as u64 + u64::from(ruled));

@@ -349,7 +349,7 @@ fn forged_numbers_are_refused_or_as_right_as_any() {
     let times = effort() as usize;
     for setup in setups() {
         for (at, config) in configs().into_iter().enumerate() {
-            let sized = |objects: usize, pairs: usize| Config { capacity: ample(objects, pairs), ..config };
+            let sized = |objects: usize, pairs: usize| config.with_capacity(ample(objects, pairs));
             forge_at_random::<u16>(sized(24, 100), 20, at, 400 * times, setup);
             forge_at_random::<u16>(sized(200, 3000).with_lean(), 180, at, 200 * times, setup);
             forge_at_random::<u32>(sized(300, 4000), 290, at, 100 * times, setup);

@@ -21,7 +21,7 @@ fn a_large_brownian_world_is_exact() {
     config.capacity.leaf_refs = COUNT as u32 / 2;
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
-    world.insert_many(Boxes::new(&frames[0]), &mut vec![None; COUNT]).expect("room for all");
+    world.insert_many(Boxes::new(&frames[0])).expect("room for all");
     let mut before = 0;
     for frame in &frames {
         let step = world.on(&Jobs::Threads(2)).step_over(Boxes::new(frame)).expect("room for all");

@@ -34,7 +34,7 @@ fn ask_twin<I: Index>(world: &mut World<'_, I>, model: &Model, questions: &Quest
     let config = Config::new(ample(boxes.len(), 0));
     let mut slab = Slab::new::<u32>(&config);
     let mut twin = slab.world::<u32>(&config);
-    twin.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    twin.insert_many(Boxes::new(&boxes)).expect("room for all");
     for slot in (0..boxes.len() as u32).filter(|slot| model.id_at(*slot).is_none()) {
         twin.remove(twin.id_at(slot).expect("just inserted")).expect("alive");
     }
@@ -61,7 +61,7 @@ fn ask<I: Index>(checked: &mut Checked<'_, I>, rng: &mut Rng, setup: Setup) {
 /// The life of a world, with questions in each of its states.
 fn live<I: Index>(config: Config, count: usize, setup: Setup) {
     let capacity = ample(count + count / 4 + 8, 12 * count + 400);
-    let config = setup.configure(Config { capacity, ..config });
+    let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
     let mut world = Checked::<I>::new(slab.world(&config));
     let rng = &mut Rng::new(count as u64);
@@ -293,7 +293,7 @@ fn rays_come_from_far_away() {
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     let (boxes, side) = (scenes::uniform(900, 4), scenes::side(900));
-    world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    world.insert_many(Boxes::new(&boxes)).expect("room for all");
     let rng = &mut Rng::new(9);
     for _ in 0..10 {
         world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room for the pairs");
@@ -449,8 +449,8 @@ fn leaves_are_divided_step_by_step() {
     let count = 5000;
     for setup in Setup::each(&Jobs::USUAL).into_iter().step_by(3) {
         for margin in [None, Some(Margin::length(0.1))] {
-            let config = Config { margin, ..Config::new(ample(count, 12 * count)).with_events() };
-            let config = setup.configure(config);
+            let mut config = setup.configure(Config::new(ample(count, 12 * count)).with_events());
+            config.margin = margin;
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let ids = world.insert_many(&scene(count, 4));

@@ -16,9 +16,7 @@ fn saved<I: Index>(world: &World<'_, I>) -> Vec<u8> {
 }
 
 fn fill(world: &mut World<'_, u32>, boxes: &[Aabb]) -> Vec<Id> {
-    let mut ids = vec![None; boxes.len()];
-    world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
-    ids.into_iter().flatten().collect()
+    world.insert_many(Boxes::new(boxes)).expect("room and good boxes").collect()
 }
 
 /// A tree has planes and no leaves between a shift of the origin and the next step.

@@ -174,12 +174,11 @@ mod tests {
             let cube = |x: f32, y: f32| Aabb::new([x, y, 0.0], [x + 1.0, y + 1.0, 1.0]);
             let boxes: Vec<Aabb> =
                 (0..1000u16).map(|k| cube(f32::from(k) + f32::from(k % 2) * -0.1, 0.0)).collect();
-            let mut ids = vec![None; boxes.len()];
-            world.insert_many(Boxes::new(&boxes), &mut ids).unwrap();
+            let ids: Vec<_> = world.insert_many(Boxes::new(&boxes)).unwrap().collect();
             world.set_kernels(Kernels::BASELINE).step().unwrap();
             for (creeper, round) in [(5, 0.0), (5, 0.1), (500, 0.0), (500, 0.1), (5, 0.05)] {
                 let moved = boxes[creeper].min[0];
-                world.set_aabb(ids[creeper].unwrap(), cube(moved, 0.01 + round)).unwrap();
+                world.set_aabb(ids[creeper], cube(moved, 0.01 + round)).unwrap();
                 world.set_kernels(Kernels::BASELINE).step().unwrap();
                 let Parts { state, active, output, .. } = &world.parts;
                 for (at, pair) in output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {

@@ -29,8 +29,8 @@ impl<I: Index> World<'_, I> {
     /// ```
     /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
     ///
-    /// const FEW: Config = Config::new(Capacity { objects: 2, leaf_refs: 0, pairs: 1 }).with_events();
-    /// const MORE: Config = Config::new(Capacity { objects: 4, leaf_refs: 0, pairs: 6 }).with_events();
+    /// const FEW: Config = Config::new(Capacity::for_objects(2).with_pairs(1)).with_events();
+    /// const MORE: Config = Config::new(Capacity::for_objects(4).with_pairs(6)).with_events();
     /// let mut memory = InlineWorld::<{ layout::<u16>(&FEW).unwrap().bytes }>::EMPTY;
     /// let mut larger = InlineWorld::<{ layout::<u16>(&MORE).unwrap().bytes }>::EMPTY;
     ///

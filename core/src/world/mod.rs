@@ -12,6 +12,7 @@ mod stepper;
 mod view;
 
 pub use inline::InlineWorld;
+pub use objects::Inserted;
 pub use result::Step;
 pub use stepper::Stepper;
 pub use view::{LeafView, PlaneView};

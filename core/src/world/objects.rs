@@ -11,7 +11,7 @@ use crate::lists::links;
 use crate::objects::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
-impl<I: Index> World<'_, I> {
+impl<'m, I: Index> World<'m, I> {
     /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
     ///
     /// # Errors
@@ -59,26 +59,18 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Adds objects, all or none. Their ids go to `ids`. O(n).
+    /// Adds objects, all or none; gives their ids in the order of the boxes: `let ids: Vec<Id> = world.insert_many(boxes)?.collect()`.
+    /// Those whose ids nobody takes are added, too. O(n).
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] where `ids` is shorter than `boxes`, [`Error::BadBox`] or [`Error::ObjectsFull`].
-    pub fn insert_many(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
-        if ids.len() < boxes.len() {
-            return Err(Error::LengthMismatch { needed: boxes.len() });
-        }
+    /// [`Error::BadBox`] or [`Error::ObjectsFull`].
+    pub fn insert_many<'w, 'b>(&'w mut self, boxes: Boxes<'b>) -> Result<Inserted<'w, 'm, 'b, I>, Error> {
         let needed = u64::from(self.len()) + boxes.len() as u64;
         if needed > self.parts.sizes.objects as u64 {
             return Err(Error::ObjectsFull { needed });
         }
         check_all(&boxes)?;
-        for (index, id) in ids.iter_mut().enumerate().take(boxes.len()) {
-            *id = match boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
-                Some(bounds) => Some(self.enter(bounds)?),
-                None => None,
-            };
-        }
-        Ok(())
+        Ok(Inserted { world: self, boxes, next: 0 })
     }
 
     /// Gives objects other boxes, all or none. O(n).
@@ -186,6 +178,37 @@ impl<I: Index> World<'_, I> {
         self.parts.objects().leave(slot, next);
         self.parts.state.objects.free = slot as u32 + 1;
         self.parts.state.objects.live -= 1;
+    }
+}
+
+/// The ids of new objects: see [`World::insert_many`]. What is left is added when it goes.
+pub struct Inserted<'w, 'm, 'b, I: Index = u32> {
+    world: &'w mut World<'m, I>,
+    boxes: Boxes<'b>,
+    next: usize,
+}
+
+impl<I: Index> Iterator for Inserted<'_, '_, '_, I> {
+    type Item = Id;
+
+    fn next(&mut self) -> Option<Id> {
+        let bounds = self.boxes.get(self.next).as_ref().and_then(KeyBox::from_aabb)?;
+        self.next += 1;
+        // There is room.
+        self.world.enter(bounds).ok()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.boxes.len() - self.next;
+        (left, Some(left))
+    }
+}
+
+impl<I: Index> ExactSizeIterator for Inserted<'_, '_, '_, I> {}
+
+impl<I: Index> Drop for Inserted<'_, '_, '_, I> {
+    fn drop(&mut self) {
+        self.for_each(drop);
     }
 }
 

@@ -121,7 +121,7 @@ impl Local {
         if capacity.objects < needed {
             let objects = needed.saturating_add(needed / 4).saturating_add(16);
             let usual = Capacity::for_objects(objects);
-            capacity = Capacity { pairs: capacity.pairs.max(usual.pairs), ..usual };
+            capacity = usual.with_pairs(capacity.pairs.max(usual.pairs));
         }
         loop {
             self.config.capacity = capacity;
@@ -138,7 +138,7 @@ impl Local {
     /// Fills a new world with the objects of the last step, and takes it to this step.
     fn fill(&mut self, gone: &[Object], living: &[(Object, bool)], means: Means<'_>) -> Result<(), Error> {
         // Two large worlds at a time might not fit.
-        self.world = OwnedWorld::new(&Config { capacity: Capacity::for_objects(0), ..self.config })?;
+        self.world = OwnedWorld::new(&self.config.with_capacity(Capacity::for_objects(0)))?;
         self.world = OwnedWorld::new(&self.config)?;
         self.gone = Default::default();
         self.table = Table::default();
@@ -231,7 +231,8 @@ mod tests {
     }
 
     fn local(objects: u32, pairs: u32) -> Local {
-        Local::new(Config::new(Capacity { objects, leaf_refs: 0, pairs })).expect("small")
+        Local::new(Config::new(Capacity::for_objects(objects).with_leaf_refs(0).with_pairs(pairs)))
+            .expect("small")
     }
 
     #[test]

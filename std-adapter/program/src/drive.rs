@@ -86,8 +86,7 @@ fn pass<I: Index>(
     let mut number = 0;
     while let Some(boxes) = source.next_frame()? {
         if number == 0 {
-            let mut ids = vec![None; boxes.len()];
-            world.insert_many(boxes, &mut ids).context("frame 0")?;
+            world.insert_many(boxes).context("frame 0")?;
         }
         let start = Instant::now();
         let stopwatch = Stopwatch::new(executor);

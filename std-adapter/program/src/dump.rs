@@ -36,7 +36,7 @@ impl Dump {
         for number in 0..=self.frame {
             let boxes = source.next_frame()?.context("the scene has become shorter")?;
             if number == 0 {
-                world.insert_many(boxes, &mut vec![None; boxes.len()])?;
+                world.insert_many(boxes)?;
             }
             engine.with_executor(|executor| {
                 world.set_kernels(engine.kernels).on(executor).step_over(boxes).map(drop)

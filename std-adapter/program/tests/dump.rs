@@ -34,7 +34,7 @@ fn a_frame_is_drawn() -> Result {
         let mut world = owned.world();
         let boxes =
             |frame: usize| Ok::<_, Box<dyn Error>>(Boxes::padded(recording.frame(frame).ok_or("no frame")?));
-        world.insert_many(boxes(0)?, &mut [None; 1000])?;
+        world.insert_many(boxes(0)?)?;
         for number in 0..=frame {
             world.step_over(boxes(number)?)?;
         }

@@ -174,7 +174,7 @@ fn transcript(executor: &dyn Executor) -> String {
     let config = Config::new(Capacity::for_objects(COUNT as u32)).with_events().with_workers(4);
     let mut owned = OwnedWorld::<u32>::new(&config).expect("memory");
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&frame(COUNT, 0)), &mut vec![None; COUNT]).expect("room");
+    world.insert_many(Boxes::new(&frame(COUNT, 0))).expect("room");
     let mut transcript = String::new();
     for time in 0..6 {
         let boxes = frame(COUNT, time);

@@ -12,7 +12,7 @@ use core::ops::ControlFlow;
 use machine::Console;
 use scenes::Random;
 use trisap_core::{
-    Aabb, Boxes, Capacity, Cast, Config, Error, Id, Index, InlineWorld, Kernels, Margin, Mode, Pair, Region,
+    Aabb, Boxes, Capacity, Cast, Config, Error, Index, InlineWorld, Kernels, Margin, Mode, Pair, Region,
     World,
 };
 
@@ -24,14 +24,10 @@ const STEPS: usize = 7;
 struct Memory {
     slab: InlineWorld<{ 32 << 20 }>,
     boxes: [Aabb; OBJECTS],
-    ids: [Option<Id>; OBJECTS],
 }
 
-static mut MEMORY: Memory = Memory {
-    slab: InlineWorld::EMPTY,
-    boxes: [Aabb::new([0.0; 3], [0.0; 3]); OBJECTS],
-    ids: [None; OBJECTS],
-};
+static mut MEMORY: Memory =
+    Memory { slab: InlineWorld::EMPTY, boxes: [Aabb::new([0.0; 3], [0.0; 3]); OBJECTS] };
 
 /// 64-bit FNV-1a, a word at a time.
 struct Digest(u64);
@@ -74,9 +70,9 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
         Self { world, digest: Digest(0xcbf2_9ce4_8422_2325), pairs: 0, instructions: 0, steps: 0 }
     }
 
-    fn step(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
+    fn step(&mut self, boxes: Boxes<'_>) -> Result<(), Error> {
         if self.steps == 0 {
-            self.world.insert_many(boxes, ids)?;
+            self.world.insert_many(boxes)?;
         }
         let before = machine::instructions();
         let step = self.world.step_over(boxes)?;
@@ -123,7 +119,8 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
 }
 
 fn config(objects: usize, pairs: usize) -> Config {
-    Config::new(Capacity { objects: objects as u32, leaf_refs: 8 * objects as u32, pairs: pairs as u32 })
+    let objects = objects as u32;
+    Config::new(Capacity::for_objects(objects).with_leaf_refs(8 * objects).with_pairs(pairs as u32))
 }
 
 /// Steps through a recording.
@@ -136,7 +133,7 @@ fn replay<I: Index>(
     let mut world = memory.slab.init::<I>(config)?;
     let mut run = Run::new(&mut world, kernels);
     for boxes in frames {
-        run.step(boxes, &mut memory.ids)?;
+        run.step(boxes)?;
     }
     run.ask(30.0)?;
     Ok(run.outcome())
@@ -155,7 +152,7 @@ fn play<I: Index>(
     let mut world = memory.slab.init::<I>(config)?;
     let mut run = Run::new(&mut world, kernels);
     for step in 0..STEPS {
-        run.step(Boxes::new(boxes), &mut memory.ids)?;
+        run.step(Boxes::new(boxes))?;
         scenes::advance(boxes, step, &mut random);
     }
     run.ask(30.0)?;

@@ -55,7 +55,7 @@ impl<I: Index> Ours<I> {
     fn new(setting: &Setting, pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
         let boxes = setting.boxes;
         let capacity = Capacity::for_objects(boxes.len() as u32);
-        let capacity = Capacity { pairs: capacity.pairs.max(pairs as u32), ..capacity };
+        let capacity = capacity.with_pairs(capacity.pairs.max(pairs as u32));
         let mut config = Config::new(capacity).with_workers(options.threads);
         if events {
             config = config.with_events();
@@ -63,10 +63,9 @@ impl<I: Index> Ours<I> {
         let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
         let build = || {
             let mut world = OwnedWorld::with_index(&config)?;
-            let mut ids = vec![None; boxes.len()];
-            world.world().insert_many(Boxes::new(&boxes), &mut ids)?;
+            let ids: Vec<_> = world.world().insert_many(Boxes::new(&boxes))?.collect();
             let movers = if setting.is_crowd() { setting.movers } else { &[] };
-            Ok::<_, trisap::Error>((world, movers.iter().filter_map(|&slot| ids[slot as usize]).collect()))
+            Ok::<_, trisap::Error>((world, movers.iter().map(|&slot| ids[slot as usize]).collect()))
         };
         let (world, movers) = build().map_err(|error| format!("trisap: {error}"))?;
         let executor: Box<dyn Executor> = match options.threads {

@@ -152,7 +152,7 @@ impl Ours {
             .map_err(|error| error.to_string())?;
         let mut fill = || {
             let mut world: World<'_> = world.world();
-            world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
+            world.insert_many(Boxes::new(&boxes))?;
             (0..STEPS).try_for_each(|_| world.set_kernels(kernels).step().map(drop))
         };
         fill().map_err(|error| error.to_string())?;

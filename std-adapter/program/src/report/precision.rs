@@ -191,11 +191,11 @@ struct Found {
 fn find(boxes: &[Wide], distance: f64, way: Way) -> Result<Found> {
     let count = boxes.len() as u32;
     // Far out everything overlaps.
-    let all = Capacity { pairs: count * (count - 1) / 2, ..Capacity::for_objects(count) };
+    let all = Capacity::for_objects(count).with_pairs(count * (count - 1) / 2);
     let mut owned = OwnedWorld::<u32>::new(&Config::new(all))?;
     let mut world = owned.world();
     let mut rounded: Vec<Aabb> = boxes.iter().map(|wide| way.round(wide, 0.0)).collect();
-    world.insert_many(Boxes::new(&rounded), &mut vec![None; boxes.len()])?;
+    world.insert_many(Boxes::new(&rounded))?;
     let mut origin = 0.0;
     if way == Way::Shifted {
         world.step()?;

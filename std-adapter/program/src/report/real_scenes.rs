@@ -117,7 +117,6 @@ fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
     let (mut old, mut fresh) = (old_memory.world(), fresh_memory.world());
     for frame in 0..FRAMES {
         let boxes = Boxes::new(scene.boxes());
-        let mut ids = vec![None; boxes.len()];
         // Neither world always comes first.
         for turn in 0..2 {
             let (life, world, first) = if turn == frame % 2 {
@@ -126,7 +125,7 @@ fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
                 (&mut run.fresh, &mut fresh, FRAMES - LAST)
             };
             if frame == first {
-                world.insert_many(boxes, &mut ids)?;
+                world.insert_many(boxes)?;
                 world.step()?;
             } else if frame > first {
                 life.step(world, frame, boxes)?;

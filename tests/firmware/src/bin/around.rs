@@ -13,7 +13,7 @@ use trisap_firmware::{board, entry, print, recording};
 
 const OBJECTS: usize = 32;
 const CONFIG: Config = {
-    let capacity = Capacity { objects: OBJECTS as u32, leaf_refs: 16, pairs: 4 * OBJECTS as u32 };
+    let capacity = Capacity::for_objects(OBJECTS as u32).with_pairs(4 * OBJECTS as u32).with_leaf_refs(16);
     let config = Config::new(capacity).with_events();
     // There are no filters without the feature.
     if cfg!(feature = "large") { config.with_filters() } else { config }
@@ -154,8 +154,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     let mut counts = [0; 2];
 
     let mut world = world.init::<u16>(&CONFIG).ok()?;
-    world.insert_many(first, ids).ok()?;
-    let id = ids[0]?;
+    let id = world.insert_many(first).ok()?.next()?;
     seen("step_filtered", || api::step_filtered(&mut world, &first).ok())?;
     seen("set_resting", || api::set_resting(&mut world, &[id]).ok())?;
     seen("is_resting", || api::is_resting(&world, id).then_some(()))?;

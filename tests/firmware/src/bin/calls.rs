@@ -10,7 +10,7 @@ use trisap_firmware::{board, entry, print, recording};
 
 const OBJECTS: usize = 64;
 const CONFIG: Config =
-    Config::new(Capacity { objects: OBJECTS as u32, leaf_refs: 32, pairs: 4 * OBJECTS as u32 })
+    Config::new(Capacity::for_objects(OBJECTS as u32).with_pairs(4 * OBJECTS as u32).with_leaf_refs(32))
         .with_events()
         .with_margin(Margin::length(0.01));
 const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
@@ -47,7 +47,10 @@ mod api {
         boxes: &Boxes<'_>,
         ids: &mut [Option<Id>],
     ) -> Result<(), Error> {
-        world.insert_many(*boxes, ids)
+        for (id, new) in ids.iter_mut().zip(world.insert_many(*boxes)?) {
+            *id = Some(new);
+        }
+        Ok(())
     }
     #[inline(never)]
     pub(super) fn set_aabb(world: &mut World<'_, u16>, id: Id, aabb: &Aabb) -> Result<(), Error> {

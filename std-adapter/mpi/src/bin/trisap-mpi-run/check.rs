@@ -27,7 +27,7 @@ impl Reference {
     pub(crate) fn new(objects: u32) -> Result<Self, Box<dyn Error>> {
         let all = u64::from(objects) * u64::from(objects.max(1) - 1) / 2;
         let pairs = all.min((u64::from(objects) * 32).max(5_000_000)) as u32;
-        let config = Config::new(Capacity { pairs, ..Capacity::for_objects(objects) }).with_events();
+        let config = Config::new(Capacity::for_objects(objects).with_pairs(pairs)).with_events();
         Ok(Self {
             world: OwnedWorld::new(&config)?,
             ids: HashMap::new(),

@@ -47,7 +47,7 @@ fn main() -> ExitCode {
 fn settings(args: &Args, rank: usize, objects: u32) -> Settings {
     let capacity = args.room.map_or_else(
         || Capacity::for_objects(objects),
-        |room| Capacity { objects: room, leaf_refs: room, pairs: room },
+        |room| Capacity::for_objects(room).with_leaf_refs(room).with_pairs(room),
     );
     let usual = Settings::default();
     let other = args.fault.as_ref().is_some_and(|fault| fault.kind == "version" && fault.rank == rank);

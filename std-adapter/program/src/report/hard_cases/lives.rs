@@ -60,15 +60,14 @@ fn counts(kernels: Kernels) -> Result<()> {
 }
 
 fn full_buffer(kernels: Kernels) -> Result<()> {
-    let config = Config::new(Capacity { pairs: 10, ..Capacity::for_objects(6) }).with_events();
+    let config = Config::new(Capacity::for_objects(6).with_pairs(10)).with_events();
     let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
-    let mut ids = [None; 6];
-    world.insert_many(Boxes::new(&[CUBE; 6]), &mut ids)?;
+    let ids: Vec<_> = world.insert_many(Boxes::new(&[CUBE; 6]))?.collect();
     let error = world.set_kernels(kernels).step().err();
     ensure!(error == Some(Error::PairsFull { needed: 15 }), "{error:?}");
     ensure!(world.pairs().len() == 10 && world.found().is_empty() && world.lost().is_empty(), "the prefix");
-    for id in ids.iter().flatten().take(2) {
+    for id in ids.iter().take(2) {
         world.remove(*id)?;
     }
     let step = world.set_kernels(kernels).step()?;
@@ -98,10 +97,10 @@ fn far_out(kernels: Kernels) -> Result<()> {
     };
     let count = 200;
     let frame = |origin| -> Vec<Aabb> { (0..count).map(|i| cube(i, origin)).collect() };
-    let config = Config::new(Capacity { pairs: 40_000, ..Capacity::for_objects(count) }).with_events();
+    let config = Config::new(Capacity::for_objects(count).with_pairs(40_000)).with_events();
     let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&frame(0.0)), &mut vec![None; count as usize])?;
+    world.insert_many(Boxes::new(&frame(0.0)))?;
     let step = world.set_kernels(kernels).step()?;
     let coarse = step.stats().coarse_resolution;
     let touching = |pairs: &[[u16; 2]]| (1..count as u16).all(|b| pairs.contains(&[b - 1, b]));
