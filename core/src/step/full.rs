@@ -51,7 +51,7 @@ pub(super) fn full<I: Index>(
     if rebuild {
         balance::set_baseline(parts);
     }
-    let coarse = counted.map(|bounds_scan| {
+    let coarse = counted.map(|(bounds_scan, _)| {
         assign::fill(parts, &bounds_scan, kernels, executor);
         bounds_scan.is_coarse(parts.state.objects.live)
     });
@@ -68,7 +68,7 @@ pub(super) fn full<I: Index>(
         kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, scratch, sink });
     });
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    keep::weigh(parts.state, work.tied, counted.is_none());
+    keep::plan(parts.state, counted.map(|(_, left)| left));
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
 }

@@ -20,6 +20,7 @@ const MOVERS_PER_BLOCK: usize = 64;
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
     context.executor.enter(Stage::Fill);
+    parts.state.step.kept = 0;
     let moved = parts.moved.list(parts.order[1]);
     if !context.kernels.run(Relocate(parts, moved)) {
         return None;

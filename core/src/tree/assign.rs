@@ -29,12 +29,12 @@ pub(crate) fn count<I: Index>(
     parts: &mut Parts<'_, I>,
     kernels: Kernels,
     executor: &dyn Executor,
-) -> BoundsScan {
+) -> (BoundsScan, u32) {
     loop {
         let depth = parts.state.tree.depth;
         let extent = parts.state.tree.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
-        let bounds_scan = count_at(parts, depth, kernels, executor);
+        let counted = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
         let (mut straddlers, mut large) = (0u64, 0u64);
         for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
@@ -45,7 +45,7 @@ pub(crate) fn count<I: Index>(
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
             offsets(parts, leaves);
-            return bounds_scan;
+            return counted;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.tree.depth = depth - 1;
@@ -58,7 +58,7 @@ fn count_at<I: Index>(
     depth: u32,
     kernels: Kernels,
     executor: &dyn Executor,
-) -> BoundsScan {
+) -> (BoundsScan, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(depth);
@@ -81,14 +81,14 @@ fn count_at<I: Index>(
         }
     });
     let mut sum = BoundsScan::NONE;
-    parts.state.tree.strays = 0;
-    for (bounds_scan, left) in &found {
-        parts.state.tree.strays += left;
+    let mut left = 0;
+    for (bounds_scan, leavers) in &found {
+        left += leavers;
         sum.extent.union(&bounds_scan.extent);
         sum.coarse |= bounds_scan.coarse;
         sum.points |= bounds_scan.points;
     }
-    sum
+    (sum, left)
 }
 
 struct CountBlock<'b, I> {

@@ -51,8 +51,6 @@ pub(crate) struct TreeState {
     pub(crate) baseline: u64,
     /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
     pub(crate) baseline_work: u64,
-    /// Candidates that tied when all leaves were filled last.
-    pub(crate) baseline_ties: u64,
     /// Living objects when the planes were made, or zero where there are none.
     pub(crate) built: u32,
     /// The depth that full steps use the planes to; less than planned where copies would take too much room.
@@ -71,12 +69,6 @@ pub(crate) struct TreeState {
     /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
-    /// Objects that have changed their leaf since all leaves were filled: their records are not in the order of their slots.
-    pub(crate) strays: u32,
-    /// Full steps since then, which have kept the leaves.
-    pub(crate) kept: u16,
-    /// Whether the next intake is to bring boxes to the records, as most objects stay in their leaves.
-    pub(crate) settles: u16,
     /// Whether records, places and reaches are those of the last step.
     pub(crate) filled: u8,
     /// Whether the planes could not part the objects well when they were made.
@@ -175,7 +167,10 @@ pub(crate) struct StepState {
     pub(super) leaves: u32,
     pub(super) rebalanced: u32,
     /// Steps in a row in which few objects have moved.
-    pub(crate) calm: u32,
+    pub(crate) calm: u16,
+    /// Zero where the next intake has no leaves to bring boxes to; else one more than the full steps that have kept the leaves since
+    /// all of them were filled.
+    pub(crate) kept: u16,
     /// The path, eight bits above it the reason, and above that whether the step was shared, and whether its resolution was
     /// coarse.
     pub(super) chosen: u32,
