@@ -1,6 +1,6 @@
-//! Bounds of minimum corners.
+//! Bounds of minimum corners, and what else a pass over boxes finds.
 
-use super::key::key;
+use super::key::{KeyBox, key};
 
 /// The bounds of the finite minimum corners in a world, large objects left out where these are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,5 +40,35 @@ impl Extent {
             self.low[k] = self.low[k].min(other.low[k]);
             self.high[k] = self.high[k].max(other.high[k]);
         }
+    }
+}
+
+/// What a pass over boxes found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundsScan {
+    pub(crate) extent: Extent,
+    /// Whether a box is coarse, and whether one is a point away from the origin.
+    pub(crate) coarse: bool,
+    pub(crate) points: bool,
+}
+
+impl BoundsScan {
+    pub(crate) const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
+
+    /// Looks at a box that may be coarse, as few are.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn examine(&mut self, bounds: &KeyBox) {
+        self.coarse |= bounds.is_coarse();
+        self.points |= bounds.is_distant_point();
+    }
+
+    /// Whether `f32` is too coarse for some of the boxes, as many as there are. Points may be meant to be points, or have
+    /// lost all their sides far from the origin: then neighbours are not told apart either. So points count where on no axis
+    /// the world has four steps for each box of a row, if the boxes filled a cube.
+    pub(crate) fn is_coarse(&self, live: u32) -> bool {
+        let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
+        let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
+        self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
     }
 }

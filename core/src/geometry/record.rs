@@ -68,15 +68,19 @@ pub(crate) struct Record {
     /// The minimum, then the complemented maximum: with both falling as boxes shrink, one kind of compare
     /// decides all six lanes.
     pub(crate) lanes: [u16; 6],
-    /// The slot, and above it marks: two records that share a mark are not reported here.
+    /// The slot, and above it marks.
     pub(crate) tag: u32,
 }
 
 impl Record {
     /// The bits of a tag that hold the slot.
     pub(crate) const SLOT: u32 = (1 << 27) - 1;
-    /// The lowest of three marks: the minimum lies below the cell's low side on this axis (erratum E9).
+    /// A mark of a member: the box reaches beyond the cell.
+    pub(crate) const STRADDLES: u32 = 1 << 28;
+    /// The lowest of three marks of a ghost: the minimum lies below the cell's low side on this axis (erratum E9).
     pub(crate) const BELOW: u32 = 1 << 29;
+    /// These three: two records that share one are not reported here.
+    pub(crate) const MARKS: u32 = 7 * Self::BELOW;
 
     /// Bounds that everything touches.
     pub(crate) const EVERYTHING: Self = Self { lanes: [0; 6], tag: 0 };

@@ -96,6 +96,12 @@ impl Classification {
         self.inside & MAXIMA != MAXIMA
     }
 
+    /// The mark of its record, if it is at home here.
+    #[inline(always)]
+    pub(crate) const fn marks(self) -> u32 {
+        if self.leaves() { Record::STRADDLES } else { 0 }
+    }
+
     /// Whether the box, if it is at home here, is a large object.
     #[inline(always)]
     pub(crate) const fn is_large(self) -> bool {

@@ -5,9 +5,11 @@ use crate::geometry::aabb::Boxes;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
+use crate::objects::settle::{Nothing, Records, Settle};
 use crate::objects::{FatBoxes, Motions, Objects};
-use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::block_queue::{Chunks, Ends};
 use crate::parallel::executor::{self, Executor};
+use crate::parallel::shared::Shared;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 
@@ -19,51 +21,76 @@ pub(crate) struct Intake {
     pub(crate) rejected: u32,
     /// The lowest slot among them.
     pub(crate) first_rejected: u32,
+    /// Objects that have left their leaf, where boxes were brought to the records.
+    pub(crate) left: u32,
 }
 
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do those
-/// whose new box is refused.
+/// whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the slots of the objects that have
+/// left their leaves to the front of the second of the sorted lists.
 pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
+    settle: bool,
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> Intake {
     let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
-        let slots = (parts.state.objects.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
         let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
         let objects = Objects { now, fat, moved, changed, before, mode };
-        return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
+        return kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing });
     }
-    let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    // Those that have changed before.
+    let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
     let len = block_len(slots);
     let margins = &*parts.boxes.margins;
+    let (homes, places) = (&*parts.home, &*parts.place);
+    let leaves = if settle { 1usize << parts.state.tree.depth } else { 0 };
+    let (cells, frames) = (parts.tree.cells.span(0, leaves), parts.tree.frames.span(0, leaves));
+    let buckets = parts.tree.leaves.span(0, leaves);
+    let records = Shared::new(parts.tree.records);
     let mut found = [Intake::default(); SLOT_BLOCKS];
-    let claims = BlockQueue::new((
+    // Records of neighbouring blocks stand side by side in the leaves.
+    let claims = Ends::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         (Chunks::optional(parts.boxes.fat, len), Chunks::optional(parts.boxes.before, len)),
-        parts.moved.blocks(len),
-        parts.changed.blocks(len),
+        (parts.moved.blocks(len), parts.changed.blocks(len)),
+        Chunks::new(parts.order[1].span_mut(0, slots), len),
         Chunks::new(&mut found, 1),
     ));
     executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, (now, (fat, before), moved, changed, found))) = claims.claim() {
+        let end = claims.end();
+        while let Some((block, (now, (fat, before), (moved, changed), left, found))) = claims.claim(end) {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
             let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
             let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
-            found.fill(kernels.run(IngestBlock { first, bounds, objects, resting }));
+            found.fill(if settle {
+                let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
+                let leaves = buckets;
+                let settle = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
+                kernels.run(IngestBlock { first, bounds, objects, resting, settle })
+            } else {
+                kernels.run(IngestBlock { first, bounds, objects, resting, settle: Nothing })
+            });
         }
     });
     let mut sum = Intake::default();
-    for intake in &found {
+    let [pending_list, left, _] = &mut parts.order;
+    let mut end = 0;
+    for (block, intake) in found.iter().enumerate() {
+        for index in 0..intake.left as usize {
+            left.put(end, left.at(block * len + index));
+            end += 1;
+        }
         sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
         sum.motions.outran += intake.motions.outran;
         if sum.rejected == 0 {
@@ -71,36 +98,52 @@ pub(crate) fn ingest<I: Index>(
         }
         sum.rejected += intake.rejected;
     }
+    if settle {
+        parts.state.lists.stale = 1;
+        for slot in pending_list.span(0, pending) {
+            // Where so many have left that there is no room, nobody looks.
+            if let Some(to) = left.get_mut(end) {
+                *to = *slot;
+            }
+            end += 1;
+        }
+        sum.left = end as u32;
+    }
     sum
 }
 
-struct IngestBlock<'b, 'o> {
+struct IngestBlock<'b, 'o, T> {
     first: usize,
     bounds: &'b Boxes<'b>,
     objects: Objects<'o>,
     /// The objects whose boxes are not asked for; empty where there are none.
     resting: &'b [u32],
+    settle: T,
 }
 
-impl Phase for IngestBlock<'_, '_> {
+impl<T: Settle> Phase for IngestBlock<'_, '_, T> {
     type Output = Intake;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Intake {
-        let Self { first, bounds, mut objects, resting } = self;
+        let Self { first, bounds, mut objects, resting, mut settle } = self;
         let mut intake = Intake::default();
         for word in 0..objects.now.len().div_ceil(32) {
             let resting = resting.get(word).copied().unwrap_or_default();
             if resting != u32::MAX {
-                take_in(simd, first, bounds, &mut objects, word, resting, &mut intake);
+                let moved = take_in(simd, first, bounds, &mut objects, word, resting, &mut intake);
+                let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
+                settle.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
             }
         }
         intake.motions = objects.fat.motions;
+        intake.left = settle.noted();
         intake
     }
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`.
+/// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`. Returns the bits of
+/// those whose swept boxes are others now.
 #[inline(always)]
 fn take_in<S: Simd>(
     simd: S,
@@ -110,7 +153,7 @@ fn take_in<S: Simd>(
     word: usize,
     resting: u32,
     intake: &mut Intake,
-) {
+) -> u32 {
     let Objects { now, fat, changed: kept, before, mode, .. } = objects;
     let end = now.len().min(word * 32 + 32);
     let now = now.get_mut(word * 32..end).unwrap_or_default();
@@ -150,5 +193,5 @@ fn take_in<S: Simd>(
             }
         }
     }
-    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), contained);
+    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), contained)
 }

@@ -1,6 +1,7 @@
 //! What happens to one object when it comes, gets another box, or goes (paper, section III.B; errata E1 to E6).
 
 pub(crate) mod intake;
+pub(crate) mod settle;
 
 use crate::access::{Access, bits};
 use crate::config::{Margin, Mode};
@@ -141,13 +142,15 @@ impl Objects<'_> {
         }
     }
 
-    /// Notes that some objects of a word of the bit sets have other boxes now, and that fat boxes have held some of them.
+    /// Notes that some objects of a word of the bit sets have other boxes now, and that fat boxes have held some of them. Returns
+    /// the others.
     #[inline(always)]
-    pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
+    pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) -> u32 {
         let moved = changed & !contained;
         let reported = if self.mode == Mode::Exact { changed } else { moved };
         self.moved.add(word, moved);
         self.changed.add(word, reported);
+        moved
     }
 
     /// Anchors the fat box at the current box anew, as after a move.

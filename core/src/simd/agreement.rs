@@ -241,7 +241,7 @@ impl Random {
             (lanes[k], lanes[3 + k]) = ((low << shift) as u16, !(high << shift) as u16);
         }
         let marks = if self.below(2) == 0 { 0 } else { Record::BELOW * self.below(8) as u32 };
-        Record { lanes, tag: self.bits() as u32 & Record::SLOT | marks }
+        Record { lanes, tag: self.bits() as u32 & (Record::SLOT | Record::STRADDLES) | marks }
     }
 }
 

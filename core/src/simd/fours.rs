@@ -149,7 +149,7 @@ fn limit(_: Avx2, records: __m256i) -> __m256i {
 fn excess(_: Avx2, records: __m256i, limit: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
     unsafe {
-        let marks = _mm256_set1_epi32(!Record::SLOT as i32);
+        let marks = _mm256_set1_epi32(Record::MARKS as i32);
         let shared = _mm256_and_si256(_mm256_and_si256(records, limit), marks);
         _mm256_blend_epi32::<0b1000_1000>(_mm256_subs_epu16(records, limit), shared)
     }

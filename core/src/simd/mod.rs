@@ -86,7 +86,7 @@ impl Tested {
         let b = sorted.at((candidate & 0xffff) as usize);
         let contact = simd.contact(&a, &b);
         // Records that share a mark belong to another leaf's report (erratum E9).
-        let ours = contact.touches & (a.tag & b.tag & !Record::SLOT == 0);
+        let ours = contact.touches & (a.tag & b.tag & Record::MARKS == 0);
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
         pairs.put(self.found, pair::<I>(a.slot(), b.slot()));
         self.found += usize::from(ours & !contact.tied);
@@ -185,7 +185,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
                 return None;
             }
             pairs.put(found, pair::<I>(a.slot(), b.slot()));
-            found += usize::from(contact.touches & (a.tag & b.tag & !Record::SLOT == 0));
+            found += usize::from(contact.touches & (a.tag & b.tag & Record::MARKS == 0));
         }
         Some(found)
     }

@@ -140,13 +140,14 @@ impl<I: Index> Phase for Records<'_, '_, '_, I> {
         let Self { parts, stored } = self;
         let swept = parts.boxes.swept();
         let mut members = stored.members.iter();
-        for (index, leaf) in parts.tree.leaves.iter().enumerate() {
+        for (index, (leaf, cell)) in parts.tree.leaves.iter().zip(&*parts.tree.cells).enumerate() {
             let Leaf { start, len, .. } = *leaf;
             let frame = parts.tree.frames.get(index >> parts.state.tree.sub_levels());
             let records = parts.tree.records.span_mut(start as usize, len as usize);
             let (Some(frame), false) = (frame, records.is_empty()) else { continue };
             for (place, (record, slot)) in records.iter_mut().zip(members.by_ref()).enumerate() {
-                *record = simd.record(frame, simd.keys(KeyBox::of(swept, slot.at())), slot.slot());
+                let keys = simd.keys(KeyBox::of(swept, slot.at()));
+                *record = simd.record(frame, keys, slot.slot() | cell.classify(simd, keys).marks());
                 parts.home.put(slot.at(), I::from_slot(index as u32));
                 parts.place.put(slot.at(), I::from_slot(place as u32));
             }

@@ -12,12 +12,13 @@ use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
 use crate::sweep::leaves::{SweepLeaves, TreeView};
 use crate::tree::subdivide::merge;
-use crate::tree::{assign, balance};
+use crate::tree::{assign, balance, keep};
 
 /// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     mut route: Route,
+    settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     let StepContext { kernels, executor, .. } = context;
@@ -33,21 +34,28 @@ pub(super) fn full<I: Index>(
     } else {
         balance::rebalance(parts, context)
     };
+    let depth = parts.state.tree.depth;
     balance::deepen(parts);
     executor.enter(Stage::Fill);
-    let mut bounds_scan = assign::count(parts, kernels, executor);
+    let settled =
+        settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
+    let kept = settled.is_some_and(|settled| keep::settle(parts, settled, context));
+    let mut counted = if kept { None } else { Some(assign::count(parts, kernels, executor)) };
     if !rebuild && balance::is_out_of_balance(parts) {
         rebuild = true;
         route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
         executor.enter(Stage::Build);
         balance::build_planes(parts, context);
         executor.enter(Stage::Fill);
-        bounds_scan = assign::count(parts, kernels, executor);
+        counted = Some(assign::count(parts, kernels, executor));
     }
     if rebuild {
         balance::set_baseline(parts);
     }
-    assign::fill(parts, &bounds_scan, kernels, executor);
+    let coarse = counted.map(|(bounds_scan, _)| {
+        assign::fill(parts, &bounds_scan, kernels, executor);
+        bounds_scan.is_coarse(parts.state.objects.live)
+    });
     balance::review(parts);
     executor.enter(Stage::Sweep);
     let leaf_count = 1usize << parts.state.tree.depth;
@@ -70,7 +78,7 @@ pub(super) fn full<I: Index>(
     });
     let found = tells.then_some(collector.found);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+    keep::plan(parts.state, counted.map(|(_, left)| left));
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
-    let coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
 }

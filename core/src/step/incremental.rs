@@ -20,7 +20,11 @@ const MOVERS_PER_BLOCK: usize = 64;
 /// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
     context.executor.enter(Stage::Fill);
-    let moved = context.kernels.run(Relocate(parts))?;
+    parts.state.step.kept = 0;
+    let moved = parts.moved.list(parts.order[1]);
+    if !context.kernels.run(Relocate(parts, moved)) {
+        return None;
+    }
     context.kernels.run(Refit { parts, movers: moved });
     let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts);

@@ -1,7 +1,7 @@
 //! Steps of worlds without a tree: a sorted list is swept.
 
 use crate::access::Access;
-use crate::geometry::extent::Extent;
+use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::lists::links;
@@ -17,7 +17,6 @@ use crate::sweep::Collector;
 use crate::sweep::list::SweepList;
 use crate::sweep::small;
 use crate::sweep::stripes::Striped;
-use crate::tree::assign::BoundsScan;
 use crate::tree::cells::{Sample, longest_axis};
 use crate::tree::{Frame, assign};
 

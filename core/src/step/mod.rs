@@ -18,6 +18,7 @@ use crate::parallel::context::StepContext;
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
+    settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     parts.state.pairs.without_surplus = 0;
@@ -27,9 +28,9 @@ pub(crate) fn find<I: Index>(
         Path::Lists => (route, lists::lists(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
-            None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
+            None => full::full(parts, policy::anew(parts, Reason::NoRoom), None, context),
         },
-        Path::Full | Path::Rebuilt => full::full(parts, route, context),
+        Path::Full | Path::Rebuilt => full::full(parts, route, settled, context),
     }
 }
 
@@ -43,7 +44,7 @@ pub(crate) fn find_without_surplus<I: Index>(
     parts.state.pairs.complete = 0;
     parts.boxes.tight = true;
     let route = policy::choose(parts, parts.state.objects.live);
-    let (route, progress) = find(parts, route, context);
+    let (route, progress) = find(parts, route, None, context);
     parts.boxes.tight = false;
     parts.state.tree.filled = 0;
     parts.state.pairs.without_surplus = 1;

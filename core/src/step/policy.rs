@@ -15,7 +15,7 @@ use crate::tree::subdivide::Subdivide;
 const MOVERS_SHARE: u32 = 9;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
-const CALM: u32 = 2;
+const CALM: u16 = 2;
 
 /// The path for a number of objects that have moved, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {

@@ -6,13 +6,14 @@
 //! worker that takes them in order.
 
 use super::cells::{cut, frame};
+use super::enclose::enclose;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Straddler, are_few, leaf_of};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
+use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{LEAVES_PER_BLOCK, ROOM, SLOT_BLOCKS, block_len, histogram_row};
+use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::{BlockQueue, Chunks, Ends};
 use crate::parallel::executor::{self, Executor};
@@ -21,48 +22,19 @@ use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
-/// What the passes found, over all objects.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundsScan {
-    pub(crate) extent: Extent,
-    /// Whether a box is coarse, and whether one is a point away from the origin.
-    coarse: bool,
-    points: bool,
-}
-
-impl BoundsScan {
-    const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
-
-    /// Looks at a box that may be coarse, as few are.
-    #[cold]
-    #[inline(never)]
-    fn examine(&mut self, bounds: &KeyBox) {
-        self.coarse |= bounds.is_coarse();
-        self.points |= bounds.is_distant_point();
-    }
-
-    /// Whether `f32` is too coarse for some of the boxes, as many as there are. Points may be meant to be points, or have
-    /// lost all their sides far from the origin: then neighbours are not told apart either. So points count where on no axis
-    /// the world has four steps for each box of a row, if the boxes filled a cube.
-    pub(crate) fn is_coarse(&self, live: u32) -> bool {
-        let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
-        let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
-        self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
-    }
-}
-
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
-/// objects stay within the capacity and the limits on copies. Leaves the counts in the histogram.
+/// objects stay within the capacity and the limits on copies. Then each leaf has its count, and the histogram has where each block
+/// of slots writes.
 pub(crate) fn count<I: Index>(
     parts: &mut Parts<'_, I>,
     kernels: Kernels,
     executor: &dyn Executor,
-) -> BoundsScan {
+) -> (BoundsScan, u32) {
     loop {
         let depth = parts.state.tree.depth;
         let extent = parts.state.tree.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
-        let bounds_scan = count_at(parts, depth, kernels, executor);
+        let counted = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
         let (mut straddlers, mut large) = (0u64, 0u64);
         for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
@@ -72,7 +44,8 @@ pub(crate) fn count<I: Index>(
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
-            return bounds_scan;
+            offsets(parts, leaves);
+            return counted;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.tree.depth = depth - 1;
@@ -85,13 +58,13 @@ fn count_at<I: Index>(
     depth: u32,
     kernels: Kernels,
     executor: &dyn Executor,
-) -> BoundsScan {
+) -> (BoundsScan, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(depth);
     let boxes = parts.boxes.swept();
     let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
-    let mut found = [BoundsScan::NONE; SLOT_BLOCKS];
+    let mut found = [(BoundsScan::NONE, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
     let claims = BlockQueue::new((
@@ -108,12 +81,14 @@ fn count_at<I: Index>(
         }
     });
     let mut sum = BoundsScan::NONE;
-    for bounds_scan in &found {
+    let mut left = 0;
+    for (bounds_scan, leavers) in &found {
+        left += leavers;
         sum.extent.union(&bounds_scan.extent);
         sum.coarse |= bounds_scan.coarse;
         sum.points |= bounds_scan.points;
     }
-    sum
+    (sum, left)
 }
 
 struct CountBlock<'b, I> {
@@ -126,21 +101,21 @@ struct CountBlock<'b, I> {
 }
 
 impl<I: Index> Phase for CountBlock<'_, I> {
-    type Output = BoundsScan;
+    type Output = (BoundsScan, u32);
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> BoundsScan {
+    fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
         let Self { boxes, homes, planes, cells, depth, histogram } = self;
         let (counts, large) = histogram.as_chunks_mut::<2>();
         // Of one length, so that one check of an index serves both.
         let leaves = 1 << depth;
         let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
-            return BoundsScan::NONE;
+            return (BoundsScan::NONE, 0);
         };
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
-        let mut bounds_scan = BoundsScan::NONE;
+        let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
         for (bounds, home) in boxes.iter().zip(homes) {
             if bounds.is_empty() {
                 *home = I::NONE;
@@ -166,6 +141,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 }
             }
             // It is new, large, or has left its leaf.
+            left += u32::from(*home != I::LARGE);
             let leaf = leaf_of(planes, depth, &bounds.min);
             let classify = cells.at(leaf).classify(simd, keys);
             if classify.is_large() {
@@ -179,7 +155,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             }
         }
         bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
-        bounds_scan
+        (bounds_scan, left)
     }
 }
 
@@ -194,7 +170,6 @@ pub(crate) fn fill<I: Index>(
     let leaves = 1usize << depth;
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
-    offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
     enclose(parts, depth, executor);
@@ -313,9 +288,10 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 *member = at + 1;
                 *place = I::from_slot(at);
                 let keys = simd.keys(bounds);
-                let record = simd.record(frame, keys, slot);
+                let classify = cell.classify(simd, keys);
+                let record = simd.record(frame, keys, slot | classify.marks());
                 records.store((leaf.start + at) as usize, &record);
-                if cell.classify(simd, keys).leaves() {
+                if classify.leaves() {
                     straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
                     *straddler += 1;
                 }
@@ -326,57 +302,6 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
             }
         }
-    }
-}
-
-/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
-fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
-    let leaves = 1usize << depth;
-    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
-    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
-    let outer = outer.span_mut(0, leaves);
-    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, nodes)) = claims.claim() {
-            for (offset, node) in nodes.iter_mut().enumerate() {
-                let index = block * LEAVES_PER_BLOCK + offset;
-                let leaf = buckets.at(index);
-                *node = KeyBox::NOTHING;
-                if leaf.len > 0 {
-                    *node = cells.at(index).inside();
-                    for straddler in
-                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
-                    {
-                        node.include(&straddler.bounds);
-                    }
-                }
-            }
-        }
-    });
-    for node in (1..leaves).rev() {
-        let mut around = KeyBox::NOTHING;
-        for child in [2 * node, 2 * node + 1] {
-            around.include(match child.checked_sub(leaves) {
-                Some(leaf) => KeyBox::of(outer, leaf),
-                None => KeyBox::of(inner, child),
-            });
-        }
-        inner.put(node, around);
-    }
-}
-
-/// Grows the boxes of a node and of those above it to hold a box.
-#[inline(always)]
-pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
-    while node > 0 {
-        let mut around = nodes.at(node);
-        // So do those above.
-        if around.contains(bounds) {
-            break;
-        }
-        around.include(bounds);
-        nodes.put(node, around);
-        node /= 2;
     }
 }
 

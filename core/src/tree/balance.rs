@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
 use crate::lists::radix::{self, Sharing};
-use crate::memory::limits::{LEAF_TARGET, SLOT_BLOCKS, SUB_LEVELS, histogram_row};
+use crate::memory::limits::{LEAF_TARGET, SUB_LEVELS, histogram_row};
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, TreeState};
 use crate::parallel::context::StepContext;
@@ -178,12 +178,7 @@ pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
-    let row = histogram_row(parts.state.tree.depth);
-    let histograms = parts.tree.histogram.span(0, SLOT_BLOCKS * row);
-    let count = |leaf| {
-        histograms.chunks_exact(row.max(1)).map(|histogram| u64::from(histogram.at(2 * leaf))).sum::<u64>()
-    };
-    (0..1usize << parts.state.tree.depth).map(|leaf| count(leaf).pow(2)).sum()
+    parts.tree.leaves.span(0, 1 << parts.state.tree.depth).iter().map(|leaf| u64::from(leaf.len).pow(2)).sum()
 }
 
 /// Makes all planes anew from sorted lists of all living objects.

@@ -19,6 +19,8 @@ pub(crate) mod assign;
 pub(crate) mod balance;
 pub(crate) mod build;
 pub(crate) mod cells;
+pub(crate) mod enclose;
+pub(crate) mod keep;
 pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;

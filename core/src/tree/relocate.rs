@@ -1,6 +1,6 @@
 //! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
 
-use super::assign::expand_ancestors;
+use super::enclose::expand_ancestors;
 use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of};
 use crate::access::Access;
@@ -16,18 +16,17 @@ const AHEAD: usize = 6;
 const LENT_SHARE: usize = 8;
 const LENT_AT_LEAST: usize = 16_384;
 
-/// Lists every moved object in the second of the sorted lists, and brings its record, or its place among the large objects,
-/// to its new box. Returns how many there are; `None` where a leaf and its neighbours or the large-object list are full: all
-/// leaves must be filled anew then, and nothing is lost.
-pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
+/// Brings the records of the first so many objects in the second of the sorted lists, or their places among the large objects,
+/// to their new boxes. Returns whether there was room; where a leaf and its neighbours or the large-object list are full, all
+/// leaves must be filled anew, and nothing is lost.
+pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>, pub(crate) usize);
 
 impl<I: Index> Phase for Relocate<'_, '_, I> {
-    type Output = Option<usize>;
+    type Output = bool;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<usize> {
-        let parts = self.0;
-        let count = parts.moved.list(parts.order[1]);
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let Self(parts, count) = self;
         parts.state.lists.stale = 1;
         let mut budget = (parts.state.objects.live as usize / LENT_SHARE).max(LENT_AT_LEAST);
         for index in 0..count {
@@ -35,10 +34,10 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
             let slot = parts.order[1].at(index).at();
             if !relocate(simd, parts, slot, &mut budget) {
                 parts.state.tree.filled = 0;
-                return None;
+                return false;
             }
         }
-        Some(count)
+        true
     }
 }
 
@@ -68,12 +67,14 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let keys = simd.keys(&bounds);
     let mut leaf = home.at();
     let mut cell = if home < I::LARGE { parts.tree.cells.at(leaf) } else { Cell::NOWHERE };
-    let stays = cell.classify(simd, keys).is_home();
+    let mut classify = cell.classify(simd, keys);
+    let stays = classify.is_home();
     if !stays {
         leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
         cell = parts.tree.cells.at(leaf);
+        classify = cell.classify(simd, keys);
     }
-    if cell.classify(simd, keys).is_large() {
+    if classify.is_large() {
         if home == I::LARGE {
             let straddler = Straddler { bounds, slot: slot as u32, unused: 0 };
             parts
@@ -102,7 +103,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let start = parts.tree.leaves.at(leaf).start;
     let sub_levels = parts.state.tree.sub_levels();
     let whole = leaf >> sub_levels;
-    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32);
+    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32 | classify.marks());
     parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
     if sub_levels > 0
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)

@@ -72,8 +72,8 @@ impl Phase for Sharpen<'_> {
         *frame = Frame::over(narrow.low, narrow.high);
         leaf.axis = longest(narrow.low, narrow.high) as u32;
         for record in members {
-            let slot = record.slot();
-            *record = simd.record(frame, simd.keys(KeyBox::of(boxes, slot as usize)), slot);
+            let bounds = KeyBox::of(boxes, record.slot() as usize);
+            *record = simd.record(frame, simd.keys(bounds), record.tag);
         }
     }
 }

@@ -31,6 +31,7 @@ use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
 use crate::step::{policy, recount};
+use crate::tree::keep;
 
 /// Boxes, and which of them overlap.
 ///
@@ -54,8 +55,8 @@ impl<I: Index> World<'_, I> {
         let shared = shared && !context.is_small();
         let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
-        let rejected = Self::take_in(parts, bounds, context);
-        let mut result = Self::find(parts, shared, context);
+        let (rejected, settled) = Self::take_in(parts, bounds, context);
+        let mut result = Self::find(parts, settled, shared, context);
         if faults() != parts.state.faults {
             parts.state.faults = faults();
             parts.state.pairs.complete = 0;
@@ -71,7 +72,12 @@ impl<I: Index> World<'_, I> {
     }
 
     /// All pairs of the boxes as they are now, and which of them are new or gone.
-    fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> Result<(), Error> {
+    fn find(
+        parts: &mut Parts<'_, I>,
+        settled: Option<u32>,
+        shared: bool,
+        context: StepContext<'_>,
+    ) -> Result<(), Error> {
         let moved = parts.moved.count();
 
         let mut route = policy::choose(parts, moved);
@@ -84,7 +90,7 @@ impl<I: Index> World<'_, I> {
             return Ok(());
         }
         results::remember(parts);
-        let (mut route, mut progress) = step::find(parts, route, context);
+        let (mut route, mut progress) = step::find(parts, route, settled, context);
         if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
             (route, progress) = step::find_without_surplus(parts, context);
         }
@@ -98,18 +104,17 @@ impl<I: Index> World<'_, I> {
         parts: &mut Parts<'_, I>,
         bounds: Option<Boxes<'_>>,
         context: StepContext<'_>,
-    ) -> Option<Rejected> {
-        let bounds = bounds?;
+    ) -> (Option<Rejected>, Option<u32>) {
+        let Some(bounds) = bounds else { return (None, None) };
         parts.state.objects.dirty = 1;
         context.executor.enter(Stage::Intake);
-        let intake = ingest(parts, &bounds, context.kernels, context.executor);
+        let settles = cfg!(feature = "large") && keep::settles(parts);
+        let intake = ingest(parts, &bounds, settles, context.kernels, context.executor);
         parts.state.objects.note(intake.motions);
-        if intake.rejected == 0 {
-            return None;
-        }
         let slot = intake.first_rejected;
-        let first = Id::new(slot, parts.generations.at(slot as usize))?;
-        Some(Rejected { first, count: intake.rejected })
+        let first =
+            if intake.rejected == 0 { None } else { Id::new(slot, parts.generations.at(slot as usize)) };
+        (first.map(|first| Rejected { first, count: intake.rejected }), settles.then_some(intake.left))
     }
 
     /// Nothing has changed: the result stays as it is, with nothing found or lost.

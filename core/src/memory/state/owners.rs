@@ -167,7 +167,10 @@ pub(crate) struct StepState {
     pub(super) leaves: u32,
     pub(super) rebalanced: u32,
     /// Steps in a row in which few objects have moved.
-    pub(crate) calm: u32,
+    pub(crate) calm: u16,
+    /// Zero where the next intake has no leaves to bring boxes to; else one more than the full steps that have kept the leaves since
+    /// all of them were filled.
+    pub(crate) kept: u16,
     /// The path, eight bits above it the reason, and above that whether the step was shared, and whether its resolution was
     /// coarse.
     pub(super) chosen: u32,

@@ -160,7 +160,7 @@ fn keep<V: Vectors, I: Index>(
     // A word for each record, zero if it touches.
     let apart = v.join16(v.join16(first, second), v.join16(third, fourth));
     let tags = tags(v, records);
-    let shared = v.and(v.and(tags, others), v.splat(!Record::SLOT));
+    let shared = v.and(v.and(tags, others), v.splat(Record::MARKS));
     let kept = v.bits4(v.equal32(v.or(apart, shared), v.splat(0))) & 15;
     let slots = v.splat(Record::SLOT);
     let (tags, others) = (v.and(tags, slots), v.and(others, slots));

@@ -1,0 +1,89 @@
+//! Brings new boxes to the records of the tree as they are taken in: most objects stay in their leaf, and then the record is
+//! where it was.
+
+use crate::access::bits;
+use crate::geometry::key::KeyBox;
+use crate::geometry::record::{Frame, Record};
+use crate::id::Index;
+use crate::memory::leaf::{Cell, Leaf};
+use crate::parallel::shared::Shared;
+use crate::simd::Simd;
+
+/// What is done with boxes that have just changed.
+pub(crate) trait Settle {
+    /// Some objects of a word of the bit sets have other boxes that are swept. Those are in `swept`, from the word's first on.
+    fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]);
+
+    /// How many slots were noted.
+    fn noted(&self) -> u32;
+}
+
+/// Nothing.
+pub(crate) struct Nothing;
+
+impl Settle for Nothing {
+    #[inline(always)]
+    fn settle<S: Simd>(&mut self, _: S, _: usize, _: u32, _: &[KeyBox]) {}
+
+    #[inline(always)]
+    fn noted(&self) -> u32 {
+        0
+    }
+}
+
+/// The leaves, and where the records of some consecutive slots stand in them.
+pub(crate) struct Records<'b, 's, I> {
+    /// The first of these slots.
+    pub(crate) first: usize,
+    pub(crate) homes: &'b [I],
+    pub(crate) places: &'b [I],
+    pub(crate) cells: &'b [Cell],
+    pub(crate) frames: &'b [Frame],
+    pub(crate) leaves: &'b [Leaf],
+    pub(crate) records: Shared<'s, Record>,
+    /// Those that have left their leaf, or have none, are noted here.
+    pub(crate) left: &'b mut [I],
+    pub(crate) noted: u32,
+}
+
+impl<I: Index> Settle for Records<'_, '_, I> {
+    #[inline(always)]
+    fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]) {
+        let Self { first, homes, places, cells, frames, leaves, records, .. } = *self;
+        let (homes, places) =
+            (homes.get(word * 32..).unwrap_or_default(), places.get(word * 32..).unwrap_or_default());
+        // Of one length, so that one check of an index serves them all.
+        let (Some(places), Some(swept)) = (places.get(..homes.len()), swept.get(..homes.len().min(32)))
+        else {
+            return;
+        };
+        for bit in bits::of_word(moved) {
+            let (Some(&home), Some(&place), Some(bounds)) = (homes.get(bit), places.get(bit), swept.get(bit))
+            else {
+                return;
+            };
+            let slot = (first + word * 32 + bit) as u32;
+            let mut stays = false;
+            if let (Some(cell), Some(frame), Some(leaf)) =
+                (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
+            {
+                let keys = simd.keys(bounds);
+                let classify = cell.classify(simd, keys);
+                // Also of one that leaves: it is moved anyway.
+                let record = simd.record(frame, keys, slot | classify.marks());
+                records.store(leaf.start as usize + place.at(), &record);
+                stays = classify.is_home() & !classify.is_large();
+            }
+            // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+            if let Some(left) = self.left.get_mut(self.noted as usize) {
+                *left = I::from_slot(slot);
+            }
+            self.noted += u32::from(!stays);
+        }
+    }
+
+    #[inline(always)]
+    fn noted(&self) -> u32 {
+        self.noted
+    }
+}

@@ -1,0 +1,137 @@
+//! The boxes of the nodes, and the straddlers of leaves whose records have marks.
+
+use super::{Leaf, Record, Straddler};
+use crate::access::Access;
+use crate::geometry::key::KeyBox;
+use crate::id::Index;
+use crate::memory::limits::LEAVES_PER_BLOCK;
+use crate::memory::slab::Parts;
+use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::executor::{self, Executor};
+use crate::parallel::shared::Shared;
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd};
+
+/// Says where the straddlers of each leaf are to stand, by the marks of the records. Returns how many there are. O(records).
+pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &dyn Executor) -> u32 {
+    let records = &*parts.tree.records;
+    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
+    let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
+    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
+        while let Some((_, leaves)) = claims.claim() {
+            for leaf in leaves {
+                let members = records.span(leaf.start as usize, leaf.len as usize);
+                leaf.straddler_len = members.iter().map(|record| record.tag / Record::STRADDLES % 2).sum();
+            }
+        }
+    });
+    let mut start = 0;
+    for leaf in parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth) {
+        leaf.straddler_start = start;
+        start += leaf.straddler_len;
+    }
+    start
+}
+
+/// Lists the straddlers where [`number_straddlers`] has said.
+pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
+    let boxes = parts.boxes.swept();
+    let records = &*parts.tree.records;
+    let straddlers = Shared::new(parts.tree.straddlers);
+    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
+    let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
+    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
+        while let Some((_, leaves)) = claims.claim() {
+            kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
+        }
+    });
+}
+
+struct ListStraddlers<'b, 's> {
+    boxes: &'b [KeyBox],
+    leaves: &'b [Leaf],
+    records: &'b [Record],
+    straddlers: Shared<'s, Straddler>,
+}
+
+impl Phase for ListStraddlers<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { boxes, leaves, records, straddlers } = self;
+        for leaf in leaves {
+            let mut at = leaf.straddler_start as usize;
+            for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
+                // Noted for all of them first: which ones are marked is hard to predict, and their boxes are anywhere in memory.
+                let mut marked = 0u64;
+                for (bit, record) in records.iter().enumerate() {
+                    marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
+                }
+                let mut ahead = marked;
+                while ahead != 0 {
+                    simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
+                    ahead &= ahead - 1;
+                }
+                while marked != 0 {
+                    let slot = records.at(marked.trailing_zeros() as usize).slot();
+                    marked &= marked - 1;
+                    let bounds = *KeyBox::of(boxes, slot as usize);
+                    straddlers.store(at, &Straddler { bounds, slot, unused: 0 });
+                    at += 1;
+                }
+            }
+        }
+    }
+}
+
+/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
+    let leaves = 1usize << depth;
+    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
+    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
+    let outer = outer.span_mut(0, leaves);
+    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
+    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
+        while let Some((block, nodes)) = claims.claim() {
+            for (offset, node) in nodes.iter_mut().enumerate() {
+                let index = block * LEAVES_PER_BLOCK + offset;
+                let leaf = buckets.at(index);
+                *node = KeyBox::NOTHING;
+                if leaf.len > 0 {
+                    *node = cells.at(index).inside();
+                    for straddler in
+                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
+                    {
+                        node.include(&straddler.bounds);
+                    }
+                }
+            }
+        }
+    });
+    for node in (1..leaves).rev() {
+        let mut around = KeyBox::NOTHING;
+        for child in [2 * node, 2 * node + 1] {
+            around.include(match child.checked_sub(leaves) {
+                Some(leaf) => KeyBox::of(outer, leaf),
+                None => KeyBox::of(inner, child),
+            });
+        }
+        inner.put(node, around);
+    }
+}
+
+/// Grows the boxes of a node and of those above it to hold a box.
+#[inline(always)]
+pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
+    while node > 0 {
+        let mut around = nodes.at(node);
+        // So do those above.
+        if around.contains(bounds) {
+            break;
+        }
+        around.include(bounds);
+        nodes.put(node, around);
+        node /= 2;
+    }
+}

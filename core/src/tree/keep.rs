@@ -1,0 +1,68 @@
+//! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought the others to their
+//! records, and those that left are moved one by one.
+//!
+//! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
+//! objects have left the frame for its rim more candidates are tested in vain, and then all leaves are filled anew.
+
+use super::are_few;
+use super::enclose::{enclose, list_straddlers, number_straddlers};
+use super::relocate::Relocate;
+use crate::access::Access;
+use crate::id::Index;
+use crate::memory::slab::Parts;
+use crate::memory::state::State;
+use crate::parallel::context::StepContext;
+
+/// One in so many objects may leave its leaf in a step for the others to keep their places.
+const LEAVERS_SHARE: u32 = 8;
+
+/// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and the statistics of boxes
+/// are of late.
+const MOST_KEPT: u16 = 32;
+
+/// Whether the next boxes are to be brought to their records as they are taken in.
+pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let state = &parts.state;
+    let known = state.tree.filled != 0
+        && state.tree.subdivided == 0
+        && state.pairs.complete != 0
+        && state.pairs.unproven == 0;
+    known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
+}
+
+/// Moves the records of those that have left their leaf, or were changed one by one. Returns whether all leaves are filled then;
+/// else they must be filled anew.
+pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
+    let (live, depth) = (parts.state.objects.live, parts.state.tree.depth);
+    if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
+        return false;
+    }
+    let large = parts.state.tree.large;
+    let straddlers = number_straddlers(parts, context.executor);
+    let fits = u64::from(straddlers) + u64::from(large) <= parts.tree.straddlers.len() as u64;
+    if !fits || !are_few(u64::from(large), depth, live) {
+        return false;
+    }
+    // Behind the straddlers, of which there may be more or fewer now.
+    let (from, to) = (parts.state.tree.large_start as usize, straddlers as usize);
+    for index in 0..large as usize {
+        // From the end that is not written to yet.
+        let index = if to > from { large as usize - 1 - index } else { index };
+        let object = parts.tree.straddlers.at(from + index);
+        parts.tree.straddlers.put(to + index, object);
+    }
+    parts.state.tree.large_start = straddlers;
+    list_straddlers(parts, context.kernels, context.executor);
+    enclose(parts, depth, context.executor);
+    true
+}
+
+/// Notes a full step, which has kept the leaves, or has filled them after so many objects had left theirs: does the next one keep
+/// them?
+pub(crate) fn plan(state: &mut State, refilled: Option<u32>) {
+    let (is_calm, kept) = match refilled {
+        Some(left) => (left <= state.objects.live / LEAVERS_SHARE, 0),
+        None => (state.tree.heavy == 0, state.step.kept),
+    };
+    state.step.kept = if is_calm && kept < MOST_KEPT { kept + 1 } else { 0 };
+}
