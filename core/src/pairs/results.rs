@@ -25,7 +25,10 @@ pub(crate) fn sort_out<I: Index>(
     context: StepContext<'_>,
 ) {
     parts.state.pairs.swept = swept as u64;
-    if cfg!(feature = "large") && complete && let Some(found) = found {
+    if cfg!(feature = "large")
+        && complete
+        && let Some(found) = found
+    {
         parts.state.pairs.reported = swept as u64;
         parts.state.pairs.found = found;
         parts.state.pairs.lost = events::conclude(parts) as u64;
