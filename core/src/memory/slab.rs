@@ -328,6 +328,7 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.bounds.fill(Record::default());
         tree.nodes.fill(KeyBox::NOTHING);
         self.output.planes.fill(Planes::default());
+        self.output.segments.forget();
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);
         }

@@ -114,14 +114,17 @@ pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bo
     if parts.sizes.event_blocks == 0 || parts.has_surplus() || asked || fast {
         return false;
     }
-    if parts.output.segments.blocks() != blocks {
+    let count = parts.state.pairs.previous;
+    let segments = &mut parts.output.segments;
+    let ends = segments.ends.span(0, 2 * blocks);
+    let known = segments.blocks() == blocks && ends.is_sorted() && ends.last() == Some(&(count as u32));
+    if !known {
         // The leaves are others, or the pairs are not in their order.
-        let count = parts.state.pairs.previous;
         let shares = 2 * blocks as u64;
-        for (end, number) in parts.output.segments.ends.iter_mut().zip(1..=shares) {
+        for (end, number) in segments.ends.iter_mut().zip(1..=shares) {
             *end = (count * number / shares) as u32;
         }
-        parts.output.segments.set_blocks(blocks);
+        segments.set_blocks(blocks);
     }
     true
 }

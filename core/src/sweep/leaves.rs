@@ -155,7 +155,9 @@ fn sweep_leaf<S: Simd, I: Index>(
     scratch.copies += count as u64;
     if members.len() + count <= scratch.leaf_scratch.sorted.len() {
         let ghosts = scratch.ghosts.span(0, count);
-        ask_for(simd, [members, ghosts], next);
+        if !next[0].is_empty() {
+            simd.call(AskFor { buckets: [members, ghosts], boxes: next });
+        }
         bucket::sweep(
             simd,
             [members, ghosts],
@@ -170,15 +172,21 @@ fn sweep_leaf<S: Simd, I: Index>(
 }
 
 /// Asks for the boxes of some records, one by one, so that they come while the records are swept.
-#[inline(always)]
-fn ask_for<S: Simd>(simd: S, buckets: [&[Record]; 2], boxes: [&[KeyBox]; 2]) {
-    if boxes[0].is_empty() {
-        return;
-    }
-    for bucket in buckets {
-        for record in bucket {
-            simd.prefetch(boxes[0], record.slot() as usize);
-            simd.prefetch(boxes[1], record.slot() as usize);
+struct AskFor<'a> {
+    buckets: [&'a [Record]; 2],
+    boxes: [&'a [KeyBox]; 2],
+}
+
+impl Phase for AskFor<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        for bucket in self.buckets {
+            for record in bucket {
+                simd.prefetch(self.boxes[0], record.slot() as usize);
+                simd.prefetch(self.boxes[1], record.slot() as usize);
+            }
         }
     }
 }
