@@ -124,7 +124,8 @@ pub struct Stats {
     /// Whether `f32` is too coarse for some box where it stands: a side of it is below four steps of its
     /// coordinate. Boxes without any side count where the world has not even steps enough to tell them apart. The pairs are
     /// those of the boxes as given, but the boxes may have lost their shape before; shift the origin. Looked for in steps that
-    /// fill all leaves; in worlds swept box by box, in every eighth step and where objects are new.
+    /// fill all leaves from the boxes, one in 33 full steps at least; in worlds swept box by box, in every eighth step and where
+    /// objects are new.
     pub coarse_resolution: bool,
 }
 

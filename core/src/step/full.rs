@@ -78,7 +78,7 @@ pub(super) fn full<I: Index>(
     });
     let found = tells.then_some(collector.found);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    keep::plan(parts.state, counted.map(|(_, left)| left));
+    keep::plan(parts.state, work.tied, counted.map(|(_, left)| left));
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
 }

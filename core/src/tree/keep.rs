@@ -2,7 +2,7 @@
 //! records, and those that left are moved one by one.
 //!
 //! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
-//! objects have left the frame for its rim more candidates are tested in vain, and then all leaves are filled anew.
+//! objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
 
 use super::are_few;
 use super::enclose::{enclose, list_straddlers, number_straddlers};
@@ -57,12 +57,20 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     true
 }
 
-/// Notes a full step, which has kept the leaves, or has filled them after so many objects had left theirs: does the next one keep
-/// them?
-pub(crate) fn plan(state: &mut State, refilled: Option<u32>) {
+/// Candidates that may tie beyond those of the step before: one in so many of them, and one in so many objects.
+const MORE_TIES: u64 = 8;
+const MORE_TIES_SHARE: u64 = 64;
+
+/// Notes a full step in which so many candidates tied, and which has kept the leaves, or has filled them after so many objects had
+/// left theirs: does the next one keep them?
+pub(crate) fn plan(state: &mut State, ties: u64, refilled: Option<u32>) {
     let (is_calm, kept) = match refilled {
         Some(left) => (left <= state.objects.live / LEAVERS_SHARE, 0),
-        None => (state.tree.heavy == 0, state.step.kept),
+        None => {
+            let before = state.stats().tied;
+            let most = before + before / MORE_TIES + u64::from(state.objects.live) / MORE_TIES_SHARE;
+            (ties <= most && state.tree.heavy == 0, state.step.kept)
+        }
     };
     state.step.kept = if is_calm && kept < MOST_KEPT { kept + 1 } else { 0 };
 }
