@@ -4,6 +4,7 @@ use crate::error::Error;
 
 /// How much fits into a world. Nothing is ever lost at these limits: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Capacity {
     /// Objects that can live at once. One more is [`Error::ObjectsFull`].
@@ -43,6 +44,7 @@ impl Capacity {
 
 /// Which pairs a step returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// Exactly the closed overlaps of the boxes as given.
     #[default]
@@ -54,6 +56,7 @@ pub enum Mode {
 
 /// Whether steps do something: as their counts have it, or as the caller has it. Changes no pair, only the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Choice {
     /// By counts alone, so that equal calls choose equally on any machine.
     #[default]
@@ -98,6 +101,7 @@ impl Choice {
 /// see [`World::set_margin`](crate::World::set_margin). An object that goes farther than its margin from one of its boxes to the
 /// next would gain nothing by it, and has none until it is slower; see [`Config::fixed_margins`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {
     /// Share of the object's largest extent, of which no more counts than eight times the smallest one that is not zero. Of a
     /// box without bounds nothing counts.
@@ -138,6 +142,7 @@ impl Margin {
 
 /// What a world is made for: its capacity and the parts that it pays for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Config {
     /// How much fits.

@@ -12,6 +12,7 @@ pub(crate) const CLASSES: usize = 32;
 /// [`World::set_classes`](crate::World::set_classes)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Filter {
     /// The groups that the object is in, one bit each.
     pub group: u32,

@@ -1,46 +1,4 @@
-//! Broad-phase collision detection without an allocator.
-//!
-//! Give boxes each frame; get back every overlapping pair, exactly once. All memory is lent by the caller and sized by
-//! [`layout`]; threads, if any, come from the caller's job system through [`Executor`]. No panics, no `unsafe`
-//! outside `simd` and `parallel`, no recursion.
-//!
-//! ```
-//! use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
-//!
-//! const CONFIG: Config = Config::new(Capacity::for_objects(16));
-//! const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
-//!
-//! let mut memory = InlineWorld::<BYTES>::EMPTY;
-//! let mut world = memory.init::<u16>(&CONFIG)?;
-//! let floor = world.insert(Aabb::new([-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]))?;
-//! let ball = world.insert(Aabb::new([0.0, 0.0, 0.5], [1.0, 1.0, 1.5]))?;
-//!
-//! assert!(world.step()?.pairs().is_empty());
-//! world.set_aabb(ball, Aabb::new([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]))?; // touching counts
-//! assert_eq!(world.step()?.pairs(), [[floor.slot() as u16, ball.slot() as u16]]);
-//! # Ok::<(), trisap_core::Error>(())
-//! ```
-//!
-//! # The method
-//!
-//! Cao & Wang, *A Fast and Generalized Broad-Phase Collision Detection Method Based on KD-Tree Spatial Subdivision and
-//! Sweep-and-Prune*, corrected where the printed text loses pairs. `E1` to `E18` in these docs number the
-//! corrections. Its parts, where to find them:
-//!
-//! | in the paper | here |
-//! |---|---|
-//! | pre-sorted, shared linked lists | `lists` |
-//! | construction of the KD-tree | `tree::build`, `tree::cells` |
-//! | update of the tree; copies of straddling boxes | `tree::assign`, `tree::relocate`, `tree::refit`, `tree::balance` |
-//! | temporal inference: dynamic and static objects | `objects`, `step::policy`, `pairs::persistent`, `pairs::results` |
-//! | sweep-and-prune in the leaves | `sweep` |
-//! | control pipeline | `world`, `step` |
-//!
-//! [`paper`] walks through the paper section by section, [`architecture`] through the code from the ground up.
-//!
-//! Around the pairs there are filters ([`Filter`]), queries ([`Cast`], [`Region`]), snapshots, shifts of the origin and the tree to
-//! look at ([`LeafView`]).
-
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![warn(clippy::undocumented_unsafe_blocks)]
 

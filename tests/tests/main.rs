@@ -19,6 +19,7 @@ mod growth;
 mod large;
 mod layers;
 mod numerics;
+mod packages;
 mod properties;
 mod queries;
 mod real_scenes;

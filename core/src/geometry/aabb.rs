@@ -1,7 +1,7 @@
 //! Boxes as callers give them, and views of boxes in callers' memory.
 
 use super::key::{KeyBox, key, value};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
 ///
@@ -9,6 +9,7 @@ use bytemuck::{Pod, Zeroable};
 /// half-space); NaN and `min > max` are refused by the [`World`](crate::World).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// The lowest corner: x, y, z.
     pub min: [f32; 3],
@@ -193,6 +194,20 @@ impl From<Aabb> for (glam::Vec3, glam::Vec3) {
     }
 }
 
+#[cfg(feature = "mint")]
+impl From<[mint::Point3<f32>; 2]> for Aabb {
+    fn from([min, max]: [mint::Point3<f32>; 2]) -> Self {
+        Self::new(min.into(), max.into())
+    }
+}
+
+#[cfg(feature = "mint")]
+impl From<Aabb> for [mint::Point3<f32>; 2] {
+    fn from(aabb: Aabb) -> Self {
+        [aabb.min.into(), aabb.max.into()]
+    }
+}
+
 /// Boxes in the caller's memory: three `f32` of the minimum and three of the maximum at fixed places in items
 /// of a fixed size. Nothing is copied, and no alignment is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -237,6 +252,33 @@ impl<'a> Boxes<'a> {
         }
         let count = bytes.len() / stride + usize::from(bytes.len() % stride >= end);
         Some(Self { bytes, stride, end, count })
+    }
+
+    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` where a box is no part of its item.
+    ///
+    /// ```
+    /// use trisap_core::{Aabb, Boxes};
+    ///
+    /// #[repr(C)]
+    /// #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+    /// struct Body {
+    ///     mass: f32,
+    ///     aabb: Aabb,
+    /// }
+    ///
+    /// let bodies = [Body { mass: 1.0, aabb: Aabb::new([0.0; 3], [1.0; 3]) }; 2];
+    /// let boxes = Boxes::of(&bodies, |body| &body.aabb).unwrap();
+    /// assert_eq!((boxes.len(), boxes.get(1)), (2, Some(bodies[1].aabb)));
+    /// ```
+    #[must_use]
+    pub fn of<T: NoUninit>(items: &'a [T], aabb: impl Fn(&T) -> &Aabb) -> Option<Self> {
+        let Some(first) = items.first() else { return Some(Self::new(&[])) };
+        let at = (&raw const *aabb(first)).addr().checked_sub((&raw const *first).addr())?;
+        if at.checked_add(size_of::<Aabb>())? > size_of::<T>() {
+            return None;
+        }
+        let bytes = bytemuck::cast_slice::<T, u8>(items).get(at..)?;
+        Self::strided(bytes, size_of::<T>(), CORNER)
     }
 
     /// How many boxes there are.

@@ -14,6 +14,7 @@ use crate::world::World;
 
 /// A box, or a point, that moves along a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cast {
     /// Where it starts; a ray starts as a box of one point. Finite.
     pub start: Aabb,

@@ -15,6 +15,7 @@ use core::ops::ControlFlow;
 
 /// A closed part of space that objects are looked for in: touching counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Region {
     /// A box. Decided exactly.
     Aabb(Aabb),

@@ -31,6 +31,12 @@ impl<'w, I: Index> Step<'w, I> {
         self.world.lost()
     }
 
+    /// The world after the step: for ids, boxes and queries while its pairs are looked at.
+    #[must_use]
+    pub fn world(&self) -> &'w World<'w, I> {
+        self.world
+    }
+
     /// What the step did.
     #[must_use]
     pub fn stats(&self) -> Stats {

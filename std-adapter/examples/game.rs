@@ -1,0 +1,83 @@
+//! A game loop: balls fall to the ground, come and go, and a map of contacts follows by found and lost pairs.
+
+use std::collections::HashMap;
+use trisap::{Aabb, BroadPhase, Error};
+
+/// The ground is an entity, too.
+const GROUND: u64 = 0;
+
+/// What a game remembers of two that touch.
+struct Contact {
+    since: usize,
+}
+
+struct Ball {
+    place: [f32; 3],
+    speed: f32,
+}
+
+#[derive(Default)]
+struct Game {
+    balls: HashMap<u64, Ball>,
+    contacts: HashMap<[u64; 2], Contact>,
+    born: u64,
+}
+
+impl Game {
+    /// Some come, the oldest go, and all fall.
+    fn play(&mut self, frame: usize, broad_phase: &mut BroadPhase<u64>) -> Result<(), Error> {
+        for _ in 0..20 {
+            self.born += 1;
+            let place = [(self.born * 7 % 40) as f32, (self.born * 11 % 40) as f32, 12.0];
+            self.balls.insert(self.born, Ball { place, speed: 0.0 });
+        }
+        for entity in self.born.saturating_sub(2020)..self.born.saturating_sub(2000) {
+            if self.balls.remove(&entity).is_some() {
+                broad_phase.remove(&entity);
+            }
+        }
+        for (entity, ball) in &mut self.balls {
+            ball.speed += 0.01;
+            ball.place[2] = (ball.place[2] - ball.speed).max(0.5);
+            broad_phase.insert(*entity, Aabb::from_center(ball.place, [0.5; 3]))?;
+        }
+        let step = broad_phase.step()?;
+        for pair in step.lost() {
+            self.contacts.remove(&pair);
+        }
+        for pair in step.found() {
+            self.contacts.insert(pair, Contact { since: frame });
+        }
+        assert_eq!(self.contacts.len(), step.pairs().count());
+        Ok(())
+    }
+}
+
+fn run(frames: usize) -> Result<Game, Error> {
+    let mut broad_phase = BroadPhase::new();
+    broad_phase.insert(GROUND, Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY, f32::INFINITY, 0.0]))?;
+    let mut game = Game::default();
+    for frame in 0..frames {
+        game.play(frame, &mut broad_phase)?;
+    }
+    Ok(game)
+}
+
+fn main() -> Result<(), Error> {
+    let game = run(300)?;
+    let oldest = game.contacts.values().map(|contact| contact.since).min();
+    println!(
+        "{} balls, {} contacts, the oldest since frame {oldest:?}",
+        game.balls.len(),
+        game.contacts.len()
+    );
+    Ok(())
+}
+
+#[test]
+fn all_that_lie_touch_the_ground() {
+    let game = run(200).unwrap();
+    let lying = game.balls.iter().filter(|(_, ball)| ball.place[2] == 0.5).count();
+    let grounded = game.contacts.keys().filter(|[a, b]| *a == GROUND || *b == GROUND).count();
+    assert!(lying > 1000 && grounded == lying);
+}

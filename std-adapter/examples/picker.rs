@@ -1,0 +1,45 @@
+//! A picker: what is under the mouse, what a frame drawn with it holds, and what is nearest. The game steps no frames here; a
+//! broad phase answers queries from the boxes that it has.
+
+use trisap::{Aabb, BroadPhase, Cast, Error, Region};
+
+/// A town of houses, and one that flies.
+fn town() -> Result<BroadPhase<&'static str>, Error> {
+    let mut town = BroadPhase::new();
+    town.insert("ground", Aabb::new([-100.0, -100.0, -1.0], [100.0, 100.0, 0.0]))?;
+    town.insert("church", Aabb::new([0.0, 0.0, 0.0], [10.0, 20.0, 40.0]))?;
+    town.insert("inn", Aabb::new([20.0, 0.0, 0.0], [30.0, 8.0, 9.0]))?;
+    town.insert("balloon", Aabb::from_center([25.0, 4.0, 60.0], [6.0; 3]))?;
+    town.step()?;
+    Ok(town)
+}
+
+/// The ray through a point of a screen of 100 by 100, from an eye above the town.
+fn ray(x: f32, y: f32) -> Cast {
+    Cast::ray([25.0, 4.0, 100.0], [(x - 50.0) / 50.0, (y - 50.0) / 50.0, -1.0], f32::INFINITY)
+}
+
+fn main() -> Result<(), Error> {
+    let mut town = town()?;
+    let under =
+        |town: &mut BroadPhase<_>, x, y| town.first_hit(&ray(x, y)).map(|hit| hit.map(|(key, _)| key));
+    assert_eq!(under(&mut town, 50.0, 50.0)?, Some("balloon"));
+    assert_eq!(under(&mut town, 33.0, 50.0)?, Some("church"));
+    assert_eq!(under(&mut town, 50.0, 70.0)?, Some("ground"));
+    // The balloon is dragged away: what is below is seen without a step.
+    town.insert("balloon", Aabb::from_center([-60.0, 4.0, 60.0], [6.0; 3]))?;
+    assert_eq!(under(&mut town, 50.0, 50.0)?, Some("inn"));
+
+    let mut framed = town.overlaps(&Region::Aabb(Aabb::new([-1.0, -1.0, 1.0], [40.0, 40.0, 50.0])))?;
+    framed.sort_unstable();
+    assert_eq!(framed, ["church", "inn"]);
+    let nearest: Vec<_> = town.nearest([22.0, 4.0, 14.0], 2)?.into_iter().map(|(key, _)| key).collect();
+    assert_eq!(nearest, ["inn", "church"]);
+    println!("under the mouse: the inn; in the frame: {framed:?}; nearest: {nearest:?}");
+    Ok(())
+}
+
+#[test]
+fn what_is_under_the_mouse_is_picked() {
+    main().unwrap();
+}

@@ -1,0 +1,28 @@
+//! What a published crate brings with it.
+
+use std::fs;
+use std::path::Path;
+
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn each_crate_has_the_licences_of_the_whole() {
+    for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        for package in ["core", "std-adapter"] {
+            assert!(read(&format!("{package}/{file}")) == read(file), "{package}/{file} differs");
+        }
+    }
+}
+
+/// The examples that a front page names are there.
+#[test]
+fn front_pages_name_examples_that_are_there() {
+    let page = read("std-adapter/README.md");
+    for example in ["game", "ecs", "picker", "balls", "rollback", "job_system"] {
+        assert!(page.contains(&format!("`{example}`")), "{example}");
+        assert!(read(&format!("std-adapter/examples/{example}.rs")).starts_with("//! "), "{example}");
+    }
+}
