@@ -6,8 +6,9 @@
 //
 // - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
 //   initialised.
-// - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
-//   next step or load.
+// - What its results point to may be read by any number of threads until the next step or load. Threads that change a world
+//   while others are inside are refused as busy, and so are those that look at one that is being changed.
+// - Ids are those of this world: the ids of another one are not told apart from them.
 // - Nobody else writes to the memory of a world.
 // - Callbacks return by no other way than returning: no exception, no longjmp.
 
@@ -193,7 +194,8 @@ typedef int32_t trisap_status;
 /// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
 /// any other address of the same alignment, can be opened and goes on as the world would have.
 ///
-/// One thread at a time may use it; there is nothing to free.
+/// One thread at a time may change it, any number may look at it: functions that take it as `const`. What comes while it is not
+/// allowed is refused as busy. There is nothing to free.
 typedef struct trisap_world trisap_world;
 
 /// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
@@ -387,6 +389,14 @@ typedef struct trisap_stats {
     uint64_t surplus;
 } trisap_stats;
 
+/// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
+/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, and answers
+/// are not: `trisap_world_contains` is never reported.
+///
+/// If trisap finds a mistake of its own, it is called with `TRISAP_STATUS_OTHER` and a text that names the place in its source, and
+/// then the program is aborted.
+typedef void (*trisap_report)(void *user, trisap_status status, uint64_t detail, const char *text);
+
 /// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
 /// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
 typedef struct trisap_filter {
@@ -456,7 +466,7 @@ typedef struct trisap_cast {
     float distance;
 } trisap_cast;
 
-/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
+/// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
 
 /// An object that a cast meets, or that is near a point.
@@ -469,7 +479,7 @@ typedef struct trisap_hit {
 } trisap_hit;
 
 /// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
-/// less than zero to stop. Every call into the same world is refused as busy.
+/// less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
 /// The id of no object.
@@ -535,6 +545,12 @@ TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEP
 
 /// Statistics of no step.
 TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
+
+/// Has a function called with every refusal, of all worlds; `user` is handed to it. Null ends that. To be set before other threads
+/// call trisap.
+void trisap_set_report(trisap_report report,
+                       void *user)
+TRISAP_NOEXCEPT;
 
 /// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
 /// says why. Grows linearly with objects, leaf references and pairs.

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <new>
@@ -37,6 +38,7 @@ using Plane = trisap_plane;
 using Region = trisap_region;
 using Stats = trisap_stats;
 using Status = trisap_status;
+using IdPair = trisap_id_pair;
 
 /// The id of no object.
 inline constexpr Id null_id = TRISAP_NULL_ID;
@@ -238,50 +240,72 @@ template <class T> struct Answers {
     [[nodiscard]] const T &operator[](std::size_t index) const noexcept { return items[index]; }
 };
 
+/// Where worlds have their memory from; by default from `operator new`. What it allocates is aligned to `align`, and null says that
+/// there is none.
+struct Allocator {
+    void *(*allocate)(void *user, std::size_t bytes, std::size_t align) noexcept = [](void *, std::size_t bytes,
+                                                                                      std::size_t align) noexcept {
+        return ::operator new(bytes, std::align_val_t(align), std::nothrow);
+    };
+    void (*free)(void *user, void *memory, std::size_t bytes, std::size_t align) noexcept =
+        [](void *, void *memory, std::size_t, std::size_t align) noexcept {
+            ::operator delete(memory, std::align_val_t(align));
+        };
+    /// Handed to both.
+    void *user = nullptr;
+};
+
 /// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
+///
+/// Any number of threads may call what is `const` at once; what is not is refused as busy meanwhile, and the other way round.
 class World {
 public:
     World() noexcept = default;
 
-    /// Makes an empty world, in place of what there was. The only allocation.
+    /// A world whose memory comes from elsewhere.
+    explicit World(const Allocator &allocator) noexcept : allocator_(allocator) {}
+
+    /// Makes an empty world, in place of what there was. The only allocation, unless the world grows.
     [[nodiscard]] Status init(const Config &config) noexcept {
-        *this = World();
-        const std::size_t bytes = trisap_world_size(&config);
-        // For an impossible configuration as much as `trisap_world_init` looks at, to say what is wrong.
-        const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
-        Memory memory(::operator new(room, std::align_val_t(trisap_world_align()), std::nothrow));
-        if (memory == nullptr) {
-            return TRISAP_STATUS_MEMORY_TOO_SMALL;
-        }
-        const Status status = trisap_world_init(memory.get(), room, &config, &world_);
-        if (status == TRISAP_STATUS_OK) {
-            memory_ = std::move(memory);
-        }
-        return status;
+        memory_ = Memory();
+        world_ = nullptr;
+        return place(trisap_world_size(&config), [&](void *memory, std::size_t bytes, trisap_world **world) {
+            return trisap_world_init(memory, bytes, &config, world);
+        });
+    }
+
+    /// Goes on as the world of which these bytes are a copy, in place of what there was: see `trisap_world_open`.
+    [[nodiscard]] Status open(View<const std::byte> copy) noexcept {
+        return place(copy.size(), [&](void *memory, std::size_t bytes, trisap_world **world) {
+            std::memcpy(memory, copy.data(), copy.size());
+            return trisap_world_open(memory, bytes, world);
+        });
     }
 
     /// Moves the world to memory of its own for another configuration: larger, or smaller where all fits. Ids and events go on: see
     /// `trisap_world_move`. After another status than OK the world is as it was.
     [[nodiscard]] Status move_to(const Config &config) noexcept {
-        const std::size_t bytes = trisap_world_size(&config);
-        const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
-        Memory memory(::operator new(room, std::align_val_t(trisap_world_align()), std::nothrow));
-        if (memory == nullptr) {
-            return TRISAP_STATUS_MEMORY_TOO_SMALL;
-        }
-        trisap_world *world = nullptr;
-        const Status status = trisap_world_move(world_, memory.get(), room, &config, &world);
-        if (status == TRISAP_STATUS_OK) {
-            memory_ = std::move(memory);
-            world_ = world;
-        }
-        return status;
+        return place(trisap_world_size(&config), [&](void *memory, std::size_t bytes, trisap_world **world) {
+            return trisap_world_move(world_, memory, bytes, &config, world);
+        });
+    }
+
+    /// Whether the world moves by itself to twice the room where objects or pairs do not fit. Off at first. Views of results then end
+    /// with an insertion, too; `result` gives them anew.
+    void set_growing(bool growing) noexcept { growing_ = growing; }
+
+    /// What the world is made for, grown or not.
+    [[nodiscard]] Config config() const noexcept {
+        Config config = trisap_default_config(0);
+        // Of a world that has not been made, the configuration for no objects.
+        static_cast<void>(trisap_world_config(world_, &config) == TRISAP_STATUS_OK);
+        return config;
     }
 
     /// Adds an object; null where it was refused, for the reason that is written to `status`, if that is given.
     [[nodiscard]] Id insert(const Aabb &aabb, Status *status = nullptr) noexcept {
         Id id = null_id;
-        const Status outcome = trisap_world_insert(world_, &aabb, &id);
+        const Status outcome = grow_and([&] { return trisap_world_insert(world_, &aabb, &id); });
         if (status != nullptr) {
             *status = outcome;
         }
@@ -293,7 +317,7 @@ public:
         if (ids.size() < boxes.count) {
             return TRISAP_STATUS_INVALID_ARGUMENT;
         }
-        return trisap_world_insert_many(world_, &boxes, ids.data());
+        return grow_and([&] { return trisap_world_insert_many(world_, &boxes, ids.data()); });
     }
 
     /// Gives an object another box.
@@ -580,21 +604,71 @@ public:
     [[nodiscard]] trisap_world *c() noexcept { return world_; }
 
     World(World &&other) noexcept
-        : memory_(std::move(other.memory_)), world_(std::exchange(other.world_, nullptr)) {}
+        : allocator_(other.allocator_), memory_(std::move(other.memory_)), world_(std::exchange(other.world_, nullptr)),
+          growing_(other.growing_) {}
 
     World &operator=(World &&other) noexcept {
+        allocator_ = other.allocator_;
         memory_ = std::move(other.memory_);
         world_ = std::exchange(other.world_, nullptr);
+        growing_ = other.growing_;
         return *this;
     }
 
 private:
     struct Free {
+        Free() noexcept : bytes(0) {}
+        Free(const Allocator &from, std::size_t room) noexcept : allocator(from), bytes(room) {}
+        Allocator allocator;
+        std::size_t bytes;
         void operator()(void *memory) const noexcept {
-            ::operator delete(memory, std::align_val_t(trisap_world_align()));
+            allocator.free(allocator.user, memory, bytes, trisap_world_align());
         }
     };
     using Memory = std::unique_ptr<void, Free>;
+
+    /// Has `make` make the world in new memory, which takes the place of the old one if it can.
+    template <class Make> [[nodiscard]] Status place(std::size_t bytes, Make make) noexcept {
+        // For an impossible configuration as much as the library looks at, to say what is wrong.
+        const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
+        Memory memory(allocator_.allocate(allocator_.user, room, trisap_world_align()), Free(allocator_, room));
+        if (memory == nullptr) {
+            return TRISAP_STATUS_MEMORY_TOO_SMALL;
+        }
+        trisap_world *world = nullptr;
+        const Status status = make(memory.get(), room, &world);
+        if (status == TRISAP_STATUS_OK) {
+            memory_ = std::move(memory);
+            world_ = world;
+        }
+        return status;
+    }
+
+    /// Calls, and once more after each growth where something did not fit.
+    template <class Call> [[nodiscard]] Status grow_and(Call call) noexcept {
+        Status status = call();
+        while (growing_ && (status == TRISAP_STATUS_OBJECTS_FULL || status == TRISAP_STATUS_PAIRS_FULL)) {
+            const std::uint64_t needed = error_detail();
+            Config larger = config();
+            const auto grown = [&](std::uint32_t had) {
+                const std::uint64_t wanted = needed > 2ull * had ? needed : 2ull * had;
+                return static_cast<std::uint32_t>(wanted < UINT32_MAX ? wanted : UINT32_MAX);
+            };
+            if (status == TRISAP_STATUS_PAIRS_FULL) {
+                larger.pairs = grown(larger.pairs);
+            } else {
+                const Config usual = trisap_default_config(grown(larger.objects));
+                larger.objects = usual.objects;
+                larger.leaf_refs = usual.leaf_refs > larger.leaf_refs ? usual.leaf_refs : larger.leaf_refs;
+                larger.pairs = usual.pairs > larger.pairs ? usual.pairs : larger.pairs;
+            }
+            if (const Status moved = move_to(larger); moved != TRISAP_STATUS_OK) {
+                return moved;
+            }
+            status = call();
+        }
+        return status;
+    }
 
     /// A callable as the C functions hand it on, also a constant one and a plain function.
     template <class Callable> struct Reference {
@@ -603,13 +677,13 @@ private:
 
     [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
-        const Status status = trisap_world_step(world_, jobs, &result);
+        const Status status = grow_and([&] { return trisap_world_step(world_, jobs, &result); });
         return view(status, result);
     }
 
     [[nodiscard]] Step step_over_with(const Boxes &boxes, const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
-        const Status status = trisap_world_step_over(world_, &boxes, jobs, &result);
+        const Status status = grow_and([&] { return trisap_world_step_over(world_, &boxes, jobs, &result); });
         return view(status, result);
     }
 
@@ -622,7 +696,8 @@ private:
         };
         Reference<Rule> reference{rule};
         trisap_result result = trisap_default_result();
-        const Status status = trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result);
+        const Status status =
+            grow_and([&] { return trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result); });
         return view(status, result);
     }
 
@@ -658,8 +733,10 @@ private:
                 result.pairs_needed};
     }
 
+    Allocator allocator_;
     Memory memory_;
     trisap_world *world_ = nullptr;
+    bool growing_ = false;
 };
 
 } // namespace trisap

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
-# a million objects, more pairs than 32 bits can count, other targets, the package for the web, many ranks where Open MPI
-# is installed, the folder of recordings that TRISAP_RECORDINGS names, and Miri where it is installed.
+# a million objects, more pairs than 32 bits can count, other targets, the package for the web, packages for C and
+# C++, Windows under Wine, many ranks where Open MPI is installed, the folder of recordings that TRISAP_RECORDINGS names, and Miri where it is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -40,6 +40,7 @@ if $all; then
     tests/instructions.sh
     tests/web.sh
     tests/targets.sh
+    tests/cpp/packages.sh
     if command -v mpirun >/dev/null; then
         CARGO_TARGET_DIR="$PWD/std-adapter/mpi/target" std-adapter/mpi/test.sh
     else

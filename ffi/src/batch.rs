@@ -1,11 +1,11 @@
 //! Many queries in one call, shared by the caller's workers.
 
 use crate::border::{self, Items};
+use crate::call::{Look, look, trisap_world};
 use crate::jobs::executor;
 use crate::query::{trisap_cast, trisap_region};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id, trisap_jobs};
-use crate::world::{Call, trisap_world, with};
 use core::ffi::CStr;
 use trisap_core::{Cast, Error, Region};
 
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     jobs: *const trisap_jobs,
     hits: *mut trisap_hit,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let range = call.range();
         // SAFETY: the caller's promise.
         let casts = unsafe { Items::new(casts, stride, count, &range)? };
@@ -53,7 +53,7 @@ pub unsafe extern "C" fn trisap_world_first_hits(
         outcome
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     room: usize,
     counts: *mut u32,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let range = call.range();
         // SAFETY: the caller's promise.
         let regions = unsafe { Items::new(regions, stride, count, &range)? };
@@ -110,7 +110,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         }
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Hands queries on, block by block, with the position of the first one of each block.

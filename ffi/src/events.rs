@@ -1,9 +1,9 @@
 //! Pairs by ids, which stay good when slots go to other objects.
 
 use crate::border;
+use crate::call::{Look, look, trisap_world};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
-use crate::world::{Call, trisap_world, with};
 use trisap_core::{Error, Id};
 
 /// All pairs of the last step: for `trisap_world_pair_ids`.
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn trisap_world_pair_ids(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let range = call.range();
         border::span(count, 1, &range)?;
         if room > 0 {
@@ -65,5 +65,5 @@ pub unsafe extern "C" fn trisap_world_pair_ids(
         if written > room { Err(Error::OutputFull { needed: written as u64 }.into()) } else { Ok(()) }
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }

@@ -1,10 +1,10 @@
 //! Whom an object meets.
 
 use crate::border;
+use crate::call::{Call, Look, look, trisap_world, with};
 use crate::objects::living;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
-use crate::world::{Call, trisap_world, with};
 use trisap_core::{Error, Filter};
 
 /// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn trisap_world_filter(
     id: trisap_id,
     filter: *mut trisap_filter,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         border::span(filter, 1, &call.range())?;
         let id = living(id)?;
         let world = call.world()?;
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn trisap_world_filter(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// The classes that there can be.

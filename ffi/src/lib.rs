@@ -1,7 +1,8 @@
 //! The C ABI of trisap. `include/trisap.h` is generated from this crate; `ffi/README.md` is its manual.
 //!
-//! Each file is a part of the header: `status`, `structs`, `world`, `objects`, `filter`, `resting`, `step`, `jobs`, `query`,
-//! `batch`, `snapshot`, `view`, `version`. `border` is where the caller's pointers become Rust's.
+//! Each file is a part of the header: `status`, `structs`, `report`, `world`, `objects`, `filter`, `resting`, `step`, `jobs`, `query`,
+//! `batch`, `snapshot`, `view`, `version`. `border` is where the caller's pointers become Rust's, `call` where
+//! worlds are entered.
 //!
 //! # Safety
 //!
@@ -9,8 +10,9 @@
 //!
 //! - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
 //!   initialised.
-//! - A world is used by one thread at a time. What its results point to may be read by any number of threads until the
-//!   next step or load.
+//! - What its results point to may be read by any number of threads until the next step or load. Threads that change a world
+//!   while others are inside are refused as busy, and so are those that look at one that is being changed.
+//! - Ids are those of this world: the ids of another one are not told apart from them.
 //! - Nobody else writes to the memory of a world, and it stays where it is while a call runs.
 //! - Callbacks return by no other way than returning: no exception, no `longjmp`.
 //!
@@ -41,6 +43,10 @@ pub mod status;
 pub mod aabb;
 
 pub mod structs;
+
+pub mod report;
+
+mod call;
 
 pub mod world;
 

@@ -2,9 +2,9 @@
 
 use crate::aabb::trisap_aabb;
 use crate::border;
+use crate::call::{Call, Look, look, trisap_world, with};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
-use crate::world::{Call, trisap_world, with};
 use trisap_core::{Error, Id};
 
 pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
@@ -145,12 +145,17 @@ pub unsafe extern "C" fn trisap_world_remove_many(
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_contains(world: *const trisap_world, id: trisap_id) -> trisap_status {
-    let ask = |call: &mut Call| {
-        let id = living(id)?;
-        if call.world()?.contains(id) { Ok(()) } else { Err(Error::StaleId { id }.into()) }
+    let mut lives = false;
+    let ask = |call: &Look| {
+        let world = call.world()?;
+        lives = Id::from_bits(id).is_some_and(|id| world.contains(id));
+        Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    match unsafe { look(world, ask) } {
+        trisap_status::Ok if !lives => trisap_status::StaleId,
+        status => status,
+    }
 }
 
 /// Writes the box of an object, as it was given last, to `aabb`. O(1).
@@ -161,7 +166,7 @@ pub unsafe extern "C" fn trisap_world_aabb(
     id: trisap_id,
     aabb: *mut trisap_aabb,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         border::span(aabb, 1, &call.range())?;
         let id = living(id)?;
         let known = call.world()?.aabb(id).ok_or(Error::StaleId { id })?;
@@ -170,7 +175,7 @@ pub unsafe extern "C" fn trisap_world_aabb(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// The object that lives in `slot`, or `TRISAP_NULL_ID`. O(1).
@@ -178,12 +183,12 @@ pub unsafe extern "C" fn trisap_world_aabb(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u32) -> trisap_id {
     let mut id = TRISAP_NULL_ID;
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         id = call.world()?.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) };
+    unsafe { look(world, ask) };
     id
 }
 
@@ -192,11 +197,11 @@ pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u3
 #[must_use]
 pub unsafe extern "C" fn trisap_world_len(world: *const trisap_world) -> u32 {
     let mut len = 0;
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         len = call.world()?.len();
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) };
+    unsafe { look(world, ask) };
     len
 }

@@ -4,9 +4,9 @@
 
 use crate::aabb::{point, trisap_aabb};
 use crate::border::{self, Answers};
+use crate::call::{Look, look, trisap_world};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id};
-use crate::world::{Call, trisap_world, with};
 use core::ffi::c_void;
 use core::ops::ControlFlow;
 use trisap_core::{Cast, Error, Hit, Id, Region};
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn trisap_world_overlaps(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         let (region, mut answers) =
             unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
@@ -153,10 +153,10 @@ pub unsafe extern "C" fn trisap_world_overlaps(
         answers.conclude()
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
-/// Called with an object; 0 ends the visit. Every call into the same world is refused as busy.
+/// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 pub type trisap_visit_id = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
 
 /// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for the
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
     visit: trisap_visit_id,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let visit = visit.ok_or(trisap_status::NullPointer)?;
         // SAFETY: the caller's promise.
         let region = unsafe { self::region(region)? };
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
         Ok(call.world()?.visit_overlaps(&region, &mut visit)?)
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where it meets
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn trisap_world_first_hit(
     cast: *const trisap_cast,
     hit: *mut trisap_hit,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         border::span(hit, 1, &call.range())?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
@@ -205,7 +205,7 @@ pub unsafe extern "C" fn trisap_world_first_hit(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near ones by
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn trisap_world_hits(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         let (cast, mut answers) =
             unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
@@ -235,11 +235,11 @@ pub unsafe extern "C" fn trisap_world_hits(
         answers.conclude()
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
-/// less than zero to stop. Every call into the same world is refused as busy.
+/// less than zero to stop. Calls that change the same world are refused as busy.
 pub type trisap_visit_hit = Option<unsafe extern "C" fn(user: *mut c_void, hit: trisap_hit) -> f64>;
 
 /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to the
@@ -252,7 +252,7 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
     visit: trisap_visit_hit,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let visit = visit.ok_or(trisap_status::NullPointer)?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
@@ -261,7 +261,7 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
         Ok(call.world()?.visit_hits(&cast, &mut visit)?)
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the nearest
@@ -276,7 +276,7 @@ pub unsafe extern "C" fn trisap_world_nearest(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         let range = call.range();
         border::check(position)?;
         border::span(count, 1, &range)?;
@@ -292,7 +292,7 @@ pub unsafe extern "C" fn trisap_world_nearest(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 // The header asserts the same on the other side of the border.

@@ -1,10 +1,10 @@
 //! Objects that the caller knows to rest.
 
 use crate::border;
+use crate::call::{Call, Look, look, trisap_world, with};
 use crate::objects::living;
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
-use crate::world::{Call, trisap_world, with};
 
 /// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
 /// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
@@ -47,11 +47,11 @@ pub unsafe extern "C" fn trisap_world_wake(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_is_resting(world: *const trisap_world, id: trisap_id) -> u32 {
     let mut rests = 0;
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         rests = u32::from(call.world()?.is_resting(living(id)?));
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) };
+    unsafe { look(world, ask) };
     rests
 }

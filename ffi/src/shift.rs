@@ -2,8 +2,8 @@
 
 use crate::aabb::point;
 use crate::border;
+use crate::call::{Call, trisap_world, with};
 use crate::status::trisap_status;
-use crate::world::{Call, trisap_world, with};
 
 /// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
 /// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.

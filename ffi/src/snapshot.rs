@@ -1,8 +1,8 @@
 //! Snapshots: a world as plain bytes, for rollback and for files.
 
 use crate::border;
+use crate::call::{Call, Look, look, trisap_world, with};
 use crate::status::trisap_status;
-use crate::world::{Call, trisap_world, with};
 use core::ffi::c_void;
 use trisap_core::Error;
 
@@ -11,12 +11,12 @@ use trisap_core::Error;
 #[must_use]
 pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) -> usize {
     let mut size = 0;
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         size = call.world()?.snapshot_size();
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) };
+    unsafe { look(world, ask) };
     size
 }
 
@@ -33,7 +33,7 @@ pub unsafe extern "C" fn trisap_world_save(
     room: usize,
     bytes: *mut usize,
 ) -> trisap_status {
-    let save = |call: &mut Call| {
+    let save = |call: &Look| {
         let range = call.range();
         border::span(bytes, 1, &range)?;
         if room > 0 {
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn trisap_world_save(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, save) }
+    unsafe { look(world, save) }
 }
 
 /// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the number of

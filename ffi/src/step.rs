@@ -1,10 +1,10 @@
 //! Steps and their results.
 
 use crate::border;
+use crate::call::{Call, trisap_world, with};
 use crate::jobs::executor;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_jobs, trisap_result};
-use crate::world::{Call, trisap_world, with};
 use core::ffi::{CStr, c_void};
 use trisap_core::{Error, Id, Rejected, World};
 

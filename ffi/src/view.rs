@@ -2,9 +2,9 @@
 
 use crate::aabb::trisap_aabb;
 use crate::border::Answers;
+use crate::call::{Look, look, trisap_world};
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
-use crate::world::{Call, trisap_world, with};
 use trisap_core::{LeafView, PlaneView};
 
 /// A leaf of the tree.
@@ -58,14 +58,14 @@ pub unsafe extern "C" fn trisap_world_leaves(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(leaves, room, count, &call.range())? };
         call.world()?.leaves().for_each(|leaf| answers.push(leaf.into()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
@@ -78,14 +78,14 @@ pub unsafe extern "C" fn trisap_world_planes(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(planes, room, count, &call.range())? };
         call.world()?.planes().for_each(|plane| answers.push(plane.into()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
@@ -98,14 +98,14 @@ pub unsafe extern "C" fn trisap_world_large(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(ids, room, count, &call.range())? };
         call.world()?.large().for_each(|id| answers.push(id.to_bits()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 // The header asserts the same on the other side of the border.

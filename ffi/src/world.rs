@@ -1,39 +1,15 @@
 //! Worlds in the caller's memory.
-//!
-//! The memory starts with a `Header`, a cache line that tells where the core's slab ends and who is inside; the slab
-//! follows. A `Call` enters, opens the core's world in the slab, and leaves.
 
 use crate::border;
+use crate::call::{Call, HEADER, Header, Look, check_header, look, memory_range};
+use crate::report;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_config, trisap_stats};
-use crate::version::TRISAP_ABI_VERSION;
 use core::ffi::c_void;
 use core::ops::Range;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use trisap_core::{Error, Path, Reason, World, layout};
 
-/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
-/// any other address of the same alignment, can be opened and goes on as the world would have.
-///
-/// One thread at a time may use it; there is nothing to free.
-pub struct trisap_world {
-    _opaque: [u8; 0],
-}
-
-/// What stands before the core's slab.
-#[repr(C, align(64))]
-struct Header {
-    magic: u32,
-    abi_version: u32,
-    slab_bytes: u64,
-    detail: u64,
-    /// Not zero while a call is inside.
-    busy: AtomicU32,
-}
-
-const MAGIC: u32 = u32::from_le_bytes(*b"trsp");
-const HEADER: usize = size_of::<Header>();
-const _: () = assert!(HEADER == 64);
+pub use crate::call::trisap_world;
 
 /// The bytes of a world, header and slab.
 fn size(config: &trisap_config) -> Result<usize, trisap_status> {
@@ -81,7 +57,7 @@ pub unsafe extern "C" fn trisap_world_init(
         // SAFETY: the caller's promise.
         unsafe { place(memory, bytes, &config, world, &[], make) }
     };
-    make().map_or_else(|refusal: Refusal| refusal.status, |()| trisap_status::Ok)
+    report::conclude(make())
 }
 
 /// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
@@ -103,7 +79,7 @@ pub unsafe extern "C" fn trisap_world_move(
     config: *const trisap_config,
     world: *mut *mut trisap_world,
 ) -> trisap_status {
-    let go = |call: &mut Call| {
+    let go = |call: &Look| {
         border::check(memory.cast::<Header>())?;
         // SAFETY: the caller's promise.
         let config = unsafe { border::read(config)? };
@@ -115,7 +91,7 @@ pub unsafe extern "C" fn trisap_world_move(
         unsafe { place(memory, bytes, &config, world, &[taken], make) }
     };
     // SAFETY: the caller's promise.
-    unsafe { with(from, go) }
+    unsafe { look(from, go) }
 }
 
 /// Makes a world in memory, once everything that can be wrong with it has been looked at. The memory may not reach into what is
@@ -141,7 +117,7 @@ unsafe fn place(
     if bytes < needed {
         return Err(trisap_status::MemoryTooSmall.into());
     }
-    border::span(world, 1, &range(memory, needed))?;
+    border::span(world, 1, &memory_range(memory, needed))?;
     for taken in taken {
         border::span(world, 1, taken)?;
         border::span(memory.cast::<u8>(), needed, taken)?;
@@ -152,15 +128,8 @@ unsafe fn place(
     // SAFETY: the bytes after the header, initialised just now.
     let slab = unsafe { core::slice::from_raw_parts_mut(header.add(1).cast::<u8>(), slab_bytes) };
     make(slab)?;
-    let made = Header {
-        magic: MAGIC,
-        abi_version: TRISAP_ABI_VERSION,
-        slab_bytes: slab_bytes as u64,
-        detail: 0,
-        busy: AtomicU32::new(0),
-    };
     // SAFETY: aligned, and the first bytes of the memory.
-    unsafe { header.write(made) };
+    unsafe { header.write(Header::new(slab_bytes)) };
     // SAFETY: aligned, not null, and outside of the memory.
     unsafe { world.write(header.cast()) };
     Ok(())
@@ -188,10 +157,10 @@ pub unsafe extern "C" fn trisap_world_open(
         if bytes - HEADER < slab_bytes {
             return Err(trisap_status::MemoryTooSmall.into());
         }
-        border::span(world, 1, &range(memory, HEADER + slab_bytes))?;
+        border::span(world, 1, &memory_range(memory, HEADER + slab_bytes))?;
         // A copy may have been made inside of a call.
         // SAFETY: as above.
-        unsafe { (*header).busy.store(0, Relaxed) };
+        unsafe { (*header).release() };
         // SAFETY: a world, as far as the header tells.
         let mut call = unsafe { Call::enter(header.cast())? };
         call.world()?;
@@ -200,7 +169,7 @@ pub unsafe extern "C" fn trisap_world_open(
         unsafe { world.write(header.cast()) };
         Ok(())
     };
-    find().map_or_else(|refusal: Refusal| refusal.status, |()| trisap_status::Ok)
+    report::conclude(find())
 }
 
 /// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
@@ -208,9 +177,7 @@ pub unsafe extern "C" fn trisap_world_open(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_error_detail(world: *const trisap_world) -> u64 {
     // SAFETY: the caller's promise.
-    let call = unsafe { Call::enter(world) };
-    // SAFETY: `enter` has checked the header.
-    call.map_or(0, |call| unsafe { (*call.header).detail })
+    unsafe { Look::enter(world) }.map_or(0, |look| look.detail())
 }
 
 /// The bytes that the world takes of its memory: what a copy for
@@ -219,7 +186,7 @@ pub unsafe extern "C" fn trisap_world_error_detail(world: *const trisap_world) -
 #[must_use]
 pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {
     // SAFETY: the caller's promise.
-    unsafe { Call::enter(world) }.map_or(0, |call| HEADER + call.slab_bytes)
+    unsafe { Look::enter(world) }.map_or(0, |look| look.range().len())
 }
 
 /// Writes what the world was made for to `config`.
@@ -229,7 +196,7 @@ pub unsafe extern "C" fn trisap_world_config(
     world: *const trisap_world,
     config: *mut trisap_config,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         unsafe { border::check_versioned(config)? };
         let known = trisap_config::from_core(&call.world()?.config());
@@ -238,7 +205,7 @@ pub unsafe extern "C" fn trisap_world_config(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Writes what the last step did to `stats`.
@@ -248,7 +215,7 @@ pub unsafe extern "C" fn trisap_world_stats(
     world: *const trisap_world,
     stats: *mut trisap_stats,
 ) -> trisap_status {
-    let ask = |call: &mut Call| {
+    let ask = |call: &Look| {
         // SAFETY: the caller's promise.
         unsafe { border::check_versioned(stats)? };
         let known = call.world()?.stats();
@@ -297,7 +264,7 @@ pub unsafe extern "C" fn trisap_world_stats(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
+    unsafe { look(world, ask) }
 }
 
 /// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
@@ -305,105 +272,7 @@ pub unsafe extern "C" fn trisap_world_stats(
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_validate(world: *const trisap_world) -> trisap_status {
-    let ask = |call: &mut Call| call.world()?.validate().map_err(|_| trisap_status::Corrupt.into());
+    let ask = |call: &Look| call.world()?.validate().map_err(|_| trisap_status::Corrupt.into());
     // SAFETY: the caller's promise.
-    unsafe { with(world, ask) }
-}
-
-/// A call that is inside a world, until it is dropped.
-pub(crate) struct Call {
-    header: *mut Header,
-    slab_bytes: usize,
-}
-
-impl Call {
-    /// # Safety
-    /// A pointer that is not null points to memory that `trisap_world_init` has made into a world, or at least to as
-    /// much initialised memory as a header; and no other thread is inside.
-    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
-        // What the caller may not change through the pointer, this crate does not change either, but for `busy` and the
-        // detail, which are no part of what the caller sees as the world.
-        let header = world.cast_mut().cast::<Header>();
-        border::check(header)?;
-        // SAFETY: aligned, not null, and a header by the caller's promise.
-        let slab_bytes = unsafe { check_header(header)? };
-        // SAFETY: as above.
-        let busy = unsafe { &(*header).busy };
-        // Not one atomic operation, since not all targets have it: it is there for calls from inside a step, and for
-        // other threads' mistakes as far as it sees them.
-        if busy.load(Relaxed) != 0 {
-            return Err(trisap_status::Busy);
-        }
-        busy.store(1, Relaxed);
-        Ok(Self { header, slab_bytes })
-    }
-
-    /// The core's slab.
-    pub(crate) fn slab(&self) -> *mut c_void {
-        self.header.wrapping_add(1).cast()
-    }
-
-    /// The addresses of the world's memory.
-    pub(crate) fn range(&self) -> Range<usize> {
-        range(self.header.cast(), HEADER + self.slab_bytes)
-    }
-
-    /// The core's world.
-    pub(crate) fn world(&mut self) -> Result<World<'_, u32>, Refusal> {
-        // SAFETY: the header says truly how long the slab is, `init` has initialised it, nobody else is inside, and the
-        // borrow of `self` keeps the slice the only one.
-        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
-        Ok(World::open(slab)?)
-    }
-}
-
-impl Drop for Call {
-    fn drop(&mut self) {
-        // SAFETY: `enter` has checked the header.
-        unsafe { (*self.header).busy.store(0, Relaxed) };
-    }
-}
-
-/// Does the work of a call inside the world.
-///
-/// # Safety
-/// As for [`Call::enter`].
-pub(crate) unsafe fn with(
-    world: *const trisap_world,
-    work: impl FnOnce(&mut Call) -> Result<(), Refusal>,
-) -> trisap_status {
-    // SAFETY: the same promise.
-    let mut call = match unsafe { Call::enter(world) } {
-        Ok(call) => call,
-        Err(status) => return status,
-    };
-    match work(&mut call) {
-        Ok(()) => trisap_status::Ok,
-        Err(refusal) => {
-            // SAFETY: `enter` has checked the header, and the call is inside.
-            unsafe { (*call.header).detail = refusal.detail };
-            refusal.status
-        }
-    }
-}
-
-/// The length of the slab behind a header of this version.
-///
-/// # Safety
-/// The pointer is aligned and points to as much initialised memory as a header.
-unsafe fn check_header(header: *const Header) -> Result<usize, trisap_status> {
-    // SAFETY: the caller's promise; no reference is made, as another thread may be writing to `busy`.
-    let (magic, abi_version, slab_bytes) =
-        unsafe { ((*header).magic, (*header).abi_version, (*header).slab_bytes) };
-    if magic != MAGIC || abi_version != TRISAP_ABI_VERSION {
-        return Err(trisap_status::NotAWorld);
-    }
-    usize::try_from(slab_bytes)
-        .ok()
-        .filter(|bytes| *bytes <= isize::MAX as usize - HEADER)
-        .ok_or(trisap_status::NotAWorld)
-}
-
-fn range(memory: *const c_void, bytes: usize) -> Range<usize> {
-    memory.addr()..memory.addr().saturating_add(bytes)
+    unsafe { look(world, ask) }
 }

@@ -353,3 +353,53 @@ fn margins_that_adapt_cross_the_border() {
         assert_eq!(stats.outran, if fixed_margins == 1 { 0 } else { COUNT as u32 / 2 });
     }
 }
+
+/// Mutable slices of the same bytes that nobody writes through: MIRIFLAGS=-Zmiri-tree-borrows watches it.
+#[test]
+fn several_threads_look_at_a_world() {
+    struct Shared(*const trisap_world);
+    // SAFETY: a world may be looked at from several threads.
+    unsafe impl Sync for Shared {}
+    let mut world = null_mut();
+    let mut ids = [0; COUNT];
+    let mut result = trisap_default_result();
+    let config = trisap_default_config(COUNT as u32);
+    // SAFETY: everything is as the functions say.
+    unsafe {
+        let bytes = trisap_world_size(&config);
+        let memory = Memory::new(bytes);
+        let made = trisap_world_init(memory.start.cast(), bytes, &config, &mut world);
+        assert_eq!(made, trisap_status::Ok);
+        let first = boxes(0.0);
+        let view = trisap_default_boxes(first.as_ptr(), COUNT);
+        assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
+        assert_eq!(trisap_world_step(world, null(), &mut result), trisap_status::Ok);
+        let shared = Shared(world);
+        let shared = &shared;
+        std::thread::scope(|scope| {
+            for _ in 0..3 {
+                scope.spawn(move || {
+                    let (mut found, mut count) = ([0; COUNT], 0);
+                    let region = trisap_region_aabb(&boxes(0.0)[3]);
+                    let status =
+                        trisap_world_overlaps(shared.0, &region, found.as_mut_ptr(), COUNT, &mut count);
+                    assert_eq!((status, count), (trisap_status::Ok, 3));
+                    assert_eq!(trisap_world_contains(shared.0, found[0]), trisap_status::Ok);
+                });
+            }
+        });
+        assert_eq!(trisap_world_step(world, null(), &mut result), trisap_status::Ok);
+    }
+}
+
+#[test]
+fn a_panic_says_where_it_was() {
+    let text = |file: &str, line, message: &str| {
+        let bytes = trisap_ffi::report::place(file, line, message);
+        std::ffi::CStr::from_bytes_until_nul(&bytes).expect("a zero at the end").to_str().map(str::to_owned)
+    };
+    assert_eq!(text("core/src/lib.rs", 12, "no").as_deref(), Ok("core/src/lib.rs:12: no"));
+    assert_eq!(text("a", 0, "b").as_deref(), Ok("a:0: b"));
+    assert_eq!(text("a", u32::MAX, "b").as_deref(), Ok("a:4294967295: b"));
+    assert_eq!(text("a", 1, &"x".repeat(300)).map(|text| text.len()), Ok(255));
+}

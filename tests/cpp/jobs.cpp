@@ -11,7 +11,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <random>
+#include <thread>
 #include <trisap.hpp>
+#include <utility>
 
 enum { OBJECTS = 6000, STEPS = 6 };
 
@@ -198,6 +200,54 @@ static void job_system_of_the_example(const std::vector<unsigned char> &expected
     CHECK(system.counts().shared + system.counts().alone == 2);
 }
 
+/// Threads look at a world at once, and none of them is refused; who would change it is refused meanwhile.
+static void readers() {
+    trisap::World world;
+    CHECK_OK(world.init(trisap::config(OBJECTS)));
+    std::vector<trisap::Id> ids(OBJECTS);
+    const std::vector<trisap::Aabb> boxes = scene(1);
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    CHECK_OK(world.step().status);
+    const trisap::World &seen = world;
+    std::vector<trisap::Id> expected(OBJECTS);
+    const trisap::Answers<trisap::Id> alone = seen.overlaps(trisap::region(boxes[7]), expected);
+    CHECK(alone && alone.size() > 0);
+
+    // All are inside of a visit at the same time.
+    const unsigned count = 4;
+    std::atomic<unsigned> inside = 0, done = 0;
+    std::vector<std::thread> threads;
+    for (unsigned i = 0; i < count; i++) {
+        threads.emplace_back([&] {
+            bool first = true;
+            CHECK_OK(seen.visit_overlaps(trisap::region(boxes[7]), [&](trisap::Id) {
+                if (std::exchange(first, false)) {
+                    inside++;
+                    while (inside < count) {
+                        std::this_thread::yield();
+                    }
+                    std::vector<trisap::Id> room(OBJECTS);
+                    const trisap::Answers<trisap::Id> same = seen.overlaps(trisap::region(boxes[7]), room);
+                    CHECK(same && std::equal(same.begin(), same.end(), alone.begin(), alone.end()));
+                    CHECK_STATUS(world.step().status, TRISAP_STATUS_BUSY);
+                    CHECK_STATUS(world.update(ids[0], boxes[1]), TRISAP_STATUS_BUSY);
+                    done++;
+                    // Nobody leaves before all have asked.
+                    while (done < count) {
+                        std::this_thread::yield();
+                    }
+                }
+            }));
+        });
+    }
+    for (std::thread &thread : threads) {
+        thread.join();
+    }
+    CHECK(done == count);
+    CHECK_OK(world.step().status);
+    CHECK_OK(world.validate());
+}
+
 int main() {
     const std::vector<unsigned char> expected = play(nullptr);
     CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
@@ -266,6 +316,7 @@ int main() {
     CHECK(world.size() == OBJECTS);
     CHECK_OK(world.validate());
     rule_and_queries();
+    readers();
     std::printf("jobs: the same %zu bytes from every job system\n", expected.size());
     return 0;
 }

@@ -389,7 +389,7 @@ static double visit_no_hit(void *user, trisap_hit hit) {
     return -1.0;
 }
 
-// A visitor that calls into its world is refused, and the visit goes on.
+// A visitor that would change its world is refused, and the visit goes on. It may look.
 static uint32_t meddle(void *user, trisap_id id) {
     const trisap_aabb aabb = cube(0.0f);
     trisap_result result = trisap_default_result();
@@ -400,10 +400,43 @@ static uint32_t meddle(void *user, trisap_id id) {
     CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_BUSY);
     CHECK_STATUS(trisap_world_set_resting(world, &id, 1), TRISAP_STATUS_BUSY);
     CHECK_STATUS(trisap_world_load(world, &id, 8), TRISAP_STATUS_BUSY);
-    CHECK_STATUS(trisap_world_large(world, &out, 1, &count), TRISAP_STATUS_BUSY);
-    CHECK(trisap_world_len(world) == 0 && trisap_world_snapshot_size(world) == 0 && count == 77);
+    CHECK_OK(trisap_world_large(world, &out, 1, &count));
+    CHECK(trisap_world_len(world) > 0 && trisap_world_snapshot_size(world) > 0 && count == 0);
     *(int *)user += 1;
     return 1;
+}
+
+static struct {
+    int count;
+    trisap_status status;
+    uint64_t detail;
+    uint32_t objects;
+} reported;
+
+static void note(void *user, trisap_status status, uint64_t detail, const char *text) {
+    CHECK(user == &reported && text == trisap_status_text(status));
+    reported.count++;
+    reported.status = status;
+    reported.detail = detail;
+    // The call has left the world.
+    reported.objects = trisap_world_len(world);
+}
+
+// Refusals are reported to a hook, and answers are not.
+static void reports(trisap_id living, trisap_id gone) {
+    trisap_set_report(note, &reported);
+    const trisap_aabb aabb = cube(0.0f);
+    CHECK_OK(trisap_world_contains(world, living));
+    CHECK_STATUS(trisap_world_contains(world, gone), TRISAP_STATUS_STALE_ID);
+    CHECK(reported.count == 0);
+    CHECK_STATUS(trisap_world_update(world, gone, &aabb), TRISAP_STATUS_STALE_ID);
+    CHECK(reported.count == 1 && reported.status == TRISAP_STATUS_STALE_ID && reported.detail == gone);
+    CHECK(reported.objects > 0);
+    CHECK_STATUS(trisap_world_init(NULL, 0, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(reported.count == 2 && reported.status == TRISAP_STATUS_NULL_POINTER);
+    trisap_set_report(NULL, NULL);
+    CHECK_STATUS(trisap_world_update(world, gone, &aabb), TRISAP_STATUS_STALE_ID);
+    CHECK(reported.count == 2);
 }
 
 static void regions(void) {
@@ -669,6 +702,7 @@ static void full_pairs(void) {
 
 int main(void) {
     set_up();
+    reports(ids[0], (trisap_id)77);
     worlds();
     configurations();
     boxes();

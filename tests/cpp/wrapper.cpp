@@ -157,6 +157,77 @@ static void views() {
 static bool odd_sum(std::uint32_t a, std::uint32_t b) { return (a + b) % 2 == 1; }
 
 /// Callables of every kind, and nothing of theirs is allocated.
+/// Memory from the caller, who sees what is taken and given back, and may refuse.
+struct Arena {
+    std::size_t taken = 0, held = 0;
+    int left = 1000;
+};
+
+static trisap::Allocator allocator_of(Arena &arena) {
+    trisap::Allocator allocator;
+    allocator.allocate = [](void *user, std::size_t bytes, std::size_t align) noexcept -> void * {
+        Arena &its = *static_cast<Arena *>(user);
+        its.taken += its.left > 0 ? bytes : 0;
+        its.held += its.left > 0 ? bytes : 0;
+        return its.left-- > 0 ? std::aligned_alloc(align, (bytes + align - 1) / align * align) : nullptr;
+    };
+    allocator.free = [](void *user, void *memory, std::size_t bytes, std::size_t) noexcept {
+        static_cast<Arena *>(user)->held -= bytes;
+        std::free(memory);
+    };
+    allocator.user = &arena;
+    return allocator;
+}
+
+/// A world that begins with room for two objects, and is given forty, all in one place.
+static void growing() {
+    Arena arena;
+    const int before = allocations_left;
+    {
+        trisap::World world(allocator_of(arena));
+        trisap::Config config = trisap::config(2);
+        config.events = 1;
+        CHECK_OK(world.init(config));
+        CHECK(world.config().objects == 2 && trisap::World().config().objects == 0);
+        trisap::Status status = TRISAP_STATUS_OK;
+        const trisap::Id first = world.insert(cube(0.0f)), second = world.insert(cube(0.5f));
+        CHECK(world.insert(cube(0.0f), &status) == trisap::null_id && status == TRISAP_STATUS_OBJECTS_FULL);
+        CHECK(world.step().found.size() == 1);
+        world.set_growing(true);
+        std::vector<trisap::Id> ids(38);
+        const std::vector<trisap::Aabb> boxes(38, cube(0.25f));
+        CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+        CHECK(world.size() == 40 && world.contains(first) && world.contains(second));
+        const trisap::Step step = world.step();
+        CHECK(step && step.pairs.size() == 40 * 39 / 2 && step.found.size() == 40 * 39 / 2 - 1 && step.lost.empty());
+        CHECK(world.config().pairs >= 40 * 39 / 2 && world.config().events == 1);
+        CHECK_OK(world.validate());
+
+        // A copy of its bytes goes on in a world of its own.
+        std::vector<std::byte> copy(trisap_world_bytes(world.c()));
+        std::memcpy(copy.data(), world.c(), copy.size());
+        trisap::World opened;
+        CHECK_OK(opened.open(copy));
+        CHECK(opened.size() == 40 && opened.result().pairs.size() == 40 * 39 / 2);
+        CHECK_STATUS(opened.open(trisap::View<const std::byte>(copy.data(), 64)), TRISAP_STATUS_MEMORY_TOO_SMALL);
+        CHECK(opened.size() == 40);
+
+        // Where there is no memory, all stays as it was.
+        arena.left = 0;
+        while (world.size() < world.config().objects) {
+            CHECK(world.insert(cube(90.0f)) != trisap::null_id);
+        }
+        const std::uint32_t size = world.size();
+        CHECK(world.insert(cube(0.0f), &status) == trisap::null_id && status == TRISAP_STATUS_MEMORY_TOO_SMALL);
+        CHECK(world.size() == size && world.contains(first));
+        trisap::World moved(std::move(world));
+        CHECK(moved.contains(first));
+    }
+    CHECK(arena.taken > 0 && arena.held == 0);
+    // Only what was opened came from elsewhere.
+    CHECK(before - allocations_left == 2);
+}
+
 static void callables() {
     trisap::World world;
     trisap::Config config = trisap::config(8);
@@ -244,6 +315,7 @@ int main() {
     moves();
     refusals();
     views();
+    growing();
     callables();
     std::puts("wrapper: all checks passed");
     return 0;

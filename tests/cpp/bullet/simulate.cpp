@@ -4,7 +4,6 @@
 // narrow phase, which are those of brute force; trisap hands over nothing else. Then each works alone, and the time of the
 // broad phase is printed.
 
-#include "broadphase.hpp"
 #include "mirror.hpp"
 
 #include <btBulletDynamicsCommon.h>
@@ -14,6 +13,7 @@
 #include <cstring>
 #include <random>
 #include <string>
+#include <trisap_bullet.hpp>
 
 using Seconds = std::chrono::duration<double>;
 
@@ -55,7 +55,7 @@ private:
         const HandedOver working = handed_over(mirror.working()), other = handed_over(mirror.other());
         CHECK(working.overlapping == expected);
         CHECK(other.overlapping == expected);
-        const bool trisap_works = dynamic_cast<TrisapBroadphase *>(&mirror.working()) != nullptr;
+        const bool trisap_works = dynamic_cast<trisap::BulletBroadphase *>(&mirror.working()) != nullptr;
         surplus_of_trisap += trisap_works ? working.surplus : other.surplus;
         surplus_of_bullet += trisap_works ? other.surplus : working.surplus;
         overlapping += expected.size();
@@ -223,15 +223,13 @@ static void rays_and_removals(Simulation &simulation) {
 
 using Scene = void (*)(Simulation &);
 
-static TrisapBroadphase make_trisap() { return {4096, 65536}; }
-
 static void compare(const char *name, Scene scene) {
     for (const bool trisap_works : {true, false}) {
-        TrisapBroadphase trisap = make_trisap();
+        trisap::BulletBroadphase ours(64); // grows
         btDbvtBroadphase dbvt;
         std::printf("%s: %s works\n", name, trisap_works ? "trisap" : "btDbvtBroadphase");
-        Mirror mirror(trisap_works ? static_cast<btBroadphaseInterface &>(trisap) : dbvt,
-                      trisap_works ? static_cast<btBroadphaseInterface &>(dbvt) : trisap);
+        Mirror mirror(trisap_works ? static_cast<btBroadphaseInterface &>(ours) : dbvt,
+                      trisap_works ? static_cast<btBroadphaseInterface &>(dbvt) : ours);
         Simulation simulation(mirror);
         scene(simulation);
         const World &world = simulation.world;
@@ -248,15 +246,15 @@ static void measure(const char *name, Scene scene) {
         scene(simulation);
         return simulation.world.broadphase_time.count() * 1e3 / 300;
     };
-    TrisapBroadphase trisap = make_trisap();
+    trisap::BulletBroadphase ours(64); // grows
     btDbvtBroadphase dbvt;
-    const double trisap_time = alone(trisap), dbvt_time = alone(dbvt);
+    const double trisap_time = alone(ours), dbvt_time = alone(dbvt);
     std::printf("%s: broad phase a step: trisap %.3f ms, btDbvtBroadphase %.3f ms\n", name, trisap_time, dbvt_time);
     btVector3 low, high;
-    trisap.getBroadphaseAabb(low, high);
+    ours.getBroadphaseAabb(low, high);
     CHECK(low == high);
-    trisap.resetPool(nullptr);
-    trisap.printStats();
+    ours.resetPool(nullptr);
+    ours.printStats();
 }
 
 int main() {

@@ -1,37 +1,47 @@
-// trisap as a broad phase of Bullet: a btBroadphaseInterface over trisap.hpp.
+// trisap as a broad phase of Bullet: a btBroadphaseInterface over trisap.hpp. Needs Bullet's own headers.
+//
+//     trisap::BulletBroadphase broadphase;
+//     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 //
 // Bullet keeps the pairs; trisap tells which are new and which are gone. Boxes are collected as Bullet sets them, and
-// seen by one step for all of them. Rays and boxes ask trisap's tree.
+// seen by one step for all of them. Rays and boxes ask trisap's tree. The world grows as bodies and pairs come.
 
-#ifndef BROADPHASE_HPP
-#define BROADPHASE_HPP
+#ifndef TRISAP_BULLET_HPP
+#define TRISAP_BULLET_HPP
 
-#include "../check.h"
+#include "trisap.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
-#include <trisap.hpp>
 #include <vector>
 
-class TrisapBroadphase final : public btBroadphaseInterface {
+namespace trisap {
+
+/// A broad phase for `btCollisionWorld` and what derives from it. Bullet knows no way to be refused: where there is no memory, or a box
+/// has NaN in it, the program ends and says why.
+class BulletBroadphase final : public btBroadphaseInterface {
 public:
-    TrisapBroadphase(std::uint32_t objects, std::uint32_t pairs)
-        : boxes_(objects), proxies_(objects), is_new_(objects) {
-        config_ = trisap::config(objects);
-        config_.pairs = pairs;
+    /// With room for so many bodies at first. `pairs` is a pair cache of the caller's, or null for one of its own.
+    explicit BulletBroadphase(std::uint32_t objects = 1024, btOverlappingPairCache *pairs = nullptr)
+        : config_(trisap::config(objects)), pairs_(pairs == nullptr ? own_pairs_ : *pairs) {
         config_.events = 1;
-        CHECK_OK(world_.init(config_));
+        begin();
     }
 
     btBroadphaseProxy *createProxy(const btVector3 &min, const btVector3 &max, int /*shape*/, void *object, int group,
                                    int mask, btDispatcher * /*dispatcher*/) override {
         trisap::Status status = TRISAP_STATUS_OK;
         const trisap::Id id = world_.insert(box(min, max), &status);
-        // Bullet knows no way to be refused.
-        CHECK_OK(status);
+        expect(status);
         const std::uint32_t slot = trisap::slot(id);
+        if (slot >= proxies_.size()) {
+            boxes_.resize(slot + 1);
+            proxies_.resize(slot + 1);
+            is_new_.resize(slot + 1);
+        }
         proxies_[slot] = std::make_unique<Proxy>(min, max, object, group, mask, id);
         proxies_[slot]->m_uniqueId = ++last_unique_id_;
         boxes_[slot] = box(min, max);
@@ -43,7 +53,7 @@ public:
     void destroyProxy(btBroadphaseProxy *proxy, btDispatcher *dispatcher) override {
         pairs_.removeOverlappingPairsContainingProxy(proxy, dispatcher);
         const trisap::Id id = static_cast<Proxy *>(proxy)->id;
-        CHECK_OK(world_.remove(id));
+        expect(world_.remove(id));
         proxies_[trisap::slot(id)].reset();
     }
 
@@ -62,8 +72,7 @@ public:
 
     void calculateOverlappingPairs(btDispatcher *dispatcher) override {
         const trisap::Step step = world_.step_over(trisap::boxes(boxes_));
-        CHECK_OK(step.status);
-        CHECK(step.rejected == 0);
+        expect(step.rejected == 0 ? step.status : TRISAP_STATUS_BAD_BOX);
         for (const auto &[a, b] : step.lost) {
             // The pairs of a removed object went with it, and its slot may hold another one by now.
             if (stayed(a) && stayed(b)) {
@@ -94,13 +103,13 @@ public:
             cast.direction[k] = static_cast<float>(direction[k]);
         }
         cast.distance = static_cast<float>(callback.m_lambda_max + room);
-        CHECK_OK(world_.visit_hits(cast, [&](trisap::Hit hit) { callback.process(proxy(hit.id)); }));
+        expect(world_.visit_hits(cast, [&](trisap::Hit hit) { callback.process(proxy(hit.id)); }));
     }
 
     void aabbTest(const btVector3 &min, const btVector3 &max, btBroadphaseAabbCallback &callback) override {
         tell_boxes();
         const trisap::Region region = trisap::region(box(min, max));
-        CHECK_OK(world_.visit_overlaps(region, [&](trisap::Id id) { callback.process(proxy(id)); }));
+        expect(world_.visit_overlaps(region, [&](trisap::Id id) { callback.process(proxy(id)); }));
     }
 
     btOverlappingPairCache *getOverlappingPairCache() override { return &pairs_; }
@@ -122,7 +131,7 @@ public:
     /// So that a scene that is built again runs as it did.
     void resetPool(btDispatcher *) override {
         if (world_.size() == 0) {
-            CHECK_OK(world_.init(config_));
+            begin();
             last_unique_id_ = 0;
         }
     }
@@ -134,6 +143,18 @@ public:
     }
 
 private:
+    void begin() {
+        expect(world_.init(config_));
+        world_.set_growing(true);
+    }
+
+    static void expect(Status status) {
+        if (status != TRISAP_STATUS_OK) {
+            std::fprintf(stderr, "trisap for Bullet: %s\n", text(status));
+            std::abort();
+        }
+    }
+
     struct Proxy : btBroadphaseProxy {
         Proxy(const btVector3 &min, const btVector3 &max, void *object, int group, int mask, trisap::Id named)
             : btBroadphaseProxy(min, max, object, group, mask), id(named) {}
@@ -149,7 +170,7 @@ private:
     void tell_boxes() {
         for (const std::uint32_t slot : set_slots_) {
             if (proxies_[slot] != nullptr) {
-                CHECK_OK(world_.update(proxies_[slot]->id, boxes_[slot]));
+                expect(world_.update(proxies_[slot]->id, boxes_[slot]));
             }
         }
         set_slots_.clear();
@@ -161,7 +182,8 @@ private:
 
     trisap::Config config_;
     trisap::World world_;
-    btHashedOverlappingPairCache pairs_;
+    btHashedOverlappingPairCache own_pairs_;
+    btOverlappingPairCache &pairs_;
     // By slot.
     std::vector<trisap::Aabb> boxes_;
     std::vector<std::unique_ptr<Proxy>> proxies_;
@@ -172,4 +194,6 @@ private:
     int last_unique_id_ = 0;
 };
 
-#endif
+} // namespace trisap
+
+#endif // TRISAP_BULLET_HPP

@@ -1,0 +1,265 @@
+//! Calls inside of worlds.
+//!
+//! The memory of a world starts with a `Header`, a cache line that tells where the core's slab ends and who is inside; the slab
+//! follows. A `Call` enters alone, a `Look` beside others that look; both open the core's world in the slab, and leave.
+
+use crate::border;
+use crate::report;
+use crate::status::{Refusal, trisap_status};
+use crate::version::TRISAP_ABI_VERSION;
+use core::ffi::c_void;
+use core::ops::{Deref, Range};
+use core::sync::atomic::{
+    AtomicU32,
+    Ordering::{Acquire, Relaxed, Release},
+};
+use trisap_core::World;
+
+/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
+/// any other address of the same alignment, can be opened and goes on as the world would have.
+///
+/// One thread at a time may change it, any number may look at it: functions that take it as `const`. What comes while it is not
+/// allowed is refused as busy. There is nothing to free.
+pub struct trisap_world {
+    _opaque: [u8; 0],
+}
+
+/// What stands before the core's slab.
+#[repr(C, align(64))]
+pub(crate) struct Header {
+    magic: u32,
+    abi_version: u32,
+    slab_bytes: u64,
+    /// The detail of the last refusal, in halves: several threads that look may be refused at once.
+    detail: [AtomicU32; 2],
+    /// How many look, or `ALONE`.
+    inside: AtomicU32,
+}
+
+const MAGIC: u32 = u32::from_le_bytes(*b"trsp");
+/// One that changes the world is inside.
+const ALONE: u32 = u32::MAX;
+pub(crate) const HEADER: usize = size_of::<Header>();
+const _: () = assert!(HEADER == 64);
+
+impl Header {
+    pub(crate) fn new(slab_bytes: usize) -> Self {
+        Self {
+            magic: MAGIC,
+            abi_version: TRISAP_ABI_VERSION,
+            slab_bytes: slab_bytes as u64,
+            detail: [const { AtomicU32::new(0) }; 2],
+            inside: AtomicU32::new(0),
+        }
+    }
+
+    /// Nobody is inside any more.
+    pub(crate) fn release(&self) {
+        self.inside.store(0, Release);
+    }
+
+    /// Where there is no atomic exchange, there is one thread: refused is what comes from inside a call.
+    #[cfg(not(target_has_atomic = "32"))]
+    fn take(&self, next: fn(u32) -> Option<u32>) -> bool {
+        let taken = next(self.inside.load(Relaxed));
+        taken.inspect(|taken| self.inside.store(*taken, Relaxed)).is_some()
+    }
+
+    #[cfg(target_has_atomic = "32")]
+    fn take(&self, next: fn(u32) -> Option<u32>) -> bool {
+        self.inside.fetch_update(Acquire, Relaxed, next).is_ok()
+    }
+
+    /// One that looks leaves.
+    fn leave(&self) {
+        #[cfg(target_has_atomic = "32")]
+        self.inside.fetch_sub(1, Release);
+        #[cfg(not(target_has_atomic = "32"))]
+        self.inside.store(self.inside.load(Acquire) - 1, Release);
+    }
+}
+
+/// A world that somebody is inside of.
+pub(crate) struct Inside {
+    header: *mut Header,
+    slab_bytes: usize,
+}
+
+impl Inside {
+    /// # Safety
+    /// As for [`Call::enter`].
+    unsafe fn enter(world: *const trisap_world, next: fn(u32) -> Option<u32>) -> Result<Self, trisap_status> {
+        // What the caller may not change through the pointer, this crate does not change either, but for `inside` and the
+        // detail, which are no part of what the caller sees as the world.
+        let header = world.cast_mut().cast::<Header>();
+        border::check(header)?;
+        // SAFETY: aligned, not null, and a header by the caller's promise.
+        let slab_bytes = unsafe { check_header(header)? };
+        // SAFETY: as above; the fields that change are atomic.
+        if unsafe { (*header).take(next) } {
+            Ok(Self { header, slab_bytes })
+        } else {
+            Err(trisap_status::Busy)
+        }
+    }
+
+    fn header(&self) -> &Header {
+        // SAFETY: `enter` has checked it, and its fields that change are atomic.
+        unsafe { &*self.header }
+    }
+
+    /// The core's slab.
+    pub(crate) fn slab(&self) -> *mut c_void {
+        self.header.wrapping_add(1).cast()
+    }
+
+    /// The addresses of the world's memory.
+    pub(crate) fn range(&self) -> Range<usize> {
+        memory_range(self.header.cast(), HEADER + self.slab_bytes)
+    }
+
+    /// What the last refusal was about.
+    pub(crate) fn detail(&self) -> u64 {
+        let [low, high] = self.header().detail.each_ref().map(|half| u64::from(half.load(Relaxed)));
+        low | high << 32
+    }
+
+    fn note(&self, detail: u64) {
+        let [low, high] = &self.header().detail;
+        low.store(detail as u32, Relaxed);
+        high.store((detail >> 32) as u32, Relaxed);
+    }
+}
+
+/// A call that changes a world, until it is dropped.
+pub(crate) struct Call(Inside);
+
+impl Call {
+    /// # Safety
+    /// A pointer that is not null points to memory that `trisap_world_init` has made into a world, or at least to as
+    /// much initialised memory as a header.
+    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
+        // SAFETY: the same promise.
+        unsafe { Inside::enter(world, |inside| (inside == 0).then_some(ALONE)) }.map(Self)
+    }
+
+    /// The core's world.
+    pub(crate) fn world(&mut self) -> Result<World<'_, u32>, Refusal> {
+        // SAFETY: the header says truly how long the slab is, `init` has initialised it, nobody else is inside, and the
+        // borrow of `self` keeps the slice the only one.
+        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
+        Ok(World::open(slab)?)
+    }
+}
+
+impl Deref for Call {
+    type Target = Inside;
+    fn deref(&self) -> &Inside {
+        &self.0
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        self.header().release();
+    }
+}
+
+/// A call that looks at a world, beside others that do, until it is dropped.
+pub(crate) struct Look(Inside);
+
+/// A world that is only looked at.
+pub(crate) struct Seen<'m>(World<'m, u32>);
+
+impl Look {
+    /// # Safety
+    /// As for [`Call::enter`].
+    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
+        // SAFETY: the same promise.
+        unsafe { Inside::enter(world, |inside| inside.checked_add(1).filter(|inside| *inside != ALONE)) }
+            .map(Self)
+    }
+
+    /// The core's world.
+    pub(crate) fn world(&self) -> Result<Seen<'_>, Refusal> {
+        // SAFETY: the header says truly how long the slab is, and `init` has initialised it. Others that look may have slices
+        // of the same bytes; nobody writes to them while one is inside: to open a world writes nothing, and `Seen` gives out
+        // shared references alone. By Tree Borrows mutable references that nobody writes through stand beside each other;
+        // Miri with -Zmiri-tree-borrows watches that in ffi/tests/border.rs.
+        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
+        Ok(Seen(World::open(slab)?))
+    }
+}
+
+impl<'m> Deref for Seen<'m> {
+    type Target = World<'m, u32>;
+    fn deref(&self) -> &World<'m, u32> {
+        &self.0
+    }
+}
+
+impl Deref for Look {
+    type Target = Inside;
+    fn deref(&self) -> &Inside {
+        &self.0
+    }
+}
+
+impl Drop for Look {
+    fn drop(&mut self) {
+        self.header().leave();
+    }
+}
+
+/// Does the work of a call that changes a world.
+///
+/// # Safety
+/// As for [`Call::enter`].
+pub(crate) unsafe fn with(
+    world: *const trisap_world,
+    work: impl FnOnce(&mut Call) -> Result<(), Refusal>,
+) -> trisap_status {
+    // SAFETY: the same promise.
+    let outcome = unsafe { Call::enter(world) }.map_err(Refusal::from).and_then(|mut call| {
+        let outcome = work(&mut call);
+        outcome.inspect_err(|refusal| call.note(refusal.detail))
+    });
+    report::conclude(outcome)
+}
+
+/// Does the work of a call that looks at a world.
+///
+/// # Safety
+/// As for [`Call::enter`].
+pub(crate) unsafe fn look(
+    world: *const trisap_world,
+    work: impl FnOnce(&Look) -> Result<(), Refusal>,
+) -> trisap_status {
+    // SAFETY: the same promise.
+    let outcome = unsafe { Look::enter(world) }
+        .map_err(Refusal::from)
+        .and_then(|look| work(&look).inspect_err(|refusal| look.note(refusal.detail)));
+    report::conclude(outcome)
+}
+
+/// The length of the slab behind a header of this version.
+///
+/// # Safety
+/// The pointer is aligned and points to as much initialised memory as a header.
+pub(crate) unsafe fn check_header(header: *const Header) -> Result<usize, trisap_status> {
+    // SAFETY: the caller's promise; no reference is made, as the memory may hold anything.
+    let (magic, abi_version, slab_bytes) =
+        unsafe { ((*header).magic, (*header).abi_version, (*header).slab_bytes) };
+    if magic != MAGIC || abi_version != TRISAP_ABI_VERSION {
+        return Err(trisap_status::NotAWorld);
+    }
+    usize::try_from(slab_bytes)
+        .ok()
+        .filter(|bytes| *bytes <= isize::MAX as usize - HEADER)
+        .ok_or(trisap_status::NotAWorld)
+}
+
+/// The addresses of so many bytes.
+pub(crate) fn memory_range(memory: *const c_void, bytes: usize) -> Range<usize> {
+    memory.addr()..memory.addr().saturating_add(bytes)
+}

@@ -1,0 +1,181 @@
+// Whole steps of btDiscreteDynamicsWorld with Bullet's DBVT, its axis sweep and trisap: time of the step, and of it of the broad
+// phase and of the pair cache, which is a part of the broad phase. `steps [BODIES ...]`; 2,000, 8,000 and 20,000 if none are given.
+//
+// The broad phases take turns, step by step, each with a world of its own. That all hand over the same pairs is what simulate.cpp
+// looks at: here the order of pairs differs, so piles come to rest in other ways, and what is printed beside the times says how
+// much work the rest of the step had.
+
+#include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
+#include <algorithm>
+#include <btBulletDynamicsCommon.h>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <trisap_bullet.hpp>
+#include <vector>
+
+using Clock = std::chrono::steady_clock;
+
+static double since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+/// Bullet's pair cache with a clock.
+class TimedPairs final : public btHashedOverlappingPairCache {
+public:
+    btBroadphasePair *addOverlappingPair(btBroadphaseProxy *a, btBroadphaseProxy *b) override {
+        const auto start = Clock::now();
+        btBroadphasePair *pair = btHashedOverlappingPairCache::addOverlappingPair(a, b);
+        time += since(start);
+        return pair;
+    }
+
+    void *removeOverlappingPair(btBroadphaseProxy *a, btBroadphaseProxy *b, btDispatcher *dispatcher) override {
+        const auto start = Clock::now();
+        void *pair = btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
+        time += since(start);
+        return pair;
+    }
+
+    double time = 0;
+};
+
+class World final : public btDiscreteDynamicsWorld {
+public:
+    using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+    void performDiscreteCollisionDetection() override {
+        const auto start = Clock::now();
+        updateAabbs();
+        computeOverlappingPairs();
+        broadphase_time = since(start);
+        getDispatcher()->dispatchAllCollisionPairs(getPairCache(), getDispatchInfo(), getDispatcher());
+    }
+
+    double broadphase_time = 0;
+};
+
+enum class Scene { falling, piled, resting };
+
+class Simulation {
+public:
+    Simulation(const char *called, Scene scene, int count) : name(called), dispatcher_(&configuration_), box_({0.5f, 0.5f, 0.5f}) {
+        if (name[0] == 'D') {
+            broadphase_ = std::make_unique<btDbvtBroadphase>(&pairs_);
+        } else if (name[0] == 'a') {
+            const auto handles = static_cast<unsigned>(count + 64);
+            broadphase_ = std::make_unique<bt32BitAxisSweep3>(btVector3(-500, -500, -500), btVector3(500, 2000, 500), handles, &pairs_);
+        } else {
+            broadphase_ = std::make_unique<trisap::BulletBroadphase>(1024u, &pairs_);
+        }
+        world_ = std::make_unique<World>(&dispatcher_, broadphase_.get(), &solver_, &configuration_);
+        world_->setGravity({0, -9.81f, 0});
+        add(floor_, {0, -50, 0}, 0);
+        const int side = std::max(4, static_cast<int>(std::cbrt(count / (scene == Scene::falling ? 1.0 : 2.0))));
+        // Apart in the air; a loose pile that settles; or on the ground, each on its own.
+        const btScalar gap = scene == Scene::falling ? 2.0f : 1.1f;
+        const int flat = static_cast<int>(std::sqrt(double(count)));
+        for (int i = 0; i < count; i++) {
+            const int row = scene == Scene::resting ? flat : side;
+            const btScalar jitter = 0.05f * btScalar(i % 7);
+            btVector3 at(btScalar(i % row) * gap + jitter, btScalar(i / row / row) * gap + 0.6f, btScalar(i / row % row) * gap + jitter);
+            if (scene == Scene::resting) {
+                at = {btScalar(i % row) * 1.5f, 0.5f, btScalar(i / row) * 1.5f};
+            } else if (scene == Scene::falling) {
+                at += btVector3(0, 400, 0);
+            }
+            add(box_, at - btVector3(btScalar(row) / 2, 0, btScalar(row) / 2), 1).setDamping(0.1f, 0.1f);
+        }
+    }
+
+    ~Simulation() {
+        for (const auto &body : bodies_) {
+            world_->removeRigidBody(body.get());
+        }
+    }
+
+    void step(bool counted) {
+        pairs_.time = 0;
+        const auto start = Clock::now();
+        world_->stepSimulation(1.0f / 60.0f, 0);
+        if (counted) {
+            steps.push_back(since(start));
+            broadphases.push_back(world_->broadphase_time);
+            caches.push_back(pairs_.time);
+        }
+    }
+
+    int asleep() const {
+        return static_cast<int>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto &body) { return !body->isActive(); }));
+    }
+    int pairs() { return pairs_.getNumOverlappingPairs(); }
+    int touching() {
+        int touching = 0;
+        for (int i = 0; i < dispatcher_.getNumManifolds(); i++) {
+            touching += dispatcher_.getManifoldByIndexInternal(i)->getNumContacts() > 0;
+        }
+        return touching;
+    }
+
+    const char *name;
+    std::vector<double> steps, broadphases, caches;
+
+private:
+    btRigidBody &add(btBoxShape &shape, const btVector3 &at, btScalar mass) {
+        btVector3 inertia(0, 0, 0);
+        if (mass > 0) {
+            shape.calculateLocalInertia(mass, inertia);
+        }
+        bodies_.push_back(std::make_unique<btRigidBody>(mass, nullptr, &shape, inertia));
+        bodies_.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), at));
+        world_->addRigidBody(bodies_.back().get());
+        return *bodies_.back();
+    }
+
+    TimedPairs pairs_;
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_;
+    btSequentialImpulseConstraintSolver solver_;
+    btBoxShape box_, floor_{{400, 50, 400}};
+    std::unique_ptr<btBroadphaseInterface> broadphase_;
+    std::unique_ptr<World> world_;
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+static double median(std::vector<double> times) {
+    std::sort(times.begin(), times.end());
+    return times[times.size() / 2];
+}
+
+int main(int count, char **arguments) {
+    std::vector<int> sizes;
+    for (int i = 1; i < count; i++) {
+        sizes.push_back(std::atoi(arguments[i]));
+    }
+    if (sizes.empty()) {
+        sizes = {2000, 8000, 20000};
+    }
+    const struct {
+        const char *name;
+        Scene scene;
+        int before, steps;
+    } scenes[] = {{"falling", Scene::falling, 10, 60}, {"piled", Scene::piled, 60, 60}, {"resting", Scene::resting, 150, 60}};
+    std::printf("| scene | bodies | broad phase | step, ms | broad phase, ms | of it pair cache, ms | pairs | touching | asleep |\n");
+    std::printf("|---|---:|---|---:|---:|---:|---:|---:|---:|\n");
+    for (const int size : sizes) {
+        for (const auto &[name, scene, before, steps] : scenes) {
+            Simulation simulations[3] = {{"DBVT", scene, size}, {"axis sweep", scene, size}, {"trisap", scene, size}};
+            for (int step = 0; step < before + steps; step++) {
+                for (Simulation &simulation : simulations) {
+                    simulation.step(step >= before);
+                }
+            }
+            for (Simulation &its : simulations) {
+                std::printf("| %s | %d | %s | %.2f | %.2f | %.2f | %d | %d | %d |\n", name, size, its.name, median(its.steps),
+                            median(its.broadphases), median(its.caches), its.pairs(), its.touching(), its.asleep());
+            }
+            std::fflush(stdout);
+        }
+    }
+    return 0;
+}
