@@ -22,9 +22,13 @@ enum Level {
     Avx512(Avx512),
 }
 
+/// Whether there is scalar code. Each level is all phases once more, and vectors that are always there need no other.
+const PLAIN: bool = cfg!(feature = "scalar") || narrow::Level::GUARANTEED.is_none();
+
 impl Kernels {
-    /// No vectors: for comparison, and where there are none.
-    pub const SCALAR: Self = Self(Level::Scalar(Scalar));
+    /// No vectors: for comparison, and where there are none. Where the target guarantees vectors, and the crate is built without
+    /// its feature `scalar`, there is no such code, and this is [`BASELINE`](Self::BASELINE).
+    pub const SCALAR: Self = Self(Self(Level::Scalar(Scalar)).level());
 
     /// The best level that needs no detection, as every CPU that the target names has it: NEON of AArch64; simd128 of
     /// WebAssembly, SSE4.1 and AVX2 of x86 where the program is compiled for these; else scalar code.
@@ -59,7 +63,7 @@ impl Kernels {
         if let Some(level) = Self::avx512().filter(|_| Avx512::pays()) {
             return level;
         }
-        Self::avx2().or_else(Self::narrow).unwrap_or(Self::SCALAR)
+        Self::avx2().or_else(Self::narrow).unwrap_or(Self::BASELINE)
     }
 
     /// 128-bit vectors, where this CPU has them: SSE4.1 of x86 with POPCNT, NEON of AArch64, simd128 of WebAssembly where the
@@ -89,7 +93,7 @@ impl Kernels {
 
     /// Every level of this CPU, the plainest first.
     pub fn all() -> impl Iterator<Item = Self> {
-        [Some(Self::SCALAR), Self::narrow(), Self::avx2(), Self::avx512()].into_iter().flatten()
+        [PLAIN.then_some(Self::SCALAR), Self::narrow(), Self::avx2(), Self::avx512()].into_iter().flatten()
     }
 
     /// The name of the level, as the program's `--kernels` takes it.
@@ -111,11 +115,20 @@ impl Kernels {
         Self::all().find(|level| level.name() == name)
     }
 
+    /// The level, or what stands in for scalar code where there is none.
+    #[inline(always)]
+    const fn level(self) -> Level {
+        match (self.0, narrow::Level::GUARANTEED) {
+            (Level::Scalar(_), Some(vectors)) if !PLAIN => Level::Narrow(vectors),
+            (level, _) => level,
+        }
+    }
+
     /// Runs a phase compiled for this level; for AVX2 where the CPU has AVX-512, whose masks and registers are only worth
     /// their price where many rows are compared.
     #[inline]
     pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
-        match self.0 {
+        match self.level() {
             Level::Scalar(simd) => phase.run(simd),
             Level::Narrow(simd) => simd.call(phase),
             #[cfg(target_arch = "x86_64")]
@@ -151,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_best_level_of_the_cpu_is_detected() {
-        let mut levels = std::vec!["scalar"];
+        let mut levels = if PLAIN { std::vec!["scalar"] } else { std::vec![] };
         if cfg!(target_arch = "aarch64") {
             levels.push("neon");
         }
@@ -176,13 +189,26 @@ mod tests {
         }
         assert!(Kernels::all().map(Kernels::name).eq(levels.iter().copied()), "{levels:?}");
         assert_eq!(Kernels::detect().name(), best);
-        // What the target promises, this CPU has.
-        let promised = levels.iter().position(|name| *name == Kernels::BASELINE.name());
-        assert!(
-            promised.is_some_and(
-                |at| at > 0 || cfg!(not(any(target_arch = "aarch64", target_feature = "simd128")))
-            )
-        );
+        // What the target promises.
+        let baseline = if cfg!(target_arch = "aarch64") {
+            "neon"
+        } else if cfg!(target_feature = "simd128") {
+            "simd128"
+        } else if cfg!(all(
+            target_arch = "x86_64",
+            target_feature = "avx2",
+            target_feature = "bmi1",
+            target_feature = "bmi2",
+            target_feature = "popcnt"
+        )) {
+            "avx2"
+        } else if cfg!(all(target_feature = "sse4.1", target_feature = "popcnt")) {
+            "sse4.1"
+        } else {
+            "scalar"
+        };
+        assert_eq!(Kernels::BASELINE.name(), baseline);
+        assert!(levels.contains(&baseline));
         assert!(levels.iter().all(|name| Kernels::by_name(name).is_some_and(|level| level.name() == *name)));
     }
 }

@@ -59,9 +59,15 @@ next_page:
     mov eax, 0x1000
     mov cr3, eax
 
-    # PAE, OSFXSR, OSXMMEXCPT, OSXSAVE.
+    # PAE, OSFXSR, OSXMMEXCPT, and OSXSAVE where the CPU has XSAVE: bit 26 of what it says of itself is bit 18 here.
+    mov eax, 1
+    cpuid
+    mov ebx, ecx
+    shr ebx, 8
+    and ebx, 0x40000
     mov eax, cr4
-    or eax, 0x40620
+    or eax, 0x620
+    or eax, ebx
     mov cr4, eax
     # LME of EFER.
     mov ecx, 0xc0000080
@@ -80,10 +86,17 @@ next_page:
 .code64
 long:
     # The registers that the operating system keeps.
+    test ebx, ebx
+    jz no_wide_registers
+    # Of those that this CPU has.
+    mov eax, 13
+    xor ecx, ecx
+    cpuid
+    and eax, [rip + registers]
     xor ecx, ecx
     xor edx, edx
-    mov eax, [rip + registers]
     xsetbv
+no_wide_registers:
 
     mov esi, offset rom
     mov edi, offset program

@@ -254,7 +254,11 @@ fn run(memory: &mut Memory) -> Result<bool, Error> {
     for level in Kernels::all() {
         let _ = write!(Console, " {} |", level.name());
     }
-    let _ = writeln!(Console, "\n|---|---|--:|--:|--:|--:|");
+    let _ = write!(Console, "\n|---|---|--:|");
+    for _ in Kernels::all() {
+        let _ = write!(Console, "--:|");
+    }
+    let _ = writeln!(Console);
     Ok(recordings(memory)? & made(memory)?)
 }
 
