@@ -1,4 +1,4 @@
-//! Names the shared library as `install.sh` installs it.
+//! Names the shared library as CMake installs it.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

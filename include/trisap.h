@@ -19,14 +19,15 @@
 
 #ifdef __cplusplus
 #define TRISAP_NOEXCEPT noexcept
-#define TRISAP_NODISCARD [[nodiscard]]
 #else
 #define TRISAP_NOEXCEPT
-#if defined(__GNUC__)
+#endif
+#if defined(__cplusplus) && __cplusplus >= 201703L
+#define TRISAP_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__)
 #define TRISAP_NODISCARD __attribute__((warn_unused_result))
 #else
 #define TRISAP_NODISCARD
-#endif
 #endif
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.

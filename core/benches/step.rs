@@ -10,7 +10,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use memmap2::MmapMut;
 use std::hint::black_box;
 use std::time::Duration;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Id, Kernels, Margin, World, layout};
 
 /// Numbers from 0 to 1, the same in every run.
 struct Random(u64);
@@ -65,7 +65,6 @@ fn moving(first: Frame, share: f32, length: f32) -> Vec<Frame> {
 struct Fixture {
     slab: MmapMut,
     config: Config,
-    ids: Vec<Option<Id>>,
 }
 
 impl Fixture {
@@ -75,20 +74,20 @@ impl Fixture {
         #[cfg(target_os = "linux")]
         slab.advise(memmap2::Advice::HugePage).ok();
         slab.fill(0);
-        Self { slab, config, ids: vec![None; config.capacity.objects as usize] }
+        Self { slab, config }
     }
 
     /// A world that has made one step over the boxes.
     fn world(&mut self, boxes: &[Aabb], kernels: Kernels) -> World<'_> {
         let mut world = World::new_in(&mut self.slab, &self.config).expect("a world");
-        world.insert_many(Boxes::new(boxes), &mut self.ids).expect("room");
-        world.step(kernels, &Serial).expect("room for the pairs");
+        world.insert_many(Boxes::new(boxes)).expect("room");
+        world.set_kernels(kernels).step().expect("room for the pairs");
         world
     }
 }
 
 fn config(objects: usize, pairs: usize) -> Config {
-    Config::new(Capacity { objects: objects as u32, leaf_refs: objects as u32, pairs: pairs as u32 })
+    Config::new(Capacity::for_objects(objects as u32).with_leaf_refs(objects as u32).with_pairs(pairs as u32))
 }
 
 /// Times steps over frames that run to and fro. Returns the pairs of the last one.
@@ -99,7 +98,7 @@ fn steps(bencher: &mut criterion::Bencher<'_>, config: Config, frames: &[Frame],
     let mut next = order.iter().cycle();
     bencher.iter(|| {
         let frame = &frames[*next.next().unwrap_or(&0)];
-        let step = world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+        let step = world.set_kernels(kernels).step_over(Boxes::new(frame)).expect("room for the pairs");
         black_box(step.pairs().len())
     });
 }
@@ -204,7 +203,7 @@ fn crowd(criterion: &mut Criterion) {
             let mut step = || {
                 let frame = &frames[*next.next().unwrap_or(&0)];
                 world.update_many(&ids, Boxes::new(frame)).expect("living objects");
-                let step = world.step(kernels, &Serial).expect("room for the pairs");
+                let step = world.set_kernels(kernels).step().expect("room for the pairs");
                 black_box(step.found().len() + step.lost().len())
             };
             // Until all leaves are divided.
@@ -223,19 +222,17 @@ fn churn(criterion: &mut Criterion) {
         let tenth = count / 10;
         let mut fixture = Fixture::new(config(count, 20 * count));
         let mut world = World::<u32>::new_in(&mut fixture.slab, &fixture.config).expect("a world");
-        world.insert_many(Boxes::new(&boxes), &mut fixture.ids).expect("room");
-        let mut ids: Vec<Id> = fixture.ids.iter().flatten().copied().collect();
+        let mut ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
         let mut first = 0;
         group.bench_function(BenchmarkId::new("remove and insert 10 %", count), |bencher| {
             bencher.iter(|| {
                 world.remove_many(&ids[first..first + tenth]).expect("living objects");
-                let mut new = vec![None; tenth];
-                world.insert_many(Boxes::new(&boxes[first..first + tenth]), &mut new).expect("room");
-                for (id, new) in ids[first..].iter_mut().zip(new.into_iter().flatten()) {
+                let new = world.insert_many(Boxes::new(&boxes[first..first + tenth])).expect("room");
+                for (id, new) in ids[first..].iter_mut().zip(new) {
                     *id = new;
                 }
                 first = (first + tenth) % (10 * tenth);
-                world.step(Kernels::detect(), &Serial).expect("room for the pairs").pairs().len()
+                world.step().expect("room for the pairs").pairs().len()
             });
         });
     }
@@ -250,7 +247,7 @@ fn snapshot(criterion: &mut Criterion) {
     let mut fixture = Fixture::new(config(count, 20 * count).with_events());
     let mut world = fixture.world(&frames[0], kernels);
     for frame in &frames {
-        world.step_over(Boxes::new(frame), kernels, &Serial).expect("room for the pairs");
+        world.set_kernels(kernels).step_over(Boxes::new(frame)).expect("room for the pairs");
     }
     let mut bytes = vec![0; world.snapshot_size()];
     let name = format!("{count}, {:.1} bytes an object", bytes.len() as f64 / count as f64);
@@ -265,7 +262,7 @@ fn snapshot(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("load and an idle step", &name), |bencher| {
         bencher.iter(|| {
             world.load(&bytes).expect("a snapshot of this world");
-            world.step(kernels, &Serial).expect("room for the pairs");
+            world.set_kernels(kernels).step().expect("room for the pairs");
         });
     });
 }

@@ -5,16 +5,13 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, Kernels, Serial, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, layout};
 
 const VEHICLES: usize = 8;
 /// Room for as many pairs as there can be, so that no step ever fails.
-const CONFIG: Config = Config::new(Capacity {
-    objects: VEHICLES as u32,
-    leaf_refs: 0,
-    pairs: (VEHICLES * (VEHICLES - 1) / 2) as u32,
-})
-.with_events();
+const CONFIG: Config =
+    Config::new(Capacity::for_objects(VEHICLES as u32).with_pairs((VEHICLES * (VEHICLES - 1) / 2) as u32))
+        .with_events();
 /// All the memory there is, known when the program is built.
 const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
 
@@ -32,9 +29,9 @@ fn drive(memory: &mut InlineWorld<BYTES>, ticks: usize) -> Result<[usize; 2], Er
     for tick in 0..ticks {
         let spaces: [Aabb; VEHICLES] = core::array::from_fn(|vehicle| safe_space(vehicle, tick));
         if world.is_empty() {
-            world.insert_many(Boxes::new(&spaces), &mut [None; VEHICLES])?;
+            world.insert_many(Boxes::new(&spaces))?;
         }
-        let step = world.step_over(Boxes::new(&spaces), Kernels::BASELINE, &Serial)?;
+        let step = world.step_over(Boxes::new(&spaces))?;
         near += step.found().len();
         apart += step.lost().len();
     }

@@ -180,13 +180,12 @@ mod tests {
         let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
         let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let boxes: Vec<Aabb> = (0..1000u16).map(|k| cube(f32::from(k))).collect();
-        let mut ids = vec![None; boxes.len()];
-        world.insert_many(Boxes::new(&boxes), &mut ids).unwrap();
-        assert_eq!(world.step(Kernels::BASELINE, &Serial).unwrap().pairs().len(), 999);
+        let ids: Vec<_> = world.insert_many(Boxes::new(&boxes)).unwrap().collect();
+        assert_eq!(world.set_kernels(Kernels::BASELINE).step().unwrap().pairs().len(), 999);
         world.parts.place.put(7, 1 << 30);
-        world.set_aabb(ids[7].unwrap(), cube(7.01)).unwrap();
-        assert_eq!(world.step(Kernels::BASELINE, &Serial).err(), Some(Error::InvariantBroken));
-        let step = world.step(Kernels::BASELINE, &Serial).unwrap();
+        world.set_aabb(ids[7], cube(7.01)).unwrap();
+        assert_eq!(world.set_kernels(Kernels::BASELINE).step().err(), Some(Error::InvariantBroken));
+        let step = world.set_kernels(Kernels::BASELINE).step().unwrap();
         assert_eq!((step.pairs().len(), step.lost()), (998, &[[6, 7]][..]));
         assert_eq!(world.validate(), Ok(()));
     }

@@ -4,11 +4,13 @@ use crate::error::Error;
 
 /// How much fits into a world. Nothing is ever lost at these limits: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Capacity {
     /// Objects that can live at once. One more is [`Error::ObjectsFull`].
     pub objects: u32,
-    /// Boxes that may reach beyond the leaf that they live in. With fewer than a scene needs, the tree uses
-    /// larger leaves, which is slower; zero means no tree at all. Half of `objects` suits most scenes.
+    /// Boxes that may reach beyond the leaf that they live in; of no meaning in worlds for up to 64 objects and lean ones, which
+    /// have no tree. With fewer than a scene needs, the tree uses larger leaves, which is slower; zero means no tree at all. Half of
+    /// `objects` suits most scenes.
     pub leaf_refs: u32,
     /// Pairs that a step can return. More are counted and reported as [`Error::PairsFull`]. An exact world with margins keeps
     /// the overlaps of fat boxes there, too, if there is room; else its steps are slower:
@@ -22,6 +24,20 @@ impl Capacity {
     #[must_use]
     pub const fn for_objects(objects: u32) -> Self {
         Self { objects, leaf_refs: objects / 2, pairs: objects.saturating_mul(8) }
+    }
+
+    /// The same with room for another number of pairs.
+    #[must_use]
+    pub const fn with_pairs(mut self, pairs: u32) -> Self {
+        self.pairs = pairs;
+        self
+    }
+
+    /// The same with room for another number of boxes that reach beyond their leaf.
+    #[must_use]
+    pub const fn with_leaf_refs(mut self, leaf_refs: u32) -> Self {
+        self.leaf_refs = leaf_refs;
+        self
     }
 }
 
@@ -122,6 +138,7 @@ impl Margin {
 
 /// What a world is made for: its capacity and the parts that it pays for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Config {
     /// How much fits.
     pub capacity: Capacity,
@@ -183,6 +200,13 @@ impl Config {
             sharing: Choice::Automatic,
             fixed_margins: false,
         }
+    }
+
+    /// The same with another capacity.
+    #[must_use]
+    pub const fn with_capacity(mut self, capacity: Capacity) -> Self {
+        self.capacity = capacity;
+        self
     }
 
     /// The same with another mode.

@@ -5,7 +5,7 @@
 //! outside `simd` and `parallel`, no recursion.
 //!
 //! ```
-//! use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
+//! use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
 //!
 //! const CONFIG: Config = Config::new(Capacity::for_objects(16));
 //! const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
@@ -15,9 +15,9 @@
 //! let floor = world.insert(Aabb::new([-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]))?;
 //! let ball = world.insert(Aabb::new([0.0, 0.0, 0.5], [1.0, 1.0, 1.5]))?;
 //!
-//! assert!(world.step(Kernels::BASELINE, &Serial)?.pairs().is_empty());
+//! assert!(world.step()?.pairs().is_empty());
 //! world.set_aabb(ball, Aabb::new([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]))?; // touching counts
-//! assert_eq!(world.step(Kernels::BASELINE, &Serial)?.pairs(), [[floor.slot() as u16, ball.slot() as u16]]);
+//! assert_eq!(world.step()?.pairs(), [[floor.slot() as u16, ball.slot() as u16]]);
 //! # Ok::<(), trisap_core::Error>(())
 //! ```
 //!
@@ -83,9 +83,9 @@ pub use parallel::offer::Offer;
 pub use query::{Cast, Hit, Region};
 pub use simd::kernels::Kernels;
 pub use validate::Invalid;
-pub use world::InlineWorld;
+pub use world::{InlineWorld, Inserted};
 pub use world::{LeafView, PlaneView};
-pub use world::{Step, World};
+pub use world::{Step, Stepper, World};
 
 #[doc = include_str!("../ARCHITECTURE.md")]
 #[cfg(doc)]

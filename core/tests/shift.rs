@@ -1,7 +1,7 @@
 //! Worlds whose origin moves, beside worlds whose origin stays.
 
 use proptest::prelude::*;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, Kernels, Margin, Mode, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, Margin, Mode, World, layout};
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -26,7 +26,7 @@ fn sorted(pairs: &[[u32; 2]]) -> Pairs {
 /// Pairs, found and lost pairs of a step, each ascending. All invariants hold before and after it.
 fn step(world: &mut World<'_>) -> [Pairs; 3] {
     world.validate().expect("valid before the step");
-    let step = world.step(Kernels::detect(), &Serial).expect("room");
+    let step = world.step().expect("room");
     let result = [sorted(step.pairs()), sorted(step.found()), sorted(step.lost())];
     world.validate().expect("valid after the step");
     result
@@ -68,10 +68,8 @@ fn exact_shifts_change_neither_pairs_nor_events() {
             let (mut here, mut there) = (slab(&config), slab(&config));
             let (mut here, mut there) = (open(&mut here, &config), open(&mut there, &config));
             let boxes: Vec<_> = (0..count).map(|_| random.boxed(side)).collect();
-            let mut ids = vec![None; count];
-            here.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
-            there.insert_many(Boxes::new(&boxes), &mut vec![None; count]).expect("room");
-            let ids: Vec<Id> = ids.into_iter().flatten().collect();
+            let ids: Vec<Id> = here.insert_many(Boxes::new(&boxes)).expect("room").collect();
+            there.insert_many(Boxes::new(&boxes)).expect("room");
             let mut origin = [0.0; 3];
             let mut events = 0;
             for round in 0..12 {
@@ -114,8 +112,7 @@ fn a_shift_alone_is_no_event() {
         let mut world = open(&mut slab, &config);
         let mut random = Random(5);
         let boxes: Vec<_> = (0..3000).map(|_| random.boxed(24)).collect();
-        let mut ids = vec![None; boxes.len()];
-        world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+        let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
         let first = step(&mut world);
         assert!(!first[0].is_empty());
         assert_eq!(world.shift_origin([-4096.0, 64.0, 0.5]), Ok(0));
@@ -125,7 +122,7 @@ fn a_shift_alone_is_no_event() {
         assert_eq!((pairs, found.len(), lost.len()), (first[0].clone(), 0, 0), "{config:?}");
         // Removed before and inserted after a shift: lost and found.
         let [a, b] = first[0][0];
-        world.remove(ids[a as usize].expect("an id")).expect("alive");
+        world.remove(ids[a as usize]).expect("alive");
         world.shift_origin([64.0, 0.0, 0.0]).expect("finite");
         let again = moved(boxes[a as usize], [-4032.0, 64.0, 0.5]);
         assert_eq!(world.insert(again).expect("room").slot(), a);
@@ -179,16 +176,15 @@ proptest! {
             let mut slab = slab(&config);
             let mut world = open(&mut slab, &config);
             let boxes: Vec<_> = (0..count).map(|_| random.boxed((count as f64 * 5.0).cbrt() as i32)).collect();
-            let mut ids = vec![None; count];
-            world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+            let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
             let overlapping = brute_force(&boxes);
             let mut last = Pairs::new();
             let mut exact = true;
             for by in [[0.0; 3]].iter().chain(&by) {
-                let before: Vec<_> = ids.iter().flatten().map(|id| world.aabb(*id).expect("alive")).collect();
+                let before: Vec<_> = ids.iter().map(|id| world.aabb(*id).expect("alive")).collect();
                 let rounded = world.shift_origin(*by).expect("finite");
                 exact &= rounded == 0;
-                for (id, before) in ids.iter().flatten().zip(&before) {
+                for (id, before) in ids.iter().zip(&before) {
                     let now = world.aabb(*id).expect("alive");
                     for k in 0..3 {
                         // The difference of an `f32` and a small `f64` may be rounded itself, so only where it is not.
@@ -201,7 +197,7 @@ proptest! {
                 }
                 // Everything may overlap now.
                 world.validate().expect("valid before the step");
-                let Ok(step) = world.step(Kernels::detect(), &Serial) else { break };
+                let Ok(step) = world.step() else { break };
                 let [pairs, found, lost] = [step.pairs(), step.found(), step.lost()].map(sorted);
                 world.validate().expect("valid after the step");
                 let within = |inner: &Pairs, outer: &Pairs| inner.iter().all(|p| outer.binary_search(p).is_ok());

@@ -58,11 +58,11 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
     let mut random = Random(count as u64);
     let side = (count as f32 * 6.0).cbrt();
     let mut boxes: Vec<_> = (0..count).map(|_| random.boxed(side)).collect();
-    world.insert_many(Boxes::new(&boxes), &mut vec![None; count]).unwrap();
+    world.insert_many(Boxes::new(&boxes)).unwrap();
     let mut results = vec![];
     let mut last = vec![];
     for frame in 0..8 {
-        let step = world.step_over(Boxes::new(&boxes), kernels, executor).unwrap();
+        let step = world.set_kernels(kernels).on(executor).step_over(Boxes::new(&boxes)).unwrap();
         let mut pairs = step.pairs().to_vec();
         results.push(step.pairs().to_vec());
         let stats = step.stats();
@@ -110,11 +110,11 @@ fn run(config: Config, count: usize, kernels: Kernels, executor: &dyn Executor) 
 #[test]
 fn every_path_finds_the_pairs_of_brute_force() {
     for count in [0, 1, 2, 3, 100, 512, 513, 2000, 5000] {
-        let config = Config::new(Capacity {
-            objects: count as u32,
-            leaf_refs: count as u32 / 2,
-            pairs: 20 * count as u32,
-        })
+        let config = Config::new(
+            Capacity::for_objects(count as u32)
+                .with_leaf_refs(count as u32 / 2)
+                .with_pairs(20 * count as u32),
+        )
         .with_events();
         let first = run(config, count, Kernels::SCALAR, &Serial);
         for kernels in Kernels::all() {
@@ -132,7 +132,7 @@ fn every_path_finds_the_pairs_of_brute_force() {
 #[test]
 fn margins_change_speed_alone() {
     for count in [100, 3000] {
-        let capacity = Capacity { objects: count, leaf_refs: count, pairs: 40 * count };
+        let capacity = Capacity::for_objects(count).with_leaf_refs(count).with_pairs(40 * count);
         let config = Config::new(capacity).with_events().with_margin(Margin::share(0.2));
         run(config, count as usize, Kernels::detect(), &Serial);
         run(config.with_mode(Mode::Fat), count as usize, Kernels::detect(), &Serial);
@@ -146,23 +146,23 @@ fn ties_are_counted() {
         .map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| x as f32))
         .map(|low| Aabb::new(low, low.map(|x| x + 1.0)))
         .collect();
-    let config = Config::new(Capacity { pairs: 20_000, ..Capacity::for_objects(1000) });
+    let config = Config::new(Capacity::for_objects(1000).with_pairs(20_000));
     let mut slab = vec![Line([0; 64]); layout::<u32>(&config).unwrap().bytes / 64];
     let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
-    world.insert_many(Boxes::new(&boxes), &mut vec![None; 1000]).unwrap();
+    world.insert_many(Boxes::new(&boxes)).unwrap();
     for kernels in Kernels::all() {
-        let stats = world.step_over(Boxes::new(&boxes), kernels, &Serial).unwrap().stats();
+        let stats = world.set_kernels(kernels).step_over(Boxes::new(&boxes)).unwrap().stats();
         assert!(stats.path == Path::Unchanged || stats.tied > 1000, "{stats:?}");
     }
     // Few of ordinary boxes.
     let mut random = Random(3);
     let boxes: Vec<_> = (0..1000).map(|_| random.boxed(18.0)).collect();
-    let stats = world.step_over(Boxes::new(&boxes), Kernels::detect(), &Serial).unwrap().stats();
+    let stats = world.step_over(Boxes::new(&boxes)).unwrap().stats();
     assert!(stats.candidates > 1000 && stats.tied < stats.candidates / 20, "{stats:?}");
 }
 
 #[test]
 fn a_world_without_leaf_references_has_one_leaf() {
-    let config = Config::new(Capacity { objects: 5000, leaf_refs: 0, pairs: 100_000 });
+    let config = Config::new(Capacity::for_objects(5000).with_leaf_refs(0).with_pairs(100_000));
     run(config, 5000, Kernels::detect(), &Serial);
 }

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::ptr::null;
 use std::time::Instant;
-use trisap_core::{Boxes, Capacity, Config, Error, Id, Kernels, Serial, World, layout};
+use trisap_core::{Boxes, Capacity, Config, Error, Id, World, layout};
 use trisap_ffi::objects::{trisap_world_insert_many, trisap_world_update_many};
 use trisap_ffi::status::trisap_status;
 use trisap_ffi::step::trisap_world_step;
@@ -97,9 +97,8 @@ struct Native<'m> {
 impl<'m> Native<'m> {
     fn new(config: &Config, memory: &'m mut [u8], first: &Frame) -> Self {
         let mut world = World::new_in(memory, config).expect("enough memory");
-        let mut ids = vec![None; first.len()];
-        world.insert_many(Boxes::padded(first), &mut ids).expect("enough room");
-        Self { world, ids: ids.into_iter().flatten().collect() }
+        let ids = world.insert_many(Boxes::padded(first)).expect("enough room").collect();
+        Self { world, ids }
     }
 
     #[inline(never)]
@@ -107,7 +106,7 @@ impl<'m> Native<'m> {
         // Called as it stands, not compiled anew for this caller and its layout of boxes.
         let update_many: fn(&mut World<'m>, &[Id], Boxes<'_>) -> Result<(), Error> = World::update_many;
         black_box(update_many)(&mut self.world, &self.ids, Boxes::padded(frame)).expect("good boxes");
-        self.world.step(Kernels::detect(), &Serial).expect("room for all pairs").pairs().len()
+        self.world.step().expect("room for all pairs").pairs().len()
     }
 }
 

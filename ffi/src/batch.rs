@@ -7,7 +7,7 @@ use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id, trisap_jobs};
 use crate::world::{Call, trisap_world, with};
 use core::ffi::CStr;
-use trisap_core::{Cast, Error, Kernels, Region};
+use trisap_core::{Cast, Error, Region};
 
 const NAME: &CStr = c"trisap queries";
 
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn trisap_world_first_hits(
             |cast| Some(cast.into()),
             |start, casts| {
                 let out = out.get_mut(start..).unwrap_or_default();
-                world.first_hits(casts, Kernels::detect(), &executor, out)
+                world.first_hits(casts, &executor, out)
             },
         );
         if outcome.is_err() {
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
             let ids = ids.get_mut(start * room..(start + regions.len()) * room).unwrap_or_default();
             let counts = counts.get_mut(start..).unwrap_or_default();
-            match world.overlaps_many(regions, Kernels::detect(), &executor, ids, counts) {
+            match world.overlaps_many(regions, &executor, ids, counts) {
                 // The others may have room enough.
                 Err(Error::OutputFull { .. }) => Ok(()),
                 outcome => outcome,

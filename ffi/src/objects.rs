@@ -95,7 +95,11 @@ pub unsafe extern "C" fn trisap_world_insert_many(
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
         let ids = unsafe { border::new_ids(ids, boxes.len(), &call.range())? };
-        Ok(call.world()?.insert_many(boxes, ids)?)
+        let mut world = call.world()?;
+        for (id, new) in ids.iter_mut().zip(world.insert_many(boxes)?) {
+            *id = Some(new);
+        }
+        Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, insert) }

@@ -9,7 +9,7 @@ use crate::structs::{trisap_hit, trisap_id};
 use crate::world::{Call, trisap_world, with};
 use core::ffi::c_void;
 use core::ops::ControlFlow;
-use trisap_core::{Cast, Error, Hit, Id, Kernels, Region};
+use trisap_core::{Cast, Error, Hit, Id, Region};
 
 /// A box: for `trisap_region::kind`.
 pub const TRISAP_REGION_AABB: u32 = 0;
@@ -145,7 +145,7 @@ pub unsafe extern "C" fn trisap_world_overlaps(
         // SAFETY: the caller's promise.
         let (region, mut answers) =
             unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
-        call.world()?.visit_overlaps(&region, Kernels::detect(), &mut |id| {
+        call.world()?.visit_overlaps(&region, &mut |id| {
             answers.push(id.to_bits());
             ControlFlow::Continue(())
         })?;
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
                 _ => ControlFlow::Continue(()),
             }
         };
-        Ok(call.world()?.visit_overlaps(&region, Kernels::detect(), &mut visit)?)
+        Ok(call.world()?.visit_overlaps(&region, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, ask) }
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn trisap_world_first_hit(
         border::span(hit, 1, &call.range())?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
-        let first = call.world()?.first_hit(&cast, Kernels::detect())?;
+        let first = call.world()?.first_hit(&cast)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
         Ok(())
@@ -224,7 +224,7 @@ pub unsafe extern "C" fn trisap_world_hits(
         // SAFETY: the caller's promise.
         let (cast, mut answers) =
             unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
-        call.world()?.visit_hits(&cast, Kernels::detect(), &mut |hit| {
+        call.world()?.visit_hits(&cast, &mut |hit| {
             answers.push(trisap_hit::from(hit));
             f64::INFINITY
         })?;
@@ -258,7 +258,7 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
         let cast = unsafe { self::cast(cast)? };
         // SAFETY: called as its contract says.
         let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
-        Ok(call.world()?.visit_hits(&cast, Kernels::detect(), &mut visit)?)
+        Ok(call.world()?.visit_hits(&cast, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, ask) }
@@ -285,7 +285,7 @@ pub unsafe extern "C" fn trisap_world_nearest(
         let world = call.world()?;
         // SAFETY: the caller's promise.
         let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
-        let found = world.nearest(position, Kernels::detect(), hits.as_options());
+        let found = world.nearest(position, hits.as_options());
         hits.settle();
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { count.write(found?) };

@@ -6,7 +6,7 @@ use crate::status::{Refusal, trisap_status};
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_jobs, trisap_result};
 use crate::world::{Call, trisap_world, with};
 use core::ffi::{CStr, c_void};
-use trisap_core::{Error, Id, Kernels, Rejected, World};
+use trisap_core::{Error, Id, Rejected, World};
 
 const NAME: &CStr = c"trisap step";
 
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn trisap_world_step(
     let step = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
-        let outcome = call.world()?.step(Kernels::detect(), &executor).map(|step| step.rejected());
+        let outcome = call.world()?.on(&executor).step().map(|step| step.rejected());
         conclude(call, outcome, result)
     };
     // SAFETY: the caller's promise.
@@ -51,8 +51,7 @@ pub unsafe extern "C" fn trisap_world_step_over(
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
-        let outcome =
-            call.world()?.step_over(boxes, Kernels::detect(), &executor).map(|step| step.rejected());
+        let outcome = call.world()?.on(&executor).step_over(boxes).map(|step| step.rejected());
         conclude(call, outcome, result)
     };
     // SAFETY: the caller's promise.
@@ -90,10 +89,13 @@ pub unsafe extern "C" fn trisap_world_step_with_rule(
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
         let rule = |a: u32, b: u32| rule.meet(a, b);
-        let outcome = call
-            .world()?
-            .step_with_rule(boxes, &rule, Kernels::detect(), &executor)
-            .map(|step| step.rejected());
+        let mut world = call.world()?;
+        let stepper = world.on(&executor).with_rule(&rule);
+        let outcome = match boxes {
+            Some(boxes) => stepper.step_over(boxes),
+            None => stepper.step(),
+        };
+        let outcome = outcome.map(|step| step.rejected());
         conclude(call, outcome, result)
     };
     // SAFETY: the caller's promise.

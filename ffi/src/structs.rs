@@ -115,19 +115,18 @@ impl trisap_config {
         };
         let margin =
             Margin { per_extent: self.margin_per_extent, min: self.margin_min, max: self.margin_max };
-        Ok(Config {
-            mode,
-            margin: flag(self.has_margin)?.then_some(margin),
-            events: flag(self.events)?,
-            filters: flag(self.filters)?,
-            lean: flag(self.lean)?,
-            workers: self.workers,
-            movers_only: choice(self.movers_only)?,
-            fine_leaves: choice(self.fine_leaves)?,
-            sharing: choice(self.sharing)?,
-            fixed_margins: flag(self.fixed_margins)?,
-            ..Config::new(Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs })
-        })
+        let capacity = Capacity::for_objects(self.objects).with_leaf_refs(self.leaf_refs);
+        let mut config =
+            Config::new(capacity.with_pairs(self.pairs)).with_mode(mode).with_workers(self.workers);
+        config.margin = flag(self.has_margin)?.then_some(margin);
+        config.events = flag(self.events)?;
+        config.filters = flag(self.filters)?;
+        config.lean = flag(self.lean)?;
+        config.movers_only = choice(self.movers_only)?;
+        config.fine_leaves = choice(self.fine_leaves)?;
+        config.sharing = choice(self.sharing)?;
+        config.fixed_margins = flag(self.fixed_margins)?;
+        Ok(config)
     }
 
     pub(crate) fn from_core(config: &Config) -> Self {

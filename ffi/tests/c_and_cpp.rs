@@ -1,6 +1,6 @@
 //! Installs the library as a user would, then compiles and runs the C and C++ tests of `tests/cpp` against it.
 //!
-//! Needs gcc and g++. A test that needs more (CMake, pkg-config, valgrind, Bullet) says that it is skipped where that is
+//! Needs gcc, g++ and CMake. A test that needs more (clang, pkg-config, valgrind, Bullet) says that it is skipped where that is
 //! missing; with `TRISAP_NO_SKIP` set, it fails.
 
 use std::io::Write as _;
@@ -15,12 +15,29 @@ pub(crate) const STATIC: [&str; 1] = ["-l:libtrisap.a"];
 
 /// Where this test run has installed the library.
 static PREFIX: LazyLock<PathBuf> = LazyLock::new(|| {
-    let prefix = scratch("prefix");
-    let mut install = Command::new(repository().join("ffi/install.sh"));
-    install.arg(&prefix).arg("--target-dir").arg(scratch("build"));
-    succeed(&mut install);
+    let (build, prefix) = (scratch("install"), scratch("prefix"));
+    // What an older version of this test has installed is not there for a consumer to find.
+    remove(&prefix);
+    let mut configure = cmake();
+    configure.arg("-S").arg(repository().join("ffi")).arg("-B").arg(&build);
+    succeed(configure.arg("-DCMAKE_BUILD_TYPE=Release").arg("-DCMAKE_INSTALL_LIBDIR=lib"));
+    succeed(cmake().arg("--build").arg(&build));
+    succeed(cmake().arg("--install").arg(&build).arg("--prefix").arg(&prefix));
     prefix
 });
+
+/// CMake, which has cargo build into one folder for all of these tests.
+fn cmake() -> Command {
+    let mut cmake = Command::new("cmake");
+    cmake.env("CARGO_TARGET_DIR", scratch("build"));
+    cmake
+}
+
+fn remove(folder: &Path) {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).expect("a folder of this test");
+    }
+}
 
 fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("ffi is a folder of the repository")
@@ -284,39 +301,127 @@ fn the_shared_library_is_named_by_its_abi() {
 /// An installed tree that was moved to another place.
 fn moved_prefix(name: &str) -> PathBuf {
     let moved = scratch(name);
-    if moved.exists() {
-        std::fs::remove_dir_all(&moved).expect("a folder of this test");
-    }
+    remove(&moved);
     succeed(Command::new("cp").arg("-R").arg(&*PREFIX).arg(&moved));
     moved
 }
 
+/// How to configure the consumer that takes trisap in in some way.
+fn consumer(by: &str, build: &Path) -> Command {
+    let mut configure = cmake();
+    configure.arg("-S").arg(sources().join("consumers/cmake")).arg("-B").arg(build);
+    configure.arg(format!("-Dtrisap_by={by}"));
+    configure
+}
+
 #[test]
 fn cmake_finds_it() {
-    if !available("cmake", "the CMake package is not tested") {
-        return;
-    }
     let prefix = moved_prefix("cmake prefix");
     let build = scratch("cmake build");
-    if build.exists() {
-        std::fs::remove_dir_all(&build).expect("a folder of this test");
-    }
+    remove(&build);
     let configure = |version: &str| {
-        let mut cmake = Command::new("cmake");
-        cmake.arg("-S").arg(sources().join("consumers/cmake")).arg("-B").arg(&build);
-        cmake
-            .arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()))
-            .arg(format!("-Dtrisap_wanted={version}"));
-        cmake
+        let mut configure = consumer("find_package", &build);
+        configure.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display()));
+        configure.arg(format!("-Dtrisap_wanted={version}"));
+        configure
     };
     succeed(&mut configure("0.1"));
-    succeed(Command::new("cmake").arg("--build").arg(&build));
-    let printed = succeed(Command::new("ctest").arg("--test-dir").arg(&build));
-    assert!(printed.contains("100% tests passed, 0 tests failed out of 6"), "{printed}");
+    test_consumer(&build);
     // What it cannot be is refused.
     for version in ["0.2", "1.0", "0.1.99"] {
         assert!(!run(&mut configure(version)).status.success(), "{version}");
     }
+}
+
+/// The build tree of trisap is a part of that of another project.
+#[test]
+fn cmake_takes_it_in() {
+    // Cargo has built the same by then.
+    LazyLock::force(&PREFIX);
+    for by in ["FetchContent", "add_subdirectory"] {
+        let build = scratch(&format!("cmake {by}"));
+        remove(&build);
+        succeed(consumer(by, &build).arg("-DCMAKE_BUILD_TYPE=Release"));
+        test_consumer(&build);
+        // Of what a project only takes in nothing is installed.
+        let installed = scratch(&format!("{by} prefix"));
+        remove(&installed);
+        succeed(cmake().arg("--install").arg(&build).arg("--prefix").arg(&installed));
+        assert!(!installed.join("include").exists());
+    }
+}
+
+fn test_consumer(build: &Path) {
+    succeed(cmake().arg("--build").arg(build));
+    let printed = succeed(Command::new("ctest").arg("--test-dir").arg(build));
+    assert!(printed.contains("100% tests passed, 0 tests failed out of 6"), "{printed}");
+}
+
+/// Two compilers, all standards, and what engines turn off. The C header is good for C++11, too.
+#[test]
+fn compilers_and_standards() {
+    let compilers = [("gcc", "g++"), ("clang", "clang++")];
+    for (c, cpp) in compilers {
+        if !available(c, "one compiler less is tested") {
+            continue;
+        }
+        let consumers = sources().join("consumers");
+        let run = |program: Program| {
+            let printed = succeed(&mut program.with(STATIC).build());
+            assert!(printed.contains("1 pair"), "{printed}");
+        };
+        run(Program::new(c, "-std=c11", &consumers.join("main.c"), &format!("c11_{c}")));
+        // A language counts for what comes behind it.
+        let mut program = Program::new(cpp, "-std=c++11", &consumers.join("main.c"), &format!("c++11_{c}"));
+        let mut arguments: Vec<_> = program.compile.get_args().map(std::ffi::OsStr::to_owned).collect();
+        let source = arguments.iter().position(|argument| argument == consumers.join("main.c").as_os_str());
+        let source = source.expect("the source is an argument");
+        arguments.splice(source..=source, ["-xc++".into(), arguments[source].clone(), "-xnone".into()]);
+        program.compile = Command::new(cpp);
+        program.compile.args(arguments);
+        run(program);
+        for standard in ["-std=c++17", "-std=c++20"] {
+            let without = ["-fno-exceptions", "-fno-rtti"];
+            let name = format!("{standard}_{c}");
+            run(Program::new(cpp, standard, &consumers.join("main.cpp"), &name).with(without));
+            let name = format!("wrapper{standard}_{c}");
+            let wrapper = Program::cpp_by(cpp, standard, "wrapper.cpp", &name);
+            succeed(
+                &mut wrapper
+                    .with(without)
+                    .with(["-fsyntax-only", "-Wno-unused-command-line-argument"])
+                    .compile,
+            );
+        }
+    }
+}
+
+/// The libraries say nothing of the machine that built them, and their licences are installed with them.
+#[test]
+fn nothing_of_this_machine_is_installed() {
+    let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME")).expect("a home");
+    for library in ["libtrisap.a", "libtrisap.so"] {
+        let bytes = std::fs::read(PREFIX.join("lib").join(library)).expect("a library");
+        for path in [repository().to_str().expect("UTF-8"), &home, env!("CARGO_TARGET_TMPDIR")] {
+            let found = bytes.windows(path.len()).position(|window| window == path.as_bytes());
+            assert_eq!(found, None, "{library} names {path}");
+        }
+        // They are stripped.
+        let sections = succeed(Command::new("readelf").arg("-SW").arg(PREFIX.join("lib").join(library)));
+        assert!(!sections.contains(".debug_"), "{library} has debug information");
+    }
+    let licences = PREFIX.join("share/licenses/trisap");
+    let third = std::fs::read_to_string(licences.join("THIRD-PARTY")).expect("licences of others");
+    let mut tree = Command::new(env!("CARGO"));
+    tree.args(["tree", "--locked", "--package", "trisap-ffi", "--edges", "normal,no-proc-macro"]);
+    let tree = succeed(tree.args(["--prefix", "none", "--target", "all"]).current_dir(repository()));
+    let mut crates = 0;
+    for name in tree.lines().filter_map(|line| line.split(' ').next()) {
+        let ours = name.starts_with("trisap");
+        assert!(ours || third.lines().any(|line| line.starts_with(name)), "{name}");
+        crates += usize::from(!ours);
+    }
+    assert!(crates > 0 && licences.join("LICENSE-MIT").exists() && licences.join("LICENSE-APACHE").exists());
 }
 
 #[test]

@@ -11,7 +11,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
 use trisap::scene::real::{Ground, HITCH_FRAME, Kind, Scene, Setup};
-use trisap::{Aabb, Boxes, Capacity, Config, Filter, OwnedWorld, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Config, Filter, OwnedWorld, World};
 
 type Frame = Vec<Aabb>;
 
@@ -31,18 +31,18 @@ fn frames(kind: Kind, count: u32, frames: u32) -> Vec<Frame> {
 
 /// With room for so many pairs.
 fn memory(count: u32, pairs: u32) -> OwnedWorld<u32> {
-    OwnedWorld::new(&Config::new(Capacity { pairs, ..Capacity::for_objects(count) })).expect("memory")
+    OwnedWorld::new(&Config::new(Capacity::for_objects(count).with_pairs(pairs))).expect("memory")
 }
 
 fn step(world: &mut World<'_, u32>, frame: &Frame) -> usize {
-    let step = world.step_over(Boxes::new(frame), trisap::detect(), &Serial);
+    let step = world.step_over(Boxes::new(frame));
     step.expect("room for the pairs").pairs().len()
 }
 
 /// A world that has lived through these frames.
 fn lived<'m>(memory: &'m mut OwnedWorld<u32>, frames: &[Frame]) -> World<'m, u32> {
     let mut world = memory.world();
-    world.insert_many(Boxes::new(&frames[0]), &mut vec![None; frames[0].len()]).expect("room");
+    world.insert_many(Boxes::new(&frames[0])).expect("room");
     for frame in frames {
         step(&mut world, frame);
     }
@@ -89,15 +89,14 @@ fn filters(criterion: &mut Criterion) {
         let frames = frames(kind, 8000, TIMED);
         for (name, groups) in [("none", None), ("as at first", Some(false)), ("groups", Some(true))] {
             group.bench_function(BenchmarkId::new(kind.to_string(), name), |bencher| {
-                let capacity = Capacity { pairs: 200_000, ..Capacity::for_objects(8000) };
+                let capacity = Capacity::for_objects(8000).with_pairs(200_000);
                 let config = Config::new(capacity);
                 let config = if groups.is_some() { config.with_filters() } else { config };
                 let mut memory = OwnedWorld::<u32>::new(&config).expect("memory");
                 let mut world = memory.world();
-                let mut ids = vec![None; frames[0].len()];
-                world.insert_many(Boxes::new(&frames[0]), &mut ids).expect("room");
+                let ids: Vec<_> = world.insert_many(Boxes::new(&frames[0])).expect("room").collect();
                 if groups == Some(true) {
-                    for (group, id) in (0..).zip(ids.into_iter().flatten()) {
+                    for (group, id) in (0..).zip(ids) {
                         let filter = Filter { class: group % 4, ..Filter::groups(1 << (group % 5), 0b11111) };
                         world.set_filter(id, filter).expect("a class and filters");
                     }

@@ -83,11 +83,11 @@ fn measure(size: usize, runs: usize, busy: bool) -> Result<(), Box<dyn Error>> {
     let frames = frames(size);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let rayon = Rayon::in_pool(&pool);
-    let config = Config::new(Capacity { pairs: 8 * size as u32, ..Capacity::for_objects(size as u32) });
+    let config = Config::new(Capacity::for_objects(size as u32).with_pairs(8 * size as u32));
     let mut worlds = [OwnedWorld::<u32>::new(&config)?, OwnedWorld::new(&config.with_workers(2))?];
     let executors: [&dyn Executor; 2] = [&Serial, &rayon];
     for owned in &mut worlds {
-        owned.world().insert_many(Boxes::new(&frames[0]), &mut vec![None; size])?;
+        owned.world().insert_many(Boxes::new(&frames[0]))?;
     }
     let (mut means, mut steps) = ([const { Vec::new() }; 2], [const { Vec::<f64>::new() }; 2]);
     // The steps that were in fact shared.
@@ -102,11 +102,7 @@ fn measure(size: usize, runs: usize, busy: bool) -> Result<(), Box<dyn Error>> {
                 let last = frames.len() - 1;
                 let at = count % (2 * last);
                 let step = Instant::now();
-                world.step_over(
-                    Boxes::new(&frames[at.min(2 * last - at)]),
-                    trisap::detect(),
-                    executors[turn],
-                )?;
+                world.on(executors[turn]).step_over(Boxes::new(&frames[at.min(2 * last - at)]))?;
                 let time = step.elapsed().as_secs_f64() * 1e3;
                 if run > 0 {
                     steps[turn].push(time);

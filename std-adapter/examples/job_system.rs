@@ -171,10 +171,9 @@ fn play(count: usize, frames: usize, executor: &dyn Executor) -> Result<Vec<Stat
     let config = Config::new(Capacity::for_objects(count as u32)).with_events().with_workers(4);
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&crowd(count, 0)), &mut vec![None; count])?;
-    let step = |frame| {
-        world.step_over(Boxes::new(&crowd(count, frame)), trisap::detect(), executor).map(|step| step.stats())
-    };
+    world.insert_many(Boxes::new(&crowd(count, 0)))?;
+    let step =
+        |frame| world.on(executor).step_over(Boxes::new(&crowd(count, frame))).map(|step| step.stats());
     (0..frames).map(step).collect()
 }
 

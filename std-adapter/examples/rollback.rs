@@ -1,7 +1,7 @@
 //! Rollback: a game plays on with guessed inputs, and goes back by up to 8 frames when the true ones come. The world is
 //! saved before each frame, and goes back with the game.
 
-use trisap::{Aabb, Boxes, Capacity, Config, Error, OwnedWorld, Pair, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Config, Error, OwnedWorld, Pair, World};
 
 /// Frames that can be taken back.
 const KEPT: usize = 8;
@@ -28,7 +28,7 @@ fn play(world: &mut World<'_>, bodies: &mut [Aabb], frame: usize, known: usize) 
         body.min[0] += step;
         body.max[0] += step;
     }
-    let step = world.step_over(Boxes::new(bodies), trisap::detect(), &Serial)?;
+    let step = world.step_over(Boxes::new(bodies))?;
     Ok([step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()])
 }
 
@@ -39,7 +39,7 @@ fn play_with_rollback(frames: usize) -> Result<(Vec<Seen>, usize), Error> {
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
     let mut bodies = crowd();
-    world.insert_many(Boxes::new(&bodies), &mut [None; PLAYERS])?;
+    world.insert_many(Boxes::new(&bodies))?;
 
     let mut history: Vec<(Vec<u8>, Vec<Aabb>)> = vec![Default::default(); KEPT];
     let (mut seen, mut wrong) = (vec![Seen::default(); frames], 0);
@@ -71,7 +71,7 @@ fn play_in_time(frames: usize) -> Result<Vec<Seen>, Error> {
     let mut owned = OwnedWorld::<u32>::new(&config)?;
     let mut world = owned.world();
     let mut bodies = crowd();
-    world.insert_many(Boxes::new(&bodies), &mut [None; PLAYERS])?;
+    world.insert_many(Boxes::new(&bodies))?;
     (0..frames).map(|frame| play(&mut world, &mut bodies, frame, PLAYERS)).collect()
 }
 

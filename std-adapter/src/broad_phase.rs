@@ -8,7 +8,7 @@ use crate::OwnedWorld;
 use core::hash::Hash;
 use core::ops::ControlFlow;
 use std::collections::HashMap;
-use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, Id, Kernels, Region, Serial, World};
+use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, Id, Region, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] for those who do not want to count memory.
 ///
@@ -37,7 +37,6 @@ use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, Id, Kernels, Regi
 pub struct BroadPhase<K> {
     owned: OwnedWorld<u32>,
     config: Config,
-    kernels: Kernels,
     ids: HashMap<K, Id>,
     names: Names<K>,
     #[cfg(feature = "rayon")]
@@ -99,7 +98,6 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(Self {
             owned: OwnedWorld::new(config)?,
             config: *config,
-            kernels: crate::detect(),
             ids: HashMap::new(),
             names: Names { living: Vec::new(), removed: HashMap::new(), removed_before: HashMap::new() },
             #[cfg(feature = "rayon")]
@@ -173,7 +171,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             Err(Error::ObjectsFull { .. }) => {
                 let Capacity { objects, pairs, .. } = self.config.capacity;
                 let more = Capacity::for_objects(objects.saturating_mul(2).max(FIRST));
-                self.grow(Capacity { pairs: more.pairs.max(pairs), ..more })?;
+                self.grow(more.with_pairs(more.pairs.max(pairs)))?;
                 self.owned.world().insert(aabb)
             }
             said => said,
@@ -227,7 +225,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             let Error::PairsFull { needed } = error else { return Err(error) };
             // A quarter more, so that a growing scene does not move in each step.
             let pairs = u32::try_from(needed + needed / 4).map_err(|_| Error::CapacityTooLarge)?;
-            self.grow(Capacity { pairs, ..self.config.capacity })?;
+            self.grow(self.config.capacity.with_pairs(pairs))?;
         }
         self.names.removed_before = core::mem::take(&mut self.names.removed);
         Ok(KeyedStep { world: self.owned.world(), names: &self.names })
@@ -237,19 +235,20 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     fn try_step(&mut self) -> Result<(), Error> {
         let mut world = self.owned.world();
         if self.config.workers > 1 {
-            world.step(self.kernels, &self.executor).map(|_| ())
+            world.on(&self.executor).step().map(|_| ())
         } else {
-            world.step(self.kernels, &Serial).map(|_| ())
+            world.step().map(|_| ())
         }
     }
 
     #[cfg(not(feature = "rayon"))]
     fn try_step(&mut self) -> Result<(), Error> {
-        self.owned.world().step(self.kernels, &Serial).map(|_| ())
+        self.owned.world().step().map(|_| ())
     }
 
     fn grow(&mut self, capacity: Capacity) -> Result<(), Error> {
-        let config = Config { capacity, lean: self.config.lean && capacity.objects <= 256, ..self.config };
+        let mut config = self.config.with_capacity(capacity);
+        config.lean &= capacity.objects <= 256;
         self.owned.move_to(&config)?;
         self.config = config;
         Ok(())
@@ -262,7 +261,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn overlaps(&mut self, region: &Region) -> Result<Vec<K>, Error> {
         let mut keys = Vec::new();
         let names = &self.names;
-        self.owned.world().visit_overlaps(region, self.kernels, &mut |id| {
+        self.owned.world().visit_overlaps(region, &mut |id| {
             keys.extend(names.key(id));
             ControlFlow::Continue(())
         })?;
@@ -274,7 +273,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// # Errors
     /// [`Error::BadQuery`].
     pub fn first_hit(&mut self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
-        let hit = self.owned.world().first_hit(cast, self.kernels)?;
+        let hit = self.owned.world().first_hit(cast)?;
         Ok(hit.and_then(|hit| Some((self.names.key(hit.id)?, hit.distance))))
     }
 
@@ -284,7 +283,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// [`Error::BadQuery`].
     pub fn nearest(&mut self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
         let mut hits = vec![None; count.min(self.len())];
-        self.owned.world().nearest(point, self.kernels, &mut hits)?;
+        self.owned.world().nearest(point, &mut hits)?;
         Ok(hits.iter().flatten().filter_map(|hit| Some((self.names.key(hit.id)?, hit.distance))).collect())
     }
 
@@ -306,16 +305,12 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
         match self.owned.world().load(&snapshot.bytes) {
             Err(Error::NoRoom { .. }) => {
-                let Capacity { objects, leaf_refs, pairs } = self.config.capacity;
-                let config = Config {
-                    capacity: Capacity {
-                        objects: objects.max(snapshot.capacity.objects),
-                        leaf_refs: leaf_refs.max(snapshot.capacity.leaf_refs),
-                        pairs: pairs.max(snapshot.capacity.pairs),
-                    },
-                    lean: false,
-                    ..self.config
-                };
+                let Capacity { objects, leaf_refs, pairs, .. } = self.config.capacity;
+                let capacity = Capacity::for_objects(objects.max(snapshot.capacity.objects))
+                    .with_leaf_refs(leaf_refs.max(snapshot.capacity.leaf_refs))
+                    .with_pairs(pairs.max(snapshot.capacity.pairs));
+                let mut config = self.config.with_capacity(capacity);
+                config.lean = false;
                 let mut owned = OwnedWorld::new(&config)?;
                 owned.world().load(&snapshot.bytes)?;
                 (self.owned, self.config) = (owned, config);

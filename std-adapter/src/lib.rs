@@ -7,7 +7,7 @@
 //! - `scene`, synthetic scenes of any size (feature `scene`).
 //!
 //! ```
-//! use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld, Serial};
+//! use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld};
 //!
 //! let mut boxes = [
 //!     Aabb::new([0.0, 0.0, 0.0], [1.0, 1.0, 1.0]),
@@ -16,11 +16,11 @@
 //! ];
 //! let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(3)))?;
 //! let mut world = owned.world();
-//! world.insert_many(Boxes::new(&boxes), &mut [None; 3])?;
-//! assert_eq!(world.step(trisap::detect(), &Serial)?.pairs(), [[0, 1]]);
+//! world.insert_many(Boxes::new(&boxes))?;
+//! assert_eq!(world.step()?.pairs(), [[0, 1]]);
 //!
 //! boxes[2] = Aabb::new([1.5, 0.0, 0.0], [2.5, 1.0, 1.0]);
-//! let step = world.step_over(Boxes::new(&boxes), trisap::detect(), &Serial)?;
+//! let step = world.step_over(Boxes::new(&boxes))?;
 //! assert_eq!(step.pairs().len(), 2);
 //! # Ok::<(), trisap::Error>(())
 //! ```
@@ -44,9 +44,3 @@ pub use pool::Rayon;
 #[cfg(feature = "rayon")]
 pub use sharing::Sharing;
 pub use trisap_core::*;
-
-/// The best kernels of this CPU. Asks the CPU once and remembers.
-#[must_use]
-pub fn detect() -> Kernels {
-    Kernels::detect()
-}

@@ -66,7 +66,7 @@ impl<I: Index> fmt::Debug for OwnedWorld<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trisap_core::{Aabb, Capacity, Kernels, Serial};
+    use trisap_core::{Aabb, Capacity, Kernels};
 
     const CUBE: Aabb = Aabb::new([0.0; 3], [1.0; 3]);
 
@@ -76,11 +76,11 @@ mod tests {
         let first = owned.world().insert(CUBE)?;
         let second = owned.world().insert(CUBE)?;
         assert_eq!(owned.world().len(), 2);
-        owned.world().step(Kernels::SCALAR, &Serial)?;
+        owned.world().set_kernels(Kernels::SCALAR).step()?;
         assert_eq!(owned.world().pairs(), [[0, 1]]);
         owned.world().remove(first)?;
         assert!(owned.world().contains(second));
-        assert!(owned.world().step(Kernels::SCALAR, &Serial)?.pairs().is_empty());
+        assert!(owned.world().set_kernels(Kernels::SCALAR).step()?.pairs().is_empty());
         Ok(())
     }
 

@@ -51,8 +51,8 @@ const GAP_PART: u64 = 4;
 /// #     let corner = [(i % 17) as f32, (i / 17 % 17) as f32, (i / 289) as f32];
 /// #     trisap::Aabb::new(corner, corner.map(|low| low + 0.5))
 /// # }).collect();
-/// world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
-/// let step = world.step(trisap::detect(), &executor)?;
+/// world.insert_many(Boxes::new(&boxes))?;
+/// let step = world.on(&executor).step()?;
 /// # assert_eq!(step.pairs().len(), 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

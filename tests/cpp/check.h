@@ -6,6 +6,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+// Windows has no aligned_alloc, and what it has instead is freed in another way: here all memory is of that kind.
+#if defined(_WIN32) && !defined(__cplusplus)
+#include <malloc.h>
+#define malloc(bytes) _aligned_malloc(bytes, 16)
+#define aligned_alloc(align, bytes) _aligned_malloc(bytes, align)
+#define free(memory) _aligned_free(memory)
+#endif
+
 #define CHECK(condition)                                                                                             \
     do {                                                                                                             \
         if (!(condition)) {                                                                                          \

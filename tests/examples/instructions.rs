@@ -4,7 +4,7 @@
 //! The recording, the kernels and, if not ten, the number of steps are the arguments; instead of a number also `regions`,
 //! `nearest` or `rays`. Without any it prints the kernels of this CPU.
 
-use trisap_core::{Aabb, Boxes, Cast, Config, Kernels, Region, Serial, World};
+use trisap_core::{Aabb, Boxes, Cast, Config, Kernels, Region, World};
 use trisap_tests::recordings;
 use trisap_tests::worlds::{Slab, ample};
 
@@ -21,17 +21,17 @@ fn main() {
     let config = Config::new(ample(objects, 20 * objects)).with_events();
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
-    world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
+    world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     // The first step builds: it is not what later ones cost.
-    world.step(kernels, &Serial).expect("room for the pairs");
+    world.set_kernels(kernels).step().expect("room for the pairs");
     let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
     let Ok(steps) = what.parse::<usize>() else {
         // Calm steps, until all leaves are divided.
         for _ in 0..20 {
-            world.step(kernels, &Serial).expect("room for the pairs");
+            world.step().expect("room for the pairs");
         }
         assert!(world.stats().fine_leaves, "leaves are divided");
-        let hits = measured_queries(&world, &recording.frames[0], kernels, &what);
+        let hits = measured_queries(&world, &recording.frames[0], &what);
         println!("{objects} object steps, {hits} hits");
         return;
     };
@@ -45,7 +45,8 @@ fn measured(world: &mut World<'_>, frames: &[Vec<[f32; 8]>], kernels: Kernels) -
     let mut pairs = 0;
     for frame in frames {
         pairs += world
-            .step_over(Boxes::padded(frame), kernels, &Serial)
+            .set_kernels(kernels)
+            .step_over(Boxes::padded(frame))
             .expect("room for the pairs")
             .pairs()
             .len();
@@ -55,7 +56,7 @@ fn measured(world: &mut World<'_>, frames: &[Vec<[f32; 8]>], kernels: Kernels) -
 
 /// One query from each object, in a calm world with small leaves.
 #[inline(never)]
-fn measured_queries(world: &World<'_>, boxes: &[[f32; 8]], kernels: Kernels, what: &str) -> usize {
+fn measured_queries(world: &World<'_>, boxes: &[[f32; 8]], what: &str) -> usize {
     let mut out = [None; 8];
     let mut nearest = [None; 8];
     let mut found = 0;
@@ -65,12 +66,12 @@ fn measured_queries(world: &World<'_>, boxes: &[[f32; 8]], kernels: Kernels, wha
         found += match what {
             "regions" => {
                 let region = Region::Aabb(Aabb::new(point, point.map(|x| x + 1.5)));
-                world.overlaps(&region, kernels, &mut out).unwrap_or(out.len())
+                world.overlaps(&region, &mut out).unwrap_or(out.len())
             }
-            "nearest" => world.nearest(point, kernels, &mut nearest).expect("a point"),
+            "nearest" => world.nearest(point, &mut nearest).expect("a point"),
             "rays" => {
                 let ray = Cast::ray(point.map(|x| x - 0.1), direction, f32::INFINITY);
-                usize::from(world.first_hit(&ray, kernels).expect("a ray").is_some())
+                usize::from(world.first_hit(&ray).expect("a ray").is_some())
             }
             _ => panic!("{what} is no kind of query"),
         };

@@ -8,7 +8,7 @@
 use allocation_counter::measure;
 use std::process::ExitCode;
 use std::time::Instant;
-use trisap_core::{Boxes, Config, Kernels, Serial, World};
+use trisap_core::{Boxes, Config, Kernels, World};
 use trisap_tests::checked::slots;
 use trisap_tests::scenes::Brownian;
 use trisap_tests::worlds::{Slab, ample};
@@ -26,7 +26,6 @@ fn main() -> ExitCode {
     println!("{count} objects, {} MB, {} kernels", slab.bytes().len() / 1_000_000, kernels.name());
 
     let mut world: World<'_> = slab.world(&config);
-    let mut ids = vec![None; count];
     let mut scene = Brownian::new(count, 1);
     let mut failures = 0;
     for frame in 0..=frames {
@@ -36,9 +35,9 @@ fn main() -> ExitCode {
         let start = Instant::now();
         let allocations = measure(|| {
             if frame == 0 {
-                world.insert_many(Boxes::new(scene.boxes()), &mut ids).expect("room for all");
+                world.insert_many(Boxes::new(scene.boxes())).expect("room for all");
             }
-            world.step_over(Boxes::new(scene.boxes()), kernels, &Serial).expect("room for all");
+            world.set_kernels(kernels).step_over(Boxes::new(scene.boxes())).expect("room for all");
         });
         let time = start.elapsed();
         let exact = sorted(&slots(world.pairs())) == oracle::sweep(&oracle::all_live(scene.boxes()));

@@ -23,9 +23,9 @@ fn main() -> ExitCode {
     for kernels in Kernels::all() {
         let mut slab = Slab::new::<u32>(&config);
         let mut world: World<'_> = slab.world(&config);
-        world.insert_many(Boxes::new(&boxes), &mut vec![None; COUNT]).expect("room for all");
+        world.insert_many(Boxes::new(&boxes)).expect("room for all");
         let start = Instant::now();
-        let error = world.step(kernels, &Jobs::Threads(2)).err();
+        let error = world.set_kernels(kernels).on(&Jobs::Threads(2)).step().err();
         let time = start.elapsed();
         let good = error == Some(Error::PairsFull { needed })
             && world.pairs().len() == 1000

@@ -134,9 +134,10 @@ impl<'m, I: Index> Checked<'m, I> {
 
     /// Inserts several objects in one call.
     pub fn insert_many(&mut self, boxes: &[Aabb]) -> Vec<Id> {
-        let mut ids = vec![None; boxes.len()];
-        self.world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
-        let ids: Vec<Id> = ids.into_iter().map(|id| id.expect("an id for each box")).collect();
+        let ids = self.world.insert_many(Boxes::new(boxes)).expect("room and good boxes");
+        assert_eq!(ids.len(), boxes.len());
+        let ids: Vec<Id> = ids.collect();
+        assert_eq!(ids.len(), boxes.len(), "an id for each box");
         for (id, aabb) in ids.iter().zip(boxes) {
             self.model.insert(*id, *aabb);
         }
@@ -268,10 +269,14 @@ impl<'m, I: Index> Checked<'m, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, setup: Setup) -> Result<Outcome, Error> {
         let Self { world, model, .. } = self;
         let Setup { kernels, jobs } = setup;
+        let rule = |a, b| model.agree(a, b);
+        let mut stepper = world.set_kernels(kernels).on(&jobs);
+        if model.has_rule() {
+            stepper = stepper.with_rule(&rule);
+        }
         let step = match bounds {
-            _ if model.has_rule() => world.step_with_rule(bounds, &|a, b| model.agree(a, b), kernels, &jobs),
-            Some(bounds) => world.step_over(bounds, kernels, &jobs),
-            None => world.step(kernels, &jobs),
+            Some(bounds) => stepper.step_over(bounds),
+            None => stepper.step(),
         };
         step.map(|step| Outcome::of(&step))
     }

@@ -104,7 +104,7 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
         if rng.once_in(3) && !ids.is_empty() {
             world.remove(ids.swap_remove(rng.below(ids.len()))).expect("a living object");
         }
-        let result = world.step(setup.kernels, &setup.jobs).map(|step| Outcome::of(&step));
+        let result = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| Outcome::of(&step));
         valid(world);
         let boxes: Vec<Option<Aabb>> =
             (0..capacity).map(|slot| world.id_at(slot).and_then(|id| world.aabb(id))).collect();
@@ -128,7 +128,8 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
             let exact = world.config().mode == Mode::Exact;
             assert!(!exact || pairs.iter().all(|pair| all.binary_search(pair).is_ok()), "{name}: no pair");
             ids.iter().for_each(|id| world.refilter(*id).expect("a living object"));
-            let step = world.step(setup.kernels, &setup.jobs).expect("the same pairs have room");
+            let step =
+                world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("the same pairs have room");
             assert_eq!(pairs, sorted(&Outcome::of(&step).pairs), "{name}");
         } else if world.config().mode == Mode::Fat {
             assert!(all.iter().all(|pair| pairs.binary_search(pair).is_ok()), "{name}: a pair is missing");
@@ -140,10 +141,10 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
 }
 
 /// A query.
-fn ask<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>], rng: &mut Rng, setup: Setup, name: &str) {
+fn ask<I: Index>(world: &mut World<'_, I>, boxes: &[Option<Aabb>], rng: &mut Rng, setup: Setup, name: &str) {
     let region = scenes::at(rng.point(0.0, 5.0), [3.0; 3]);
     let mut found = vec![None; boxes.len()];
-    let count = world.overlaps(&Region::Aabb(region), setup.kernels, &mut found).expect("room");
+    let count = world.set_kernels(setup.kernels).overlaps(&Region::Aabb(region), &mut found).expect("room");
     let slots: Vec<u32> = found[..count].iter().flatten().map(|id| id.slot()).collect();
     let meets = |slot: &u32| boxes[*slot as usize].is_some_and(|aabb| aabb.overlaps(&region));
     assert!(slots.iter().copied().eq((0..boxes.len() as u32).filter(meets)), "{name}: a query");

@@ -40,13 +40,17 @@ pub fn configs() -> [(&'static str, Config); 3] {
 #[must_use]
 pub fn hash<I: Index>(recording: &Recording, config: Config, setup: Setup) -> u64 {
     let objects = recording.objects();
-    let config = setup.configure(Config { capacity: ample(objects, 40 * objects), ..config });
+    let config = setup.configure(config.with_capacity(ample(objects, 40 * objects)));
     let mut slab = Slab::new::<I>(&config);
     let mut world: World<'_, I> = slab.world(&config);
-    world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
+    world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     let mut fnv = Fnv(0xcbf2_9ce4_8422_2325);
     for frame in &recording.frames {
-        let step = world.step_over(Boxes::padded(frame), setup.kernels, &setup.jobs).expect("room for all");
+        let step = world
+            .set_kernels(setup.kernels)
+            .on(&setup.jobs)
+            .step_over(Boxes::padded(frame))
+            .expect("room for all");
         fnv.pairs(step.pairs());
         fnv.pairs(step.found());
         fnv.pairs(step.lost());

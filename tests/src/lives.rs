@@ -51,7 +51,7 @@ pub fn act<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup) -> R
             0 => {
                 let near: Vec<Aabb> = chosen.iter().map(|id| aabb(world, *id)).collect();
                 // There may be no room for all of them.
-                let _ = world.insert_many(Boxes::new(&near), &mut vec![None; near.len()]);
+                let _ = world.insert_many(Boxes::new(&near));
             }
             1 => {
                 chosen.sort_unstable();
@@ -84,9 +84,9 @@ pub fn act<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup) -> R
         let place = |slot: usize| world.id_at(slot as u32).map_or(Aabb::default(), |id| aabb(world, id));
         let mut boxes: Vec<Aabb> = (0..last).map(place).collect();
         scenes::walk(&mut boxes, [5, 1000][rng.below(2)], 0.5, rng);
-        world.step_over(Boxes::new(&boxes), setup.kernels, &setup.jobs)
+        world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&boxes))
     } else {
-        world.step(setup.kernels, &setup.jobs)
+        world.set_kernels(setup.kernels).on(&setup.jobs).step()
     };
     step.map(|step| Outcome::of(&step))
 }
@@ -99,15 +99,13 @@ pub fn lived<'m, I: Index>(slab: &'m mut Slab, config: &Config, count: usize, ca
     let mut world = slab.world::<I>(config);
     let boxes: Vec<Aabb> =
         scenes::uniform(count, 2).iter().map(|b| scenes::at(b.min.map(|x| x * 0.6), [1.0; 3])).collect();
-    let mut ids = vec![None; count];
-    world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
-    let ids: Vec<Id> = ids.into_iter().flatten().collect();
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
     let setup = Setup::REFERENCE;
     // Without room for all pairs it goes on all the same.
-    let _ = world.step(setup.kernels, &setup.jobs);
+    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
     for at in 0..calm {
         world.set_aabb(ids[at], boxes[at + 1]).expect("alive");
-        let _ = world.step(setup.kernels, &setup.jobs);
+        let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
     }
     world.set_resting(&ids[..count / 3]).expect("alive");
     if calm % 2 == 1 {

@@ -78,7 +78,7 @@ pub fn on_every_setup(config: Config, frames: &[Vec<Aabb>], jobs: &[Jobs]) -> Ve
     let pairs = frames.iter().map(|frame| crate::checked::expected(frame).len()).max().unwrap_or(0);
     // Fat boxes meet more often than the boxes themselves.
     let capacity: Capacity = ample(first.len(), 4 * pairs + 4 * first.len() + 64);
-    let config = Config { capacity, events: true, ..config };
+    let config = config.with_capacity(capacity).with_events();
     let mut reference: Option<Vec<Outcome>> = None;
     for setup in Setup::each(jobs) {
         let outcomes = play_once(config, frames, setup);

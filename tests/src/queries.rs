@@ -106,17 +106,17 @@ fn slots(ids: &[Option<Id>]) -> Vec<u32> {
 ///
 /// # Panics
 /// If an answer is wrong.
-pub fn ask_region<I: Index>(world: &World<'_, I>, model: &Model, region: &Region, setup: Setup) {
-    let Setup { kernels, .. } = setup;
+pub fn ask_region<I: Index>(world: &mut World<'_, I>, model: &Model, region: &Region, setup: Setup) {
+    let world = &*world.set_kernels(setup.kernels);
     let expected = overlapping(model.boxes(), region);
     let mut out = vec![None; expected.len()];
-    let count = world.overlaps(region, kernels, &mut out);
+    let count = world.overlaps(region, &mut out);
     assert_eq!(count, Ok(expected.len()), "{setup:?} {region:?}");
     assert_eq!(slots(&out), expected, "{setup:?} {region:?}");
     assert!(out.iter().flatten().all(|id| model.contains(*id)));
     if let Some((_, less)) = out.split_first_mut() {
         let full = Error::OutputFull { needed: expected.len() as u64 };
-        assert_eq!(world.overlaps(region, kernels, less), Err(full), "{region:?}");
+        assert_eq!(world.overlaps(region, less), Err(full), "{region:?}");
     }
     let visit = |most: usize| {
         let mut visited = Vec::new();
@@ -124,7 +124,7 @@ pub fn ask_region<I: Index>(world: &World<'_, I>, model: &Model, region: &Region
             visited.push(id.slot());
             if visited.len() < most { Continue(()) } else { Break(()) }
         };
-        world.visit_overlaps(region, kernels, &mut each).expect("a good region");
+        world.visit_overlaps(region, &mut each).expect("a good region");
         visited
     };
     let all = visit(usize::MAX);
@@ -141,17 +141,18 @@ pub fn ask_region<I: Index>(world: &World<'_, I>, model: &Model, region: &Region
 /// # Panics
 /// If an answer is wrong.
 pub fn ask_nearest<I: Index>(
-    world: &World<'_, I>,
+    world: &mut World<'_, I>,
     model: &Model,
     point: [f32; 3],
     count: usize,
     setup: Setup,
 ) {
+    let world = &*world.set_kernels(setup.kernels);
     let expected = nearest(model.boxes(), point, count);
     // What stands there before does not matter.
     let stale = model.ids().first().map(|&id| Hit { id, distance: -1.0 });
     let mut out = vec![stale; count];
-    assert_eq!(world.nearest(point, setup.kernels, &mut out), Ok(expected.len()), "{point:?} {setup:?}");
+    assert_eq!(world.nearest(point, &mut out), Ok(expected.len()), "{point:?} {setup:?}");
     let told: Vec<Near> =
         out[..expected.len()].iter().flatten().map(|hit| (hit.id.slot(), hit.distance)).collect();
     assert_eq!(told, expected, "the {count} nearest to {point:?} with {setup:?}");
@@ -161,11 +162,11 @@ pub fn ask_nearest<I: Index>(
 ///
 /// # Panics
 /// If an answer is wrong.
-pub fn ask_cast<I: Index>(world: &World<'_, I>, model: &Model, cast: &Cast, setup: Setup) {
-    let Setup { kernels, .. } = setup;
+pub fn ask_cast<I: Index>(world: &mut World<'_, I>, model: &Model, cast: &Cast, setup: Setup) {
+    let world = &*world.set_kernels(setup.kernels);
     let met = met(model.boxes(), cast);
     let mut out = vec![None; met.sure.len() + met.grazed.len()];
-    let count = world.hits(cast, kernels, &mut out).unwrap_or_else(|error| panic!("{error}: {cast:?}"));
+    let count = world.hits(cast, &mut out).unwrap_or_else(|error| panic!("{error}: {cast:?}"));
     let hits: Vec<Hit> = out[..count].iter().map(|hit| hit.expect("a hit for each object")).collect();
     let order = |hit: &Hit| (hit.distance, hit.id.slot());
     assert!(hits.windows(2).all(|two| order(&two[0]) < order(&two[1])), "near ones first: {hits:?}");
@@ -185,16 +186,16 @@ pub fn ask_cast<I: Index>(world: &World<'_, I>, model: &Model, cast: &Cast, setu
     assert_eq!(count, met.sure.len() + grazed, "{setup:?} {cast:?} meets what it does not: {hits:?} {met:?}");
     if count > 0 {
         let full = Error::OutputFull { needed: count as u64 };
-        assert_eq!(world.hits(cast, kernels, &mut out[..count - 1]), Err(full), "{cast:?}");
+        assert_eq!(world.hits(cast, &mut out[..count - 1]), Err(full), "{cast:?}");
     }
-    assert_eq!(world.first_hit(cast, kernels), Ok(hits.first().copied()), "the first of {cast:?}");
+    assert_eq!(world.first_hit(cast), Ok(hits.first().copied()), "the first of {cast:?}");
     let visit = |mut far: Box<dyn FnMut(&Hit) -> f64>| {
         let mut visited = Vec::new();
         let mut each = |hit: Hit| {
             visited.push(hit);
             far(&hit)
         };
-        world.visit_hits(cast, kernels, &mut each).expect("a good cast");
+        world.visit_hits(cast, &mut each).expect("a good cast");
         visited
     };
     let distance = f64::from(cast.distance);
@@ -246,24 +247,31 @@ impl Questions {
     ///
     /// # Panics
     /// If an answer is wrong.
-    pub fn ask<I: Index>(&self, world: &World<'_, I>, model: &Model, setup: Setup) {
-        self.regions.iter().for_each(|region| ask_region(world, model, region, setup));
-        self.casts.iter().for_each(|cast| ask_cast(world, model, cast, setup));
-        self.points.iter().for_each(|&(point, count)| ask_nearest(world, model, point, count, setup));
+    pub fn ask<I: Index>(&self, world: &mut World<'_, I>, model: &Model, setup: Setup) {
+        for region in &self.regions {
+            ask_region(world, model, region, setup);
+        }
+        for cast in &self.casts {
+            ask_cast(world, model, cast, setup);
+        }
+        for &(point, count) in &self.points {
+            ask_nearest(world, model, point, count, setup);
+        }
     }
 
     /// Asks for all casts at once and all regions at once, which must be the same as one by one.
     ///
     /// # Panics
     /// If an answer differs.
-    pub fn ask_batches<I: Index>(&self, world: &World<'_, I>, setup: Setup) {
+    pub fn ask_batches<I: Index>(&self, world: &mut World<'_, I>, setup: Setup) {
         let Setup { kernels, jobs } = setup;
+        let world = &*world.set_kernels(kernels);
         let mut hits = vec![None; self.casts.len() + 1];
         hits[self.casts.len()] = world.id_at(0).map(|id| Hit { id, distance: -1.0 });
         let last = hits[self.casts.len()];
-        world.first_hits(&self.casts, kernels, &jobs, &mut hits).expect("good casts and room");
+        world.first_hits(&self.casts, &jobs, &mut hits).expect("good casts and room");
         for (cast, hit) in self.casts.iter().zip(&hits) {
-            assert_eq!(world.first_hit(cast, kernels), Ok(*hit), "{setup:?} {cast:?}");
+            assert_eq!(world.first_hit(cast), Ok(*hit), "{setup:?} {cast:?}");
         }
         assert_eq!(hits[self.casts.len()], last, "nothing is written behind the answers");
 
@@ -273,7 +281,7 @@ impl Questions {
             .iter()
             .map(|region| {
                 let mut out = vec![None; world.len() as usize];
-                let count = world.overlaps(region, kernels, &mut out).expect("room for all");
+                let count = world.overlaps(region, &mut out).expect("room for all");
                 out.truncate(count);
                 out
             })
@@ -281,7 +289,7 @@ impl Questions {
         let most = one_by_one.iter().map(Vec::len).max().unwrap_or(0);
         for share in [most, most / 2, 0] {
             let (mut out, mut counts) = (vec![None; share * regions + regions.min(1)], vec![9; regions]);
-            let told = world.overlaps_many(&self.regions, kernels, &jobs, &mut out, &mut counts);
+            let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut counts);
             let share = out.len() / regions.max(1);
             let full = Error::OutputFull { needed: (most * regions) as u64 };
             assert_eq!(told, if most > share { Err(full) } else { Ok(()) }, "{setup:?}");

@@ -80,5 +80,5 @@ impl Setup {
 /// Room for `objects` in any position, and for `pairs`.
 #[must_use]
 pub const fn ample(objects: usize, pairs: usize) -> Capacity {
-    Capacity { objects: objects as u32, leaf_refs: 8 * objects as u32, pairs: pairs as u32 }
+    Capacity::for_objects(objects as u32).with_leaf_refs(8 * objects as u32).with_pairs(pairs as u32)
 }

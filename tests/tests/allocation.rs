@@ -47,8 +47,7 @@ fn the_counter_counts() {
 
 /// A life of a world with everything in it, from the first object to the last.
 fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
-    let config =
-        Config { capacity: ample(count + 10, 30 * count), ..config }.with_events().with_workers(workers);
+    let config = config.with_capacity(ample(count + 10, 30 * count)).with_events().with_workers(workers);
     let mut slab = Slab::new::<u32>(&config);
     let mut rng = Rng::new(1);
     let mut scene = Brownian::new(count, 1);
@@ -59,33 +58,31 @@ fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
     let mut few = frames[3].clone();
     scenes::walk(&mut few, 5, 1.0, &mut rng);
     frames.extend([few.clone(), few, scenes::uniform(count, 2), scenes::clustered(count, 3)]);
-    let mut ids: Vec<Option<Id>> = vec![None; count];
     let mut known: Vec<Id> = Vec::with_capacity(count);
     let counted = Counted { workers, allocations: AtomicU64::new(0), joins: AtomicU64::new(0) };
     let mut pairs = 0;
 
     let here = measure(|| {
         let mut world = World::<u32>::new_in(slab.bytes_mut(), &config).expect("room");
-        world.insert_many(Boxes::new(&frames[0]), &mut ids).expect("room");
-        known.extend(ids.iter().flatten());
-        world.step(kernels, &counted).expect("room");
+        known.extend(world.insert_many(Boxes::new(&frames[0])).expect("room"));
+        world.set_kernels(kernels).on(&counted).step().expect("room");
         for frame in &frames {
-            let step = world.step_over(Boxes::new(frame), kernels, &counted).expect("room");
+            let step = world.set_kernels(kernels).on(&counted).step_over(Boxes::new(frame)).expect("room");
             pairs += step.pairs().len() + step.surplus() as usize;
         }
         world.update_many(&known, Boxes::new(&frames[1])).expect("living objects");
-        world.step(kernels, &counted).expect("room");
+        world.set_kernels(kernels).on(&counted).step().expect("room");
         let last = world.insert(frames[0][0]).expect("room");
         world.set_aabb(last, frames[0][1]).expect("a living object");
         world.set_margin(last, 0.5).expect("a living object");
-        world.step(kernels, &counted).expect("room");
+        world.set_kernels(kernels).on(&counted).step().expect("room");
         world.remove(last).expect("a living object");
         world.remove_many(&known[..count / 2]).expect("living objects");
-        world.step(kernels, &counted).expect("room");
+        world.set_kernels(kernels).on(&counted).step().expect("room");
         // Failures allocate nothing either.
         assert!(world.remove(last).is_err() && world.insert(Aabb::new([1.0; 3], [0.0; 3])).is_err());
         let mut world = World::<u32>::open(slab.bytes_mut()).expect("the same world");
-        world.step(kernels, &counted).expect("room");
+        world.set_kernels(kernels).on(&counted).step().expect("room");
         world.validate().expect("a valid world");
     });
     assert_eq!(here.count_total, 0, "allocations on the calling thread");
@@ -119,13 +116,12 @@ fn a_full_buffer_allocates_nothing() {
     for workers in [1, 2] {
         let config = Config::new(ample(3000, 10)).with_events().with_workers(workers);
         let mut slab = Slab::new::<u32>(&config);
-        let mut ids = vec![None; 3000];
         let counted = Counted { workers, allocations: AtomicU64::new(0), joins: AtomicU64::new(0) };
         let here = measure(|| {
             let mut world = World::<u32>::new_in(slab.bytes_mut(), &config).expect("room");
-            world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
+            world.insert_many(Boxes::new(&boxes)).expect("room");
             for _ in 0..3 {
-                assert!(world.step(Kernels::detect(), &counted).is_err());
+                assert!(world.on(&counted).step().is_err());
             }
         });
         assert_eq!((here.count_total, counted.allocations.into_inner()), (0, 0));

@@ -33,7 +33,9 @@ fn spread(count: usize) -> Vec<Aabb> {
 fn overflow(boxes: &[Aabb], capacities: impl Iterator<Item = usize>, setup: Setup) {
     let needed = expected(boxes).len();
     // Without events, pairs stay in the order in which they are found.
-    let all = ample_pairs(Config { events: false, ..config(boxes.len(), needed) }, boxes, setup);
+    let mut without_events = config(boxes.len(), needed);
+    without_events.events = false;
+    let all = ample_pairs(without_events, boxes, setup);
     let apart = spread(boxes.len());
     for capacity in capacities {
         assert!(capacity < needed);
@@ -155,16 +157,12 @@ fn objects_from_none_to_one_too_many() {
         let full = |more: u64| Error::ObjectsFull { needed: count as u64 + more };
         assert!(checked.step(setup).pairs.is_empty());
         let many = vec![unit; count + 1];
-        let mut ids = vec![None; count + 1];
-        let error = checked.refuse(|world| world.insert_many(Boxes::new(&many), &mut ids));
+        let error = checked.refuse(|world| world.insert_many(Boxes::new(&many)).map(drop));
         assert_eq!(error, full(1));
         let place = |i: usize| cube(2.0 * i as f32, 0.0, 0.0);
         let ids: Vec<Id> = (0..count).map(|i| checked.insert(place(i))).collect();
         assert_eq!(checked.refuse(|world| world.insert(unit)), full(1));
-        assert_eq!(
-            checked.refuse(|world| world.insert_many(Boxes::new(&[unit; 3]), &mut [None; 3])),
-            full(3)
-        );
+        assert_eq!(checked.refuse(|world| world.insert_many(Boxes::new(&[unit; 3])).map(drop)), full(3));
         checked.step(setup);
         // A slot that comes free is one object's room.
         if let Some(id) = ids.last() {
@@ -175,6 +173,22 @@ fn objects_from_none_to_one_too_many() {
         }
         // Nothing inserted into a full world is fine.
         checked.insert_many(&[]);
+    }
+}
+
+#[test]
+fn a_batch_is_inserted_whoever_takes_its_ids() {
+    let boxes = [cube(0.0, 0.0, 0.0); 5];
+    for taken in 0..=5 {
+        let config = config(20, 100);
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let mut ids = world.insert_many(Boxes::new(&boxes)).expect("room");
+        let first: Vec<Id> = ids.by_ref().take(taken).collect();
+        assert_eq!((first.len(), ids.len()), (taken, 5 - taken));
+        drop(ids);
+        assert_eq!(world.len(), 5);
+        assert!(first.iter().copied().eq(world.ids().take(taken)));
     }
 }
 
@@ -190,12 +204,8 @@ fn batches_are_all_or_nothing() {
     checked.remove(gone);
     let stale = Error::StaleId { id: gone };
 
-    let mut out = [None; 4];
     let batch = [good, good, bad, bad];
-    assert_eq!(checked.refuse(|w| w.insert_many(Boxes::new(&batch), &mut out)), Error::BadBox { index: 2 });
-    let error = checked.refuse(|w| w.insert_many(Boxes::new(&[good; 4]), &mut out[..3]));
-    assert_eq!(error, Error::LengthMismatch { needed: 4 });
-
+    assert_eq!(checked.refuse(|w| w.insert_many(Boxes::new(&batch)).map(drop)), Error::BadBox { index: 2 });
     let elsewhere = [cube(5.0, 5.0, 5.0); 3];
     let error = checked.refuse(|w| w.update_many(&[ids[0], gone, ids[1]], Boxes::new(&elsewhere)));
     assert_eq!(error, stale);
@@ -259,7 +269,7 @@ fn slabs_are_checked() {
 
 #[test]
 fn capacities_beyond_the_index_width_are_refused() {
-    let objects = |objects: u32| Config::new(Capacity { objects, leaf_refs: 0, pairs: 0 });
+    let objects = |objects: u32| Config::new(Capacity::for_objects(objects).with_leaf_refs(0).with_pairs(0));
     assert!(layout::<u16>(&objects(65_534)).is_some());
     assert!(layout::<u16>(&objects(65_535)).is_none());
     // More than 4 GiB.
@@ -284,7 +294,7 @@ fn capacities_beyond_the_index_width_are_refused() {
 /// A sum that wraps around would give a small layout for a large capacity: there must be none, or one that grows.
 #[test]
 fn no_layout_is_beyond_the_address_space() {
-    let most = Capacity { objects: 1 << 27, leaf_refs: u32::MAX, pairs: u32::MAX };
+    let most = Capacity::for_objects(1 << 27).with_leaf_refs(u32::MAX).with_pairs(u32::MAX);
     let parts: [fn(&mut Capacity) -> &mut u32; 3] =
         [|c| &mut c.objects, |c| &mut c.leaf_refs, |c| &mut c.pairs];
     for part in parts {
@@ -292,9 +302,10 @@ fn no_layout_is_beyond_the_address_space() {
             let mut before = Some(0);
             // From close to nothing to the most, so that every power of two is passed closely.
             for share in 0..2048 {
-                let mut capacity = Capacity { objects: 1000, leaf_refs: 1000, pairs: 1000 };
+                let mut capacity = Capacity::for_objects(1000).with_leaf_refs(1000).with_pairs(1000);
                 *part(&mut capacity) = (u64::from(*part(&mut most.clone())) * share / 2047) as u32;
-                let config = Config { events, workers, ..Config::new(capacity) };
+                let mut config = Config::new(capacity).with_workers(workers);
+                config.events = events;
                 let bytes = layout::<u32>(&config).map(|layout| layout.bytes);
                 match (before, bytes) {
                     (Some(before), Some(bytes)) => assert!(before <= bytes && bytes <= isize::MAX as usize),

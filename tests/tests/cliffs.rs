@@ -2,7 +2,7 @@
 //! it, or of a fresh one on the same frame. Counters repeat exactly, so that no time is needed; and all steps but those of the
 //! largest worlds are checked against brute force.
 
-use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Serial, Stats};
+use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
@@ -30,9 +30,9 @@ fn fresh(boxes: &[Aabb]) -> Stats {
     let config = Config::new(ample(boxes.len(), 40 * boxes.len())).with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
-    world.insert_many(Boxes::new(boxes), &mut vec![None; boxes.len()]).expect("room and good boxes");
+    world.insert_many(Boxes::new(boxes)).expect("room and good boxes");
     for _ in 0..2 {
-        world.step(Kernels::detect(), &Serial).expect("room for the pairs");
+        world.step().expect("room for the pairs");
     }
     world.stats()
 }
@@ -279,19 +279,17 @@ fn few_movers_for_long_leave_no_trace() {
     let config = Config::new(ample(2000, 20_000));
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
-    let mut ids = vec![None; boxes.len()];
-    world.insert_many(Boxes::new(&boxes), &mut ids).expect("room");
-    let ids: Vec<Id> = ids.into_iter().flatten().collect();
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
     let mut rng = Rng::new(19);
     let mut after = Vec::new();
     for round in 0..2 {
-        world.step(Kernels::detect(), &Serial).expect("room");
+        world.step().expect("room");
         for _ in 0..1000 * round {
             let movers: Vec<usize> = (0..20).map(|_| rng.below(ids.len())).collect();
             for &k in &movers {
                 world.set_aabb(ids[k], at(rng.point(0.0, 30.0), [2.0; 3])).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
             assert_ne!(world.stats().path, Path::Rebuilt);
             for &k in &movers {
                 world.set_aabb(ids[k], boxes[k]).expect("alive");
@@ -302,11 +300,11 @@ fn few_movers_for_long_leave_no_trace() {
             for k in 0..40 {
                 world.set_aabb(ids[k], shifted(&boxes[k], [0.01; 3])).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
             for k in 0..40 {
                 world.set_aabb(ids[k], boxes[k]).expect("alive");
             }
-            world.step(Kernels::detect(), &Serial).expect("room");
+            world.step().expect("room");
         }
         after.push(world.stats());
     }

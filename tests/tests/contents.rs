@@ -9,7 +9,7 @@ use trisap_tests::worlds::{Setup, Slab, ample};
 #[test]
 fn a_cleared_world_loses_all_pairs_and_knows_no_id() {
     for config in configs() {
-        let config = Config { capacity: ample(60, 900), ..config }.with_events();
+        let config = config.with_capacity(ample(60, 900)).with_events();
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         let ids = checked.insert_many(&scenes::uniform(60, 3));
@@ -38,7 +38,7 @@ fn a_world_tells_what_it_has() {
     world.set_margin(ids[1], 0.25).expect("alive");
     assert_eq!(ids.map(|id| world.margin(id)), [Some(0.5), Some(0.25), Some(0.5), Some(0.5)]);
     assert_eq!(world.capacity(), config.capacity);
-    let step = world.step_alone().expect("room");
+    let step = world.step().expect("room");
     assert_eq!(format!("{step:?}"), "Step { pairs: 3, found: 3, lost: 0, rejected: None, .. }");
     let mut met: Vec<_> = world.pairs_of(ids[1]).collect();
     met.sort_unstable();

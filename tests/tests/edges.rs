@@ -116,7 +116,10 @@ fn generations_begin_again_at_one() {
             let ids = [0.0, 0.5, 9.0].map(|x| world.insert(cube(x, 0.0, 0.0)).expect("room"));
             let setup = Setup::REFERENCE;
             let id = aged(&mut world, generation);
-            assert_eq!(world.step(setup.kernels, &setup.jobs).expect("room").pairs(), [[0, 1]]);
+            assert_eq!(
+                world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room").pairs(),
+                [[0, 1]]
+            );
             if in_batch {
                 assert_eq!(world.remove_many(&[id, id]), Err(Error::StaleId { id }), "twice");
                 world.remove_many(&[ids[2], id]).expect("both are alive");
@@ -127,7 +130,7 @@ fn generations_begin_again_at_one() {
             assert_eq!((born.slot(), born.generation()), (0, next), "after {generation}");
             assert_eq!(world.remove(id), Err(Error::StaleId { id }), "the id before it is stale");
             world.validate().expect("a valid world");
-            let step = world.step(setup.kernels, &setup.jobs).expect("room");
+            let step = world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room");
             assert_eq!(step.found(), [[0, 1]], "another object in the slot, another pair");
             assert_eq!(step.lost(), [[0, 1]]);
         }

@@ -93,12 +93,12 @@ fn play<I: Index>(config: &Config, acts: &[Act], kernels: Kernels, executor: &dy
             }
             Act::Remove(slots) => world.remove_many(&ids(&world, slots)).expect("living objects"),
             Act::Insert(boxes) => {
-                world.insert_many(Boxes::new(boxes), &mut vec![None; boxes.len()]).expect("room");
+                world.insert_many(Boxes::new(boxes)).expect("room");
             }
         }
         let result = match act {
-            Act::Over(boxes) => world.step_over(Boxes::new(boxes), kernels, executor),
-            _ => world.step(kernels, executor),
+            Act::Over(boxes) => world.set_kernels(kernels).on(executor).step_over(Boxes::new(boxes)),
+            _ => world.set_kernels(kernels).on(executor).step(),
         };
         let result = result.map(|step| Outcome::of(&step));
         if !cfg!(miri) {
@@ -219,7 +219,7 @@ fn a_full_buffer_is_the_same_under_every_executor() {
 fn a_small_tree_is_the_same_on_threads() {
     const COUNT: usize = 1040;
     let mut config = modes(COUNT)[2].with_workers(2);
-    config.capacity = Capacity { objects: 1040, leaf_refs: 1040, pairs: 2000 };
+    config.capacity = Capacity::for_objects(1040).with_leaf_refs(1040).with_pairs(2000);
     let all = scenes::uniform(COUNT, 9);
     let few = [3, 400, 900].map(|slot| (slot, all[slot as usize + 5])).to_vec();
     let next = all.iter().map(|aabb| scenes::shifted(aabb, [0.5, 0.0, 0.25])).collect();
@@ -341,10 +341,10 @@ fn a_world_can_be_made_anew_after_an_executor_has_unwound() {
     for (at, calls) in (1..=5).flat_map(|at| [(at, 0), (at, 1)]) {
         let mut slab = Slab::new::<u32>(&config);
         let mut world: World<'_> = slab.world(&config);
-        world.insert_many(Boxes::new(&others), &mut vec![None; TREE]).expect("room");
+        world.insert_many(Boxes::new(&others)).expect("room");
         let executor = Unwinding { at, calls, joins: Mutex::default() };
         let mut step = |executor: &dyn Executor| {
-            let step = || world.step_over(Boxes::new(&others), Kernels::detect(), executor).map(|_| ());
+            let step = || world.on(executor).step_over(Boxes::new(&others)).map(|_| ());
             catch_unwind(AssertUnwindSafe(step))
         };
         let payload = step(&executor).expect_err("the executor's panic comes through");
@@ -352,8 +352,8 @@ fn a_world_can_be_made_anew_after_an_executor_has_unwound() {
         // Wrong results are allowed until it is made anew, and panics are not.
         assert!(step(&Jobs::Threads(2)).is_ok(), "join {at}");
         let mut world: World<'_> = slab.world(&config);
-        world.insert_many(Boxes::new(boxes), &mut vec![None; TREE]).expect("room");
-        let outcome = world.step(Kernels::detect(), &Jobs::Serial).map(|step| Outcome::of(&step));
+        world.insert_many(Boxes::new(boxes)).expect("room");
+        let outcome = world.on(&Jobs::Serial).step().map(|step| Outcome::of(&step));
         assert!(outcome == reference[0].result, "the world that was made anew");
     }
 }

@@ -31,7 +31,7 @@ fn any_filter(rng: &mut Rng) -> Filter {
 /// A world in which filters, classes, minds and boxes change, objects come and go, many at once and one by one.
 fn live<I: Index>(config: Config, count: usize, ruled: bool, setup: Setup) {
     let capacity = ample(count + 10, 30 * count);
-    let config = setup.configure(Config { capacity, ..config });
+    let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
     let mut world = Checked::<I>::new(slab.world(&config));
     let rng = &mut Rng::new(count as u64 + u64::from(ruled));
@@ -187,10 +187,7 @@ fn a_world_without_filters_refuses_and_pays_nothing() {
     assert_eq!(world.refuse(|world| world.set_filter(id, Filter::ALL)), Error::NoFilters);
     assert_eq!(world.refuse(|world| world.set_classes(&[0; 32])), Error::NoFilters);
     assert_eq!(world.refuse(|world| world.refilter(id)), Error::NoFilters);
-    let setup = Setup::REFERENCE;
-    let error = world.refuse(|world| {
-        world.step_with_rule(None, &|_, _| panic!("nobody is asked"), setup.kernels, &setup.jobs).map(|_| ())
-    });
+    let error = world.refuse(|world| world.with_rule(&|_, _| panic!("nobody is asked")).step().map(|_| ()));
     assert_eq!(error, Error::NoFilters);
     assert_eq!(world.world().filter(id), None);
 

@@ -12,27 +12,27 @@ use trisap_tests::scenes::Rng;
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 // Where numbers of the state stand.
-const LIVE: usize = HEADER + 40;
-const SLOTS: usize = HEADER + 44;
-const FREE: usize = HEADER + 48;
-const STALE_LISTS: usize = HEADER + 238;
-const PLANTED: usize = HEADER + 56;
+const LIVE: usize = HEADER + 224;
+const SLOTS: usize = HEADER + 228;
+const FREE: usize = HEADER + 232;
+const STALE_LISTS: usize = HEADER + 248;
+const BUILT: usize = HEADER + 56;
 const DEPTH: usize = HEADER + 60;
-const REFINED: usize = HEADER + 64;
-const FILLED: usize = HEADER + 239;
+const SUBDIVIDED: usize = HEADER + 64;
+const FILLED: usize = HEADER + 112;
 const LARGE_START: usize = HEADER + 72;
 const LARGE: usize = HEADER + 76;
-const TOUCHED: usize = HEADER + 236;
-const RESTING: usize = HEADER + 237;
-const CREPT: usize = HEADER + 243;
-const SETTLED: usize = HEADER + 104;
-const SWEPT_PAIRS: usize = HEADER + 120;
-const ASIDE: usize = HEADER + 128;
-const RESULT_PAIRS: usize = HEADER + 136;
-const FOUND: usize = HEADER + 144;
-const LOST: usize = HEADER + 152;
-const COMPLETE: usize = HEADER + 240;
-const CHOSEN: usize = HEADER + 196;
+const DIRTY: usize = HEADER + 240;
+const RESTING: usize = HEADER + 241;
+const MOVED_INSIDE_MARGIN: usize = HEADER + 243;
+const BASELINE: usize = HEADER + 40;
+const SWEPT: usize = HEADER + 120;
+const PARKED: usize = HEADER + 160;
+const REPORTED: usize = HEADER + 128;
+const FOUND: usize = HEADER + 136;
+const LOST: usize = HEADER + 144;
+const COMPLETE: usize = HEADER + 172;
+const CHOSEN: usize = HEADER + 220;
 
 /// Where sections of a snapshot start, of a world with a tree and nothing that it could do without, 32 bits wide.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +57,8 @@ struct Places {
 
 impl Places {
     fn of(snapshot: &[u8]) -> Self {
-        let [slots, depth, refined] = [SLOTS, DEPTH, REFINED].map(|at| get(snapshot, at) as usize);
-        assert!(snapshot[FILLED] == 1 && get(snapshot, PLANTED) > 512 && get(snapshot, PLANTED) <= 1024);
+        let [slots, depth, refined] = [SLOTS, DEPTH, SUBDIVIDED].map(|at| get(snapshot, at) as usize);
+        assert!(snapshot[FILLED] == 1 && get(snapshot, BUILT) > 512 && get(snapshot, BUILT) <= 1024);
         let words = slots.div_ceil(32);
         let finer = if refined > 0 { 3 } else { 0 };
         let (whole_count, leaf_count) = (1 << depth, 1 << (depth + finer));
@@ -76,7 +76,7 @@ impl Places {
         let members = nodes + 24 * (2 * whole_count - 1);
         let count: u32 = (0..leaf_count).map(|leaf| get(snapshot, leaves + 12 * leaf)).sum();
         let pairs = members + 4 * count as usize + 4 * get(snapshot, LARGE) as usize;
-        let pair_count = get(snapshot, SWEPT_PAIRS) as usize;
+        let pair_count = get(snapshot, SWEPT) as usize;
         assert_eq!(pairs + 8 * pair_count, snapshot.len(), "all sections");
         Self {
             boxes,
@@ -181,24 +181,24 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             ("a number of objects", &|b| put(b, LIVE, get(snapshot, LIVE) - 1)),
             ("a free slot", &|b| put(b, FREE, 1 + slot as u32)),
             ("lists", &|b| b[STALE_LISTS] = 0),
-            ("planes for fewer", &|b| put(b, PLANTED, 512)),
-            ("planes for nobody", &|b| put(b, PLANTED, 0)),
-            ("planes for too many", &|b| put(b, PLANTED, 701)),
+            ("planes for fewer", &|b| put(b, BUILT, 512)),
+            ("planes for nobody", &|b| put(b, BUILT, 0)),
+            ("planes for too many", &|b| put(b, BUILT, 701)),
             ("a deeper tree", &|b| put(b, DEPTH, get(snapshot, DEPTH) + 1)),
-            ("leaves that are divided", &|b| put(b, REFINED, get(snapshot, REFINED) ^ 1)),
+            ("leaves that are divided", &|b| put(b, SUBDIVIDED, get(snapshot, SUBDIVIDED) ^ 1)),
             ("leaves that are not filled", &|b| b[FILLED] = 0),
             ("filled twice", &|b| b[FILLED] = 2),
             ("where large objects start", &|b| put(b, LARGE_START, u32::MAX)),
             ("a frame of no numbers", &|b| put(b, p.frames, 0x7fc0_0000)),
             ("a frame upside down", &|b| put(b, p.frames + 12, 0xbf80_0000)),
             ("a frame without end", &|b| put(b, p.frames + 24 * p.whole_count - 4, 0x7f80_0000)),
-            ("touched by nobody", &|b| b[TOUCHED] = 2),
-            ("margins that there are not", &|b| b[CREPT] = 1),
-            ("squares beyond all numbers", &|b| b[SETTLED..SETTLED + 8].fill(255)),
-            ("more pairs than room", &|b| put(b, SWEPT_PAIRS, 9001)),
-            ("fewer pairs", &|b| put(b, SWEPT_PAIRS, get(snapshot, SWEPT_PAIRS) - 1)),
-            ("surplus without margins", &|b| put(b, RESULT_PAIRS, get(snapshot, RESULT_PAIRS) - 1)),
-            ("more set aside than pairs", &|b| put(b, ASIDE, get(snapshot, SWEPT_PAIRS) + 1)),
+            ("touched by nobody", &|b| b[DIRTY] = 2),
+            ("margins that there are not", &|b| b[MOVED_INSIDE_MARGIN] = 1),
+            ("squares beyond all numbers", &|b| b[BASELINE..BASELINE + 8].fill(255)),
+            ("more pairs than room", &|b| put(b, SWEPT, 9001)),
+            ("fewer pairs", &|b| put(b, SWEPT, get(snapshot, SWEPT) - 1)),
+            ("surplus without margins", &|b| put(b, REPORTED, get(snapshot, REPORTED) - 1)),
+            ("more set aside than pairs", &|b| put(b, PARKED, get(snapshot, SWEPT) + 1)),
             ("found without events", &|b| put(b, FOUND, 1)),
             ("lost without events", &|b| put(b, LOST, 1)),
             ("neither complete nor not", &|b| b[COMPLETE] = 2),
@@ -266,7 +266,7 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         // The other one has nothing of this.
         let divided: &[Forgery<'_>] = &[
             ("a pair that does not overlap", &|b| put(b, pair + 4, apart)),
-            ("who has moved and is not touched", &|b| b[TOUCHED] = 0),
+            ("who has moved and is not touched", &|b| b[DIRTY] = 0),
             ("who is no more has not moved", &|b| bit(b, p.moved, free)),
             ("who is no more rests", &|b| bit(b, p.resting, free)),
             ("nobody was put to rest", &|b| b[RESTING] = 0),
@@ -274,12 +274,12 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             ("a free slot with a box", &|b| put(b, p.boxes + 24 * free + 12, 0)),
             ("a chain that does not end", &|b| put(b, p.boxes + 24 * free + 4, 1 + free as u32)),
             ("a pair of who is awake is set aside", &|b| {
-                put(b, ASIDE, get(snapshot, SWEPT_PAIRS));
+                put(b, PARKED, get(snapshot, SWEPT));
                 b[p.awake..p.planes].fill(0);
                 bit(b, p.awake, get(snapshot, pair) as usize);
             }),
         ];
-        let there = if get(snapshot, REFINED) > 0 { divided.len() } else { 1 };
+        let there = if get(snapshot, SUBDIVIDED) > 0 { divided.len() } else { 1 };
         assert_eq!(loaded(snapshot, &divided[..there], setup), [""; 0]);
     }
 }
@@ -290,9 +290,9 @@ fn pairs_that_are_not_all_are_found_anew() {
     for (snapshot, setup) in [divided(), whole()].iter().zip(setups()) {
         let p = Places::of(snapshot);
         let less = |b: &mut Vec<u8>| {
-            let [swept, result] = [SWEPT_PAIRS, RESULT_PAIRS].map(|at| get(snapshot, at) - 1);
-            put(b, SWEPT_PAIRS, swept);
-            put(b, RESULT_PAIRS, result);
+            let [swept, result] = [SWEPT, REPORTED].map(|at| get(snapshot, at) - 1);
+            put(b, SWEPT, swept);
+            put(b, REPORTED, result);
             b.truncate(b.len() - 8);
         };
         let twice = |b: &mut Vec<u8>| {
@@ -330,7 +330,7 @@ fn forge_at_random<I: Index>(config: Config, count: usize, calm: usize, times: u
             good += 1;
             let questions = Questions::about(&Model::default(), 1, rng);
             for cast in &questions.casts {
-                let _ = world.hits(cast, setup.kernels, &mut [None; 8]);
+                let _ = world.set_kernels(setup.kernels).hits(cast, &mut [None; 8]);
             }
             let _ = world.leaves().count() + world.planes().count() + world.large().count();
             go_on(&mut world, rng, setup, &format!("round {round}"));
@@ -349,7 +349,7 @@ fn forged_numbers_are_refused_or_as_right_as_any() {
     let times = effort() as usize;
     for setup in setups() {
         for (at, config) in configs().into_iter().enumerate() {
-            let sized = |objects: usize, pairs: usize| Config { capacity: ample(objects, pairs), ..config };
+            let sized = |objects: usize, pairs: usize| config.with_capacity(ample(objects, pairs));
             forge_at_random::<u16>(sized(24, 100), 20, at, 400 * times, setup);
             forge_at_random::<u16>(sized(200, 3000).with_lean(), 180, at, 200 * times, setup);
             forge_at_random::<u32>(sized(300, 4000), 290, at, 100 * times, setup);

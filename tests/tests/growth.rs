@@ -2,8 +2,7 @@
 //! the beginning, and of the model.
 
 use trisap_core::{
-    Aabb, Boxes, Capacity, Choice, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, Serial,
-    World,
+    Aabb, Boxes, Capacity, Choice, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, World,
 };
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::lives::{configs, lived, saved};
@@ -39,13 +38,9 @@ impl Life<'_> {
     /// The world moves, half of the time by a snapshot.
     fn go_to<I: Index>(&mut self, capacity: Capacity) -> Result<(), Error> {
         let choice = |rng: &mut Rng| [Choice::Automatic, Choice::Never, Choice::Always][rng.below(3)];
-        let config = Config {
-            capacity,
-            lean: capacity.objects <= 256 && self.rng.once_in(4),
-            movers_only: choice(self.rng),
-            workers: 1 + self.rng.below(3) as u32,
-            ..self.config
-        };
+        let mut config = self.config.with_capacity(capacity);
+        config.lean = capacity.objects <= 256 && self.rng.once_in(4);
+        let config = config.with_movers_only(choice(self.rng)).with_workers(1 + self.rng.below(3) as u32);
         let mut slab = Slab::new::<I>(&config);
         let from = World::<I>::open(self.slab.bytes_mut()).expect("the world");
         let (was, objects) = (from.config().capacity, from.len());
@@ -76,8 +71,10 @@ impl Life<'_> {
     }
 
     fn grow<I: Index>(&mut self, objects: u32, pairs: u64) {
-        let Capacity { objects: old, leaf_refs, pairs: few } = self.config.capacity;
-        let capacity = Capacity { objects: objects.max(old), leaf_refs, pairs: (pairs as u32).max(few) };
+        let Capacity { objects: old, leaf_refs, pairs: few, .. } = self.config.capacity;
+        let capacity = Capacity::for_objects(objects.max(old))
+            .with_leaf_refs(leaf_refs)
+            .with_pairs((pairs as u32).max(few));
         self.go_to::<I>(capacity).expect("everything fits into more");
     }
 
@@ -172,11 +169,9 @@ impl Life<'_> {
         let slots = (0..self.config.capacity.objects).rev().find(|slot| self.model.id_at(*slot).is_some());
         let slots = slots.map_or(0, |slot| slot + 1);
         let pairs = world.pairs().len();
-        let capacity = Capacity {
-            objects: slots / 2 + self.rng.below(slots as usize + 9) as u32,
-            leaf_refs: [0, slots / 2, 8 * slots][self.rng.below(3)],
-            pairs: (pairs / 2 + self.rng.below(2 * pairs + 9)) as u32,
-        };
+        let capacity = Capacity::for_objects(slots / 2 + self.rng.below(slots as usize + 9) as u32)
+            .with_leaf_refs([0, slots / 2, 8 * slots][self.rng.below(3)])
+            .with_pairs((pairs / 2 + self.rng.below(2 * pairs + 9)) as u32);
         match self.go_to::<I>(capacity) {
             Ok(()) => assert!(capacity.objects >= slots && capacity.pairs as usize >= pairs),
             Err(Error::NoRoom { field: Field::Objects, needed, room }) => {
@@ -206,8 +201,8 @@ impl Life<'_> {
         }
         let mut large = World::<I>::open(self.large.bytes_mut()).expect("the large world");
         let expected = match &boxes {
-            Some(boxes) => large.step_over(Boxes::new(boxes), Kernels::detect(), &Serial),
-            None => large.step(Kernels::detect(), &Serial),
+            Some(boxes) => large.step_over(Boxes::new(boxes)),
+            None => large.step(),
         };
         let expected = Outcome::of(&expected.expect("ample room"));
         let said = loop {
@@ -251,11 +246,9 @@ fn live<I: Index>(seed: u64, start: usize, operations: usize, tally: &mut Tally)
         plain.with_margin(Margin::length(0.25)),
     ][rng.below(6)];
     let most = 2 * start + 4 * operations + 64;
-    let large = Config { capacity: ample(most, 40 * most), ..base };
-    let config = Config {
-        capacity: Capacity { objects: start as u32, leaf_refs: start as u32 / 2, pairs: 1 },
-        ..base
-    };
+    let large = base.with_capacity(ample(most, 40 * most));
+    let config = base
+        .with_capacity(Capacity::for_objects(start as u32).with_leaf_refs(start as u32 / 2).with_pairs(1));
     let (mut slab, mut room) = (Slab::new::<I>(&config), Slab::new::<I>(&large));
     let _ = (slab.world::<I>(&config), room.world::<I>(&large));
     let mut life = Life { config, slab, model: Model::default(), large: room, rng, tally };
@@ -306,18 +299,17 @@ fn a_world_that_grows_a_tree_says_what_a_large_one_says() {
 #[test]
 fn nothing_happens_by_a_move_alone() {
     for base in configs() {
-        let config = Config { capacity: ample(700, 9000), ..base };
+        let config = base.with_capacity(ample(700, 9000));
         let mut slab = Slab::new::<u32>(&config);
         let mut world = slab.world::<u32>(&config);
-        let mut ids = vec![None; 650];
-        world.insert_many(Boxes::new(&scenes::uniform(650, 2)), &mut ids).expect("room");
-        world.step(Kernels::BASELINE, &Serial).expect("room");
+        world.insert_many(Boxes::new(&scenes::uniform(650, 2))).expect("room");
+        world.set_kernels(Kernels::BASELINE).step().expect("room");
         let count = world.pairs().len();
         assert!(count > 20);
-        let more = Config { capacity: ample(2000, 20_000), ..base };
+        let more = base.with_capacity(ample(2000, 20_000));
         let mut room = Slab::new::<u32>(&more);
         let mut world = world.move_into(room.bytes_mut(), &more).expect("room");
-        let step = world.step(Kernels::BASELINE, &Serial).expect("room");
+        let step = world.set_kernels(Kernels::BASELINE).step().expect("room");
         assert_eq!((step.pairs().len(), step.found().len(), step.lost().len()), (count, 0, 0));
         assert_eq!(step.stats().moved, 0);
     }
@@ -325,12 +317,16 @@ fn nothing_happens_by_a_move_alone() {
 
 #[test]
 fn what_cannot_change_is_named() {
-    let base = Config { capacity: ample(12, 60), ..configs()[2] };
+    let base = configs()[2].with_capacity(ample(12, 60));
     let mut slab = Slab::new::<u32>(&base);
     let world = lived::<u32>(&mut slab, &base, 10, 3);
+    let (mut no_margin, mut no_events, mut few) = (base, base, base);
+    no_margin.margin = None;
+    no_events.events = false;
+    few.capacity.objects = 9;
     let others = [
-        (Config { margin: None, ..base }, Field::Margin),
-        (Config { events: false, ..base }, Field::Events),
+        (no_margin, Field::Margin),
+        (no_events, Field::Events),
         (base.with_filters(), Field::Filters),
         (base.with_mode(Mode::Fat), Field::Mode),
     ];
@@ -343,7 +339,6 @@ fn what_cannot_change_is_named() {
     }
     let mut room = Slab::new::<u32>(&base);
     room.bytes_mut().fill(3);
-    let few = Config { capacity: Capacity { objects: 9, ..base.capacity }, ..base };
     let said = world.move_into(room.bytes_mut(), &few).map(|_| ()).expect_err("too few");
     assert_eq!(said, Error::NoRoom { field: Field::Objects, needed: 10, room: 9 });
     assert_eq!(

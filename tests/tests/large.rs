@@ -1,6 +1,6 @@
 //! A world of 200,000 objects against an independent sweep. (`examples/million.rs` has five times as many.)
 
-use trisap_core::{Boxes, Config, Kernels, World};
+use trisap_core::{Boxes, Config, World};
 use trisap_tests::checked::slots;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{Brownian, Rng, walk};
@@ -21,11 +21,10 @@ fn a_large_brownian_world_is_exact() {
     config.capacity.leaf_refs = COUNT as u32 / 2;
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
-    world.insert_many(Boxes::new(&frames[0]), &mut vec![None; COUNT]).expect("room for all");
+    world.insert_many(Boxes::new(&frames[0])).expect("room for all");
     let mut before = 0;
     for frame in &frames {
-        let step =
-            world.step_over(Boxes::new(frame), Kernels::detect(), &Jobs::Threads(2)).expect("room for all");
+        let step = world.on(&Jobs::Threads(2)).step_over(Boxes::new(frame)).expect("room for all");
         let (stats, pairs) = (step.stats(), sorted(&slots(step.pairs())));
         let expected = oracle::sweep(&oracle::all_live(frame));
         assert!(pairs == expected, "{} pairs for {}: {stats:?}", pairs.len(), expected.len());

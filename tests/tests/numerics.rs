@@ -33,7 +33,7 @@ fn pairs(outcomes: &[Outcome]) -> Vec<Vec<SlotPair>> {
 fn each_world(config: Config, boxes: &[Aabb], jobs: &[Jobs], test: impl Fn(&mut Checked<'_>, &[Id], Setup)) {
     let pairs = 16 * boxes.len() + expected(boxes).len();
     for setup in Setup::each(jobs) {
-        let config = setup.configure(Config { capacity: ample(2 * boxes.len() + 8, pairs), ..config });
+        let config = setup.configure(config.with_capacity(ample(2 * boxes.len() + 8, pairs)));
         let mut slab = Slab::new::<u32>(&config.with_events());
         let mut checked = Checked::<u32>::new(slab.world(&config.with_events()));
         let ids = checked.insert_many(boxes);
@@ -46,12 +46,12 @@ fn each_world(config: Config, boxes: &[Aabb], jobs: &[Jobs], test: impl Fn(&mut 
 fn transcript(config: Config, frames: &[Vec<Aabb>], setup: Setup) -> Vec<Result<Outcome, Error>> {
     let mut capacity = ample(frames[0].len(), 40 * frames[0].len());
     capacity.leaf_refs = frames[0].len() as u32;
-    let config = setup.configure(Config { capacity, events: true, ..config });
+    let config = setup.configure(config.with_capacity(capacity).with_events());
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
-    world.insert_many(Boxes::new(&frames[0]), &mut vec![None; frames[0].len()]).expect("room for all");
+    world.insert_many(Boxes::new(&frames[0])).expect("room for all");
     let mut step = |frame: &Vec<Aabb>| {
-        let step = world.step_over(Boxes::new(frame), setup.kernels, &setup.jobs)?;
+        let step = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(frame))?;
         Ok(Outcome::of(&step))
     };
     frames.iter().map(&mut step).collect()
@@ -79,7 +79,7 @@ fn refused_everywhere(bad_boxes: &[Aabb]) {
                 assert_eq!(world.refuse(|w| w.insert(*bad)), Error::BadBox { index: 0 });
                 assert_eq!(world.refuse(|w| w.set_aabb(ids[1], *bad)), Error::BadBox { index: 0 });
                 let batch = [good, good, *bad];
-                let error = world.refuse(|w| w.insert_many(Boxes::new(&batch), &mut [None; 3]));
+                let error = world.refuse(|w| w.insert_many(Boxes::new(&batch)).map(drop));
                 assert_eq!(error, Error::BadBox { index: 2 });
                 let error = world.refuse(|w| w.update_many(&ids[..3], Boxes::new(&batch)));
                 assert_eq!(error, Error::BadBox { index: 2 });
@@ -604,8 +604,8 @@ fn everything_overlaps() {
         let mut slab = Slab::new::<u32>(&config);
         let mut world: World<'_> = slab.world(&config);
         let boxes = scenes::identical(count);
-        world.insert_many(Boxes::new(&boxes), &mut vec![None; count]).expect("room for all");
-        let error = world.step(setup.kernels, &setup.jobs).map(|step| step.pairs().len());
+        world.insert_many(Boxes::new(&boxes)).expect("room for all");
+        let error = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.pairs().len());
         let count = count as u64;
         assert_eq!(error, Err(Error::PairsFull { needed: count * (count - 1) / 2 }), "{setup:?}");
         assert_eq!(world.pairs().len(), 1000);
@@ -732,7 +732,7 @@ fn counters_go_on_for_long() {
         assert_eq!((id.slot(), id.generation()), (1, life));
         if life.is_power_of_two() {
             old.push(id);
-            let step = world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room");
+            let step = world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room");
             assert_eq!((step.pairs().len(), step.found().len()), (1, 1), "life {life}");
             assert!(old[..old.len() - 1].iter().all(|id| !world.contains(*id)));
         }
@@ -740,7 +740,7 @@ fn counters_go_on_for_long() {
         assert_eq!(world.remove(id), Err(Error::StaleId { id }));
     }
     for i in 0..100_000 {
-        let step = world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room");
+        let step = world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room");
         assert!(step.pairs().is_empty() && step.lost().len() == usize::from(i == 0));
     }
     world.validate().expect("a valid world");
@@ -789,7 +789,7 @@ fn p2_no_input_panics() {
                 let mut rng = Rng::new(60);
                 let mut any =
                     || Aabb::new([(); 3].map(|()| odd[rng.below(14)]), [(); 3].map(|()| odd[rng.below(14)]));
-                let config = setup.configure(Config { capacity: ample(count, 500), ..config }.with_events());
+                let config = setup.configure(config.with_capacity(ample(count, 500)).with_events());
                 let mut slab = Slab::new::<u32>(&config);
                 let mut world: World<'_> = slab.world(&config);
                 for _ in 0..4 {
@@ -803,11 +803,12 @@ fn p2_no_input_panics() {
                         let _ = world.set_aabb(Id::from_bits((1 << 32) + i as u64).expect("an id"), any());
                     }
                     let bounds: Vec<Aabb> = (0..count + 10).map(|_| any()).collect();
-                    let _ = world.step_over(Boxes::new(&bounds), setup.kernels, &setup.jobs);
+                    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&bounds));
                     for slot in 0..count as u32 / 2 {
                         let _ = world.id_at(slot * 2).map(|id| world.remove(id));
                     }
-                    let _ = world.step(setup.kernels, &setup.jobs).map(|step| step.surplus());
+                    let _ =
+                        world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.surplus());
                     world.validate().expect("a valid world");
                 }
             }));
@@ -895,8 +896,7 @@ fn p6_a_copy_of_the_bytes_goes_on_like_the_original() {
                 frames.push(next);
             }
             for setup in Setup::each(&Jobs::USUAL) {
-                let config =
-                    setup.configure(Config { capacity: ample(count, 20 * count), ..config }.with_events());
+                let config = setup.configure(config.with_capacity(ample(count, 20 * count)).with_events());
                 let mut original = Slab::new::<u32>(&config);
                 let mut model = {
                     let mut checked = Checked::<u32>::new(original.world(&config));

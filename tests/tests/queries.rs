@@ -29,12 +29,12 @@ fn scene(count: usize, seed: u64) -> Vec<Aabb> {
 }
 
 /// A world that has never made a step answers from its boxes alone.
-fn ask_twin<I: Index>(world: &World<'_, I>, model: &Model, questions: &Questions, setup: Setup) {
+fn ask_twin<I: Index>(world: &mut World<'_, I>, model: &Model, questions: &Questions, setup: Setup) {
     let boxes: Vec<Aabb> = model.boxes().iter().map(|aabb| aabb.unwrap_or(cube(0.0, 0.0, 0.0))).collect();
     let config = Config::new(ample(boxes.len(), 0));
     let mut slab = Slab::new::<u32>(&config);
     let mut twin = slab.world::<u32>(&config);
-    twin.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    twin.insert_many(Boxes::new(&boxes)).expect("room for all");
     for slot in (0..boxes.len() as u32).filter(|slot| model.id_at(*slot).is_none()) {
         twin.remove(twin.id_at(slot).expect("just inserted")).expect("alive");
     }
@@ -42,16 +42,16 @@ fn ask_twin<I: Index>(world: &World<'_, I>, model: &Model, questions: &Questions
     for cast in &questions.casts {
         let mut one = vec![None; boxes.len()];
         let mut other = one.clone();
-        let told: Result<usize, Error> = world.hits(cast, setup.kernels, &mut one);
-        assert_eq!(told, twin.hits(cast, setup.kernels, &mut other), "{setup:?} {cast:?}");
+        let told: Result<usize, Error> = world.set_kernels(setup.kernels).hits(cast, &mut one);
+        assert_eq!(told, twin.set_kernels(setup.kernels).hits(cast, &mut other), "{setup:?} {cast:?}");
         let one: Vec<Near> = one.iter().flatten().map(near).collect();
         let other: Vec<Near> = other.iter().flatten().map(near).collect();
         assert_eq!(one, other, "{setup:?} {cast:?}");
     }
 }
 
-fn ask<I: Index>(checked: &Checked<'_, I>, rng: &mut Rng, setup: Setup) {
-    let (world, model) = (checked.world(), checked.model());
+fn ask<I: Index>(checked: &mut Checked<'_, I>, rng: &mut Rng, setup: Setup) {
+    let (world, model) = checked.parts_mut();
     let questions = Questions::about(model, if world.len() > 500 { 9 } else { 24 }, rng);
     questions.ask(world, model, setup);
     questions.ask_batches(world, setup);
@@ -61,24 +61,24 @@ fn ask<I: Index>(checked: &Checked<'_, I>, rng: &mut Rng, setup: Setup) {
 /// The life of a world, with questions in each of its states.
 fn live<I: Index>(config: Config, count: usize, setup: Setup) {
     let capacity = ample(count + count / 4 + 8, 12 * count + 400);
-    let config = setup.configure(Config { capacity, ..config });
+    let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
     let mut world = Checked::<I>::new(slab.world(&config));
     let rng = &mut Rng::new(count as u64);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     let ids = world.insert_many(&scene(count, 1));
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     world.step(setup);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     // Before the next step, with reused slots.
     world.remove_many(&ids[count / 2..count / 2 + count / 8]);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     world.insert_many(&scenes::uniform(count / 10, 2));
     let fresh = world.model().ids();
     world.update_many(&fresh[..count / 20], &scene(count, 3)[..count / 20]);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     world.step(setup);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     // Calm: nobody moves, few move, and in between there are questions.
     let ids = world.model().ids();
     let mut boxes: Vec<Aabb> = world.model().boxes().iter().map(|b| b.unwrap_or_default()).collect();
@@ -89,49 +89,49 @@ fn live<I: Index>(config: Config, count: usize, setup: Setup) {
             let (slot, by) = (mover.slot() as usize, rng.point(-2.0, 2.0));
             boxes[slot] = shifted(&boxes[slot], by);
             world.set(mover, boxes[slot]);
-            ask(&world, rng, setup);
+            ask(&mut world, rng, setup);
         }
         if calm == 5 {
             let gone = world.insert(cube(1.0, 1.0, 1.0));
             world.step(setup);
-            ask(&world, rng, setup);
+            ask(&mut world, rng, setup);
             world.remove(gone);
         }
         world.step(setup);
         if calm % 2 == 1 {
-            ask(&world, rng, setup);
+            ask(&mut world, rng, setup);
         }
     }
     let calm = world.save();
     // All move, and inside their margins.
     scenes::walk(&mut boxes, 1000, 1.0, rng);
     world.step_over(&boxes, setup);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     scenes::walk(&mut boxes, 1000, 0.01, rng);
     world.step_over(&boxes, setup);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     // Too many pairs.
     let pile = vec![cube(0.0, 0.0, 0.0); boxes.len()];
     if count > 60 {
         world.try_step_over(&pile, setup).expect_err("no room for the pairs of a pile");
-        ask(&world, rng, setup);
+        ask(&mut world, rng, setup);
         let some = world.model().ids()[..20].to_vec();
         world.update_many(&some, &boxes[..20]);
-        ask(&world, rng, setup);
+        ask(&mut world, rng, setup);
         world.step_over(&boxes, setup);
-        ask(&world, rng, setup);
+        ask(&mut world, rng, setup);
     }
     for saved in [saved, calm] {
         world.load(&saved);
-        ask(&world, rng, setup);
+        ask(&mut world, rng, setup);
         world.step(setup);
-        ask(&world, rng, setup);
+        ask(&mut world, rng, setup);
     }
     let ids = world.model().ids();
     world.remove_many(&ids);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
     world.step(setup);
-    ask(&world, rng, setup);
+    ask(&mut world, rng, setup);
 }
 
 fn configs() -> [Config; 3] {
@@ -171,7 +171,7 @@ fn every_scene_answers() {
             world.insert_many(&scene.boxes);
             for calm in 0..3 {
                 world.step(setup);
-                ask(&world, &mut Rng::new(calm), setup);
+                ask(&mut world, &mut Rng::new(calm), setup);
             }
         }
     }
@@ -187,11 +187,11 @@ fn touching_counts() {
         let mut world = Checked::<u16>::new(slab.world(&config));
         world.insert_many(&boxes);
         for calm in 0..3 {
-            let (asked, model) = (world.world(), world.model());
-            let count = |region: Region| {
+            let (asked, model) = world.parts_mut();
+            let mut count = |region: Region| {
                 ask_region(asked, model, &region, setup);
                 let mut out = vec![None; 1000];
-                asked.overlaps(&region, setup.kernels, &mut out).expect("room for all")
+                asked.set_kernels(setup.kernels).overlaps(&region, &mut out).expect("room for all")
             };
             assert_eq!(count(Region::Point([5.0; 3])), 8);
             assert_eq!(count(Region::Point([5.5, 5.0, 5.5])), 2);
@@ -201,10 +201,10 @@ fn touching_counts() {
             assert_eq!(count(Region::Sphere { center: [12.0, 5.5, 5.5], radius: 1.999_999_9 }), 0);
             assert_eq!(count(Region::Sphere { center: [0.0; 3], radius: f32::INFINITY }), 1000);
             assert_eq!(count(Region::Aabb(Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]))), 1000);
-            let hits = |cast: Cast| {
+            let mut hits = |cast: Cast| {
                 ask_cast(asked, model, &cast, setup);
                 let mut out = vec![None; 1000];
-                asked.hits(&cast, setup.kernels, &mut out).expect("room for all")
+                asked.set_kernels(setup.kernels).hits(&cast, &mut out).expect("room for all")
             };
             let along = [[1.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, -1e-3]];
             for direction in along {
@@ -277,7 +277,8 @@ fn casts_meet_a_wall() {
                         start[k] -= away * direction[k];
                     }
                     let distance = [1.5, away, 2.0 * away, f32::INFINITY][rng.below(4)];
-                    ask_cast(world.world(), world.model(), &Cast::ray(start, direction, distance), setup);
+                    let (asked, model) = world.parts_mut();
+                    ask_cast(asked, model, &Cast::ray(start, direction, distance), setup);
                 }
             }
             world.step(Setup::REFERENCE);
@@ -292,10 +293,10 @@ fn rays_come_from_far_away() {
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     let (boxes, side) = (scenes::uniform(900, 4), scenes::side(900));
-    world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()]).expect("room for all");
+    world.insert_many(Boxes::new(&boxes)).expect("room for all");
     let rng = &mut Rng::new(9);
     for _ in 0..10 {
-        world.step(Setup::REFERENCE.kernels, &Jobs::Serial).expect("room for the pairs");
+        world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step().expect("room for the pairs");
     }
     for setup in Setup::each(&[Jobs::Serial]) {
         for away in [1.0, 1e10, 1e20, 1e30, 1e31, 1e32, 1e33, 1e34, 1e35, 1e38] {
@@ -307,7 +308,7 @@ fn rays_come_from_far_away() {
                     (0..3).all(|k| k == axis || aabb.min[k] <= start[k] && start[k] <= aabb.max[k])
                 };
                 let ray = Cast::ray(start, direction, f32::INFINITY);
-                let met = world.hits(&ray, setup.kernels, &mut [None; 900]);
+                let met = world.set_kernels(setup.kernels).hits(&ray, &mut [None; 900]);
                 assert_eq!(met, Ok(boxes.iter().filter(meets).count()), "{setup:?} {ray:?}");
             }
         }
@@ -347,40 +348,42 @@ fn bad_queries_are_refused() {
             casts.push(Cast::ray(with(x), [1.0; 3], 1.0));
             casts.push(Cast::ray([0.0; 3], with(x), 1.0));
             casts.push(Cast::swept(Aabb::new([-1.0; 3], with(x)), [1.0; 3]));
-            assert_eq!(world.nearest(with(x), kernels, &mut [None]), Err(bad));
+            assert_eq!(world.set_kernels(kernels).nearest(with(x), &mut [None]), Err(bad));
         }
     }
     let good = Region::Point([0.5; 3]);
     for region in regions {
-        assert_eq!(world.overlaps(&region, kernels, &mut [None]), Err(bad), "{region:?}");
-        let visited = world.visit_overlaps(&region, kernels, &mut |_| panic!("nothing is answered"));
+        assert_eq!(world.set_kernels(kernels).overlaps(&region, &mut [None]), Err(bad), "{region:?}");
+        let visited =
+            world.set_kernels(kernels).visit_overlaps(&region, &mut |_| panic!("nothing is answered"));
         assert_eq!(visited, Err(bad), "{region:?}");
         let (mut out, mut counts) = ([None; 9], [7; 3]);
         let batch = [good, good, region];
-        let told = world.overlaps_many(&batch, kernels, &Jobs::Threads(2), &mut out, &mut counts);
+        let told = world.set_kernels(kernels).overlaps_many(&batch, &Jobs::Threads(2), &mut out, &mut counts);
         assert_eq!(told, Err(Error::BadQuery { index: 2 }));
         assert_eq!((out, counts), ([None; 9], [7; 3]), "nothing is written");
     }
     for cast in casts {
-        assert_eq!(world.first_hit(&cast, kernels), Err(bad), "{cast:?}");
-        assert_eq!(world.hits(&cast, kernels, &mut [None]), Err(bad), "{cast:?}");
+        assert_eq!(world.set_kernels(kernels).first_hit(&cast), Err(bad), "{cast:?}");
+        assert_eq!(world.set_kernels(kernels).hits(&cast, &mut [None]), Err(bad), "{cast:?}");
         assert_eq!(
-            world.visit_hits(&cast, kernels, &mut |_| panic!("nothing is answered")),
+            world.set_kernels(kernels).visit_hits(&cast, &mut |_| panic!("nothing is answered")),
             Err(bad),
             "{cast:?}"
         );
         let mut out = [None; 2];
-        let told = world.first_hits(&[ray, cast], kernels, &Jobs::Serial, &mut out);
+        let told = world.set_kernels(kernels).first_hits(&[ray, cast], &Jobs::Serial, &mut out);
         assert_eq!((told, out), (Err(Error::BadQuery { index: 1 }), [None; 2]));
     }
     let short = Error::LengthMismatch { needed: 2 };
-    let told = world.first_hits(&[ray, ray], kernels, &Jobs::Serial, &mut [None]);
+    let told = world.set_kernels(kernels).first_hits(&[ray, ray], &Jobs::Serial, &mut [None]);
     assert_eq!(told, Err(short));
-    let told = world.overlaps_many(&[good, good], kernels, &Jobs::Serial, &mut [None; 4], &mut [0]);
+    let told =
+        world.set_kernels(kernels).overlaps_many(&[good, good], &Jobs::Serial, &mut [None; 4], &mut [0]);
     assert_eq!(told, Err(short));
     // Nothing asked is nothing answered.
-    assert_eq!(world.first_hits(&[], kernels, &Jobs::Serial, &mut []), Ok(()));
-    assert_eq!(world.overlaps_many(&[], kernels, &Jobs::Serial, &mut [], &mut []), Ok(()));
+    assert_eq!(world.set_kernels(kernels).first_hits(&[], &Jobs::Serial, &mut []), Ok(()));
+    assert_eq!(world.set_kernels(kernels).overlaps_many(&[], &Jobs::Serial, &mut [], &mut []), Ok(()));
 }
 
 /// Any executor, more queries than a block, and the same answers as one by one.
@@ -395,7 +398,7 @@ fn batches_are_the_same_under_every_executor() {
     for count in [1, 31, 32, 33, 300] {
         let questions = Questions::about(world.model(), count, &mut Rng::new(count as u64));
         for setup in Setup::each(&every) {
-            questions.ask_batches(world.world(), setup);
+            questions.ask_batches(world.world_mut(), setup);
         }
     }
 }
@@ -431,10 +434,11 @@ fn a_leaf_that_was_empty_is_found_again() {
             boxes[slot] = shifted(&cube(0.0, 0.0, 0.0), [0, 1, 2].map(place));
             world.set(*id, boxes[slot]);
             world.step(setup);
-            ask_region(world.world(), world.model(), &Region::Aabb(boxes[slot]), setup);
+            let (asked, model) = world.parts_mut();
+            ask_region(asked, model, &Region::Aabb(boxes[slot]), setup);
             let far = boxes[slot].min.map(|x| x - 50.0);
-            ask_cast(world.world(), world.model(), &Cast::ray(far, [1.0, 1.0, 1.0], 1e3), setup);
-            ask_nearest(world.world(), world.model(), boxes[slot].min, 3, setup);
+            ask_cast(asked, model, &Cast::ray(far, [1.0, 1.0, 1.0], 1e3), setup);
+            ask_nearest(asked, model, boxes[slot].min, 3, setup);
         }
     }
 }
@@ -445,8 +449,8 @@ fn leaves_are_divided_step_by_step() {
     let count = 5000;
     for setup in Setup::each(&Jobs::USUAL).into_iter().step_by(3) {
         for margin in [None, Some(Margin::length(0.1))] {
-            let config = Config { margin, ..Config::new(ample(count, 12 * count)).with_events() };
-            let config = setup.configure(config);
+            let mut config = setup.configure(Config::new(ample(count, 12 * count)).with_events());
+            config.margin = margin;
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let ids = world.insert_many(&scene(count, 4));
@@ -463,7 +467,7 @@ fn leaves_are_divided_step_by_step() {
                     world.set(id, shifted(&aabb, rng.point(-9.0, 9.0)));
                 }
                 world.step(setup);
-                ask(&world, rng, setup);
+                ask(&mut world, rng, setup);
                 leaves.push(world.world().leaves().filter(|leaf| leaf.objects > 0).count());
             }
             assert!(leaves[1] < leaves[3] && leaves[3] < leaves[5], "some in each step: {leaves:?}");
@@ -471,7 +475,7 @@ fn leaves_are_divided_step_by_step() {
             let mut boxes = scene(count, 4);
             scenes::walk(&mut boxes, 1000, 1.0, rng);
             world.step_over(&boxes, setup);
-            ask(&world, rng, setup);
+            ask(&mut world, rng, setup);
             let few = world.world().leaves().filter(|leaf| leaf.objects > 0).count();
             assert!(few < 2 * leaves[0], "{few} after {leaves:?}");
         }

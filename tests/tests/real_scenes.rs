@@ -14,7 +14,8 @@ const COUNT: u32 = 700;
 const FRAMES: u32 = 30;
 
 const EXACT: Config =
-    Config::new(Capacity { objects: COUNT, leaf_refs: 8 * COUNT, pairs: COUNT * COUNT }).with_events();
+    Config::new(Capacity::for_objects(COUNT).with_leaf_refs(8 * COUNT).with_pairs(COUNT * COUNT))
+        .with_events();
 
 fn frames(kind: Kind) -> Vec<Vec<Aabb>> {
     let mut scene = Scene::new(SceneSetup { kind, count: COUNT, seed: 5 }).expect("enough boxes");

@@ -20,12 +20,16 @@ const WORKERS: [Jobs; 5] =
 /// snapshot.
 fn outcomes(recording: &Recording, config: Config, setup: Setup) -> (Vec<Outcome>, Vec<u8>) {
     let objects = recording.objects();
-    let config = setup.configure(Config { capacity: ample(objects, 40 * objects), ..config });
+    let config = setup.configure(config.with_capacity(ample(objects, 40 * objects)));
     let mut slab = Slab::new::<u16>(&config);
     let mut world: World<'_, u16> = slab.world(&config);
-    world.insert_many(Boxes::padded(&recording.frames[0]), &mut vec![None; objects]).expect("room for all");
+    world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     let mut step = |frame: &Vec<[f32; 8]>| {
-        let step = world.step_over(Boxes::padded(frame), setup.kernels, &setup.jobs).expect("room for all");
+        let step = world
+            .set_kernels(setup.kernels)
+            .on(&setup.jobs)
+            .step_over(Boxes::padded(frame))
+            .expect("room for all");
         let outcome = Outcome::of(&step);
         world.validate().unwrap_or_else(|invalid| panic!("{} {setup:?}: {invalid}", recording.name));
         outcome

@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use trisap_core::{
     Aabb, Boxes, Capacity, Cast, Config, Error, Executor, Id, Index, Kernels, Margin, Mode, Reason, Region,
-    Serial, Stage, World, layout,
+    Stage, World, layout,
 };
 use trisap_tests::denormals::flushed;
 use trisap_tests::scenes::{Brownian, cube, on_x};
@@ -16,9 +16,7 @@ fn saved<I: Index>(world: &World<'_, I>) -> Vec<u8> {
 }
 
 fn fill(world: &mut World<'_, u32>, boxes: &[Aabb]) -> Vec<Id> {
-    let mut ids = vec![None; boxes.len()];
-    world.insert_many(Boxes::new(boxes), &mut ids).expect("room and good boxes");
-    ids.into_iter().flatten().collect()
+    world.insert_many(Boxes::new(boxes)).expect("room and good boxes").collect()
 }
 
 /// A tree has planes and no leaves between a shift of the origin and the next step.
@@ -28,13 +26,13 @@ fn a_snapshot_after_a_shift_is_loaded() {
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     fill(&mut world, Brownian::new(600, 3).boxes());
-    world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+    world.set_kernels(Kernels::BASELINE).step().expect("room for the pairs");
     world.shift_origin([1.0, 2.0, 3.0]).expect("finite");
     let bytes = saved(&world);
     assert_eq!(world.load(&bytes), Ok(()));
     assert_eq!(world.len(), 600);
     assert_eq!(saved(&world), bytes);
-    let step = world.step(Kernels::BASELINE, &Serial).expect("room for the pairs");
+    let step = world.set_kernels(Kernels::BASELINE).step().expect("room for the pairs");
     assert!(step.found().is_empty() && step.lost().is_empty());
 }
 
@@ -68,7 +66,7 @@ fn margins_need_no_room_for_pairs() {
         fill(&mut world, &boxes);
         let reason = Cell::new(None);
         let mut step = |boxes: &[Aabb]| {
-            let step = world.step_over(Boxes::new(boxes), Kernels::BASELINE, &Serial);
+            let step = world.set_kernels(Kernels::BASELINE).step_over(Boxes::new(boxes));
             let step = step.map(|step| (step.pairs().to_vec(), step.found().to_vec(), step.lost().to_vec()));
             world.validate().expect("valid");
             reason.set(Some(world.stats().reason));
@@ -140,21 +138,21 @@ fn shifts_and_queries_are_the_same_where_denormals_are_flushed() {
                 let mut slab = Slab::new::<u32>(&config);
                 let mut world = slab.world::<u32>(&config);
                 let ids = fill(&mut world, &boxes);
-                world.step(kernels, &Serial).expect("room for the pairs");
+                world.set_kernels(kernels).step().expect("room for the pairs");
                 let mut told = Vec::new();
                 for shift in [[0.0; 3], [1e-39, 0.0, 1e-45]] {
                     let rounded = world.shift_origin(shift).expect("finite");
-                    world.step(kernels, &Serial).expect("room for the pairs");
+                    world.set_kernels(kernels).step().expect("room for the pairs");
                     let shifted: Vec<_> =
                         ids.iter().map(|id| bits(&world.aabb(*id).expect("alive"))).collect();
                     let mut out = vec![None; count];
                     let ball = Region::Sphere { center, radius: 3e-39 };
-                    let near = world.overlaps(&ball, kernels, &mut out).expect("room");
+                    let near = world.set_kernels(kernels).overlaps(&ball, &mut out).expect("room");
                     let ray = Cast::ray([-1e-38, least, -least], [1e-38, 0.0, 0.0], 1e3);
                     let mut hits = vec![None; count];
-                    let met = world.hits(&ray, kernels, &mut hits).expect("room");
+                    let met = world.set_kernels(kernels).hits(&ray, &mut hits).expect("room");
                     let mut nearest = vec![None; 5];
-                    world.nearest(point, kernels, &mut nearest).expect("finite");
+                    world.set_kernels(kernels).nearest(point, &mut nearest).expect("finite");
                     let slots = |hits: &[Option<trisap_core::Hit>]| -> Vec<_> {
                         hits.iter().flatten().map(|hit| (hit.id.slot(), hit.distance.to_bits())).collect()
                     };
@@ -210,7 +208,7 @@ fn stages_come_in_order_and_end() {
                 }
             }
             let noting = Noting::default();
-            let done = world.step(Kernels::BASELINE, &noting).is_ok();
+            let done = world.set_kernels(Kernels::BASELINE).on(&noting).step().is_ok();
             let stages = noting.0.into_inner();
             assert!(stages.windows(2).all(|two| two[0] < two[1]), "{stages:?}, {count}, round {round}");
             assert_eq!(stages.last(), Some(&Stage::Done), "done: {done}, {count}, round {round}");

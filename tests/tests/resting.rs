@@ -77,7 +77,7 @@ fn resting_objects_keep_their_boxes() {
 /// Calm and busy steps in all orders: nobody, one or a few move, the same ones again or others; now and then all do.
 fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) {
     let capacity = ample(count + 20, 40 * count);
-    let config = setup.configure(Config { capacity, ..config });
+    let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
     let mut world = Checked::<I>::new(slab.world(&config));
     let rng = &mut Rng::new(count as u64);
@@ -168,7 +168,7 @@ fn trees_that_grow_askew_while_it_is_calm() {
     for setup in Setup::each(&Jobs::USUAL) {
         for config in configs() {
             let count = 2000;
-            let config = setup.configure(Config { capacity: ample(count, 200 * count), ..config });
+            let config = setup.configure(config.with_capacity(ample(count, 200 * count)));
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let ids = world.insert_many(&scenes::uniform(count, 6));
@@ -206,7 +206,7 @@ fn a_full_buffer_in_a_calm_time() {
                 )
                 .len();
                 let capacity = ample(count, pairs.min(count * count / 4));
-                let config = setup.configure(Config { capacity, ..config });
+                let config = setup.configure(config.with_capacity(capacity));
                 let mut slab = Slab::new::<u32>(&config);
                 let mut world = Checked::<u32>::new(slab.world(&config));
                 let ids = world.insert_many(&boxes);

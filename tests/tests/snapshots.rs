@@ -11,7 +11,7 @@ use trisap_tests::worlds::{Setup, Slab, ample};
 /// At any point of a life: a snapshot goes to a world that has lived otherwise, with other workers, and both go on alike;
 /// and the first one goes back and does all of it again. Returns how many steps found no room for their pairs.
 fn follow<I: Index>(config: Config, count: usize, pairs: usize, setup: Setup) -> usize {
-    let config = Config { capacity: ample(count + count / 8, pairs), ..config };
+    let config = config.with_capacity(ample(count + count / 8, pairs));
     let config = setup.configure(config);
     let other =
         Setup { jobs: if setup.jobs == Jobs::Serial { Jobs::Threads(3) } else { Jobs::Serial }, ..setup };
@@ -29,7 +29,7 @@ fn follow<I: Index>(config: Config, count: usize, pairs: usize, setup: Setup) ->
     for round in 0..40 {
         let snapshot = saved(&world);
         if round == 3 {
-            world.insert_many(Boxes::new(&scenes::uniform(count, 1)), &mut vec![None; count]).expect("room");
+            world.insert_many(Boxes::new(&scenes::uniform(count, 1))).expect("room");
             continue;
         }
         // A fresh world now and then, else one that has been used before.
@@ -90,7 +90,7 @@ fn a_loaded_world_goes_on_as_the_one_that_was_saved() {
 #[test]
 fn every_truncation_and_every_changed_byte_is_noticed() {
     for config in configs() {
-        let config = Config { capacity: ample(12, 60), ..config };
+        let config = config.with_capacity(ample(12, 60));
         let (mut slab, mut source) = (Slab::new::<u16>(&config), Slab::new::<u16>(&config));
         let snapshot = saved(&lived::<u16>(&mut source, &config, 10, 3));
         let mut checked = Checked::<u16>::new(slab.world(&config));
@@ -124,7 +124,7 @@ fn every_truncation_and_every_changed_byte_is_noticed() {
 
 #[test]
 fn too_little_room_is_an_error() {
-    let config = Config { capacity: ample(12, 60), ..configs()[1] };
+    let config = configs()[1].with_capacity(ample(12, 60));
     let mut slab = Slab::new::<u32>(&config);
     let world = lived::<u32>(&mut slab, &config, 10, 2);
     let size = world.snapshot_size();
@@ -137,7 +137,7 @@ fn too_little_room_is_an_error() {
 
 #[test]
 fn a_foreign_snapshot_is_refused() {
-    let capacity = Capacity { objects: 100, leaf_refs: 50, pairs: 400 };
+    let capacity = Capacity::for_objects(100).with_leaf_refs(50).with_pairs(400);
     let margin = Margin::length(0.25);
     let base = Config::new(capacity).with_margin(margin);
     let mut slab = Slab::new::<u32>(&base);
@@ -159,7 +159,9 @@ fn a_foreign_snapshot_is_refused() {
     let other = Error::OtherConfig { field: Field::Index };
     assert_eq!(narrow.world::<u16>(&base).load(&snapshot), Err(other));
     for (objects, pairs, field, needed) in [(89, 400, Field::Objects, 90), (100, 1, Field::Pairs, 0)] {
-        let config = Config { capacity: Capacity { objects, pairs, ..capacity }, ..base };
+        let config = base.with_capacity(
+            Capacity::for_objects(objects).with_leaf_refs(capacity.leaf_refs).with_pairs(pairs),
+        );
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         checked.insert(scenes::cube(0.0, 0.0, 0.0));
@@ -193,11 +195,12 @@ fn a_snapshot_is_small() {
         let mut slab = Slab::new::<u16>(&config);
         let mut world = slab.world::<u16>(&config);
         let mut scene = Brownian::new(COUNT, 1);
-        world.insert_many(Boxes::new(scene.boxes()), &mut vec![None; COUNT]).expect("room");
+        world.insert_many(Boxes::new(scene.boxes())).expect("room");
         let mut sizes = Vec::new();
         for frame in 0..8 {
             let boxes = if frame < 4 { scene.advance() } else { scene.boxes() };
-            let step = world.step_over(Boxes::new(boxes), Setup::REFERENCE.kernels, &Jobs::Serial);
+            let step =
+                world.set_kernels(Setup::REFERENCE.kernels).on(&Jobs::Serial).step_over(Boxes::new(boxes));
             step.expect("room for all pairs");
             sizes.push(world.snapshot_size());
         }

@@ -126,8 +126,8 @@ fn bulk_changes_spoil_nothing() {
     for setup in Setup::each(&Jobs::USUAL) {
         for (margin, moving) in [(None, true), (Some(Margin::length(0.1)), true), (None, false)] {
             let count = 6000;
-            let config = Config { margin, ..Config::new(ample(count, 20 * count)).with_events() };
-            let config = setup.configure(config);
+            let mut config = setup.configure(Config::new(ample(count, 20 * count)).with_events());
+            config.margin = margin;
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let mut scene = Brownian::new(count, 3);

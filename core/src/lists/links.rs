@@ -28,30 +28,30 @@ pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> b
 /// Adds a slot to the end of all three lists, where [`repair`] finds it. O(1).
 pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
     // A slot that was freed since the lists were last cleaned still stands in them.
-    if parts.state.stale_lists == 0 && bits::set(parts.listed, slot as usize) {
+    if parts.state.lists.stale == 0 && bits::set(parts.listed, slot as usize) {
         for order in &mut parts.order {
-            order.put(parts.state.listed as usize, I::from_slot(slot));
+            order.put(parts.state.lists.listed as usize, I::from_slot(slot));
         }
-        parts.state.listed += 1;
+        parts.state.lists.listed += 1;
     }
 }
 
 /// Makes the lists hold the living objects and no others, in their old order as far as there is one. O(n).
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     let boxes = &*parts.boxes.now;
-    if parts.state.stale_lists != 0 {
-        parts.state.listed = 0;
-        for slot in 0..parts.state.slots {
+    if parts.state.lists.stale != 0 {
+        parts.state.lists.listed = 0;
+        for slot in 0..parts.state.objects.slots {
             for order in &mut parts.order {
-                order.put(parts.state.listed as usize, I::from_slot(slot));
+                order.put(parts.state.lists.listed as usize, I::from_slot(slot));
             }
-            parts.state.listed += 1;
+            parts.state.lists.listed += 1;
         }
     }
     let mut kept = 0;
     for order in &mut parts.order {
         kept = 0;
-        for index in 0..parts.state.listed as usize {
+        for index in 0..parts.state.lists.listed as usize {
             let slot = order.at(index);
             if !boxes.at(slot.at()).is_empty() {
                 order.put(kept, slot);
@@ -59,8 +59,8 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
             }
         }
     }
-    parts.state.listed = kept as u32;
-    parts.state.stale_lists = 0;
+    parts.state.lists.listed = kept as u32;
+    parts.state.lists.stale = 0;
     parts.listed.fill(0);
     for slot in parts.order[0].span(0, kept) {
         bits::set(parts.listed, slot.at());

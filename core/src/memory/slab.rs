@@ -129,7 +129,7 @@ pub(crate) struct TreeParts<'m> {
 
 /// What the sweeps write to.
 pub(crate) struct OutputParts<'m, I> {
-    /// The pairs of swept boxes: see [`State::swept_pairs`].
+    /// The pairs of swept boxes: see `PairState::swept`.
     pub(crate) pairs: &'m mut [Pair<I>],
     /// With events: the pairs of the last complete step that were not parked; after a step, the lost ones come first.
     pub(crate) previous: &'m mut [Pair<I>],
@@ -284,7 +284,7 @@ impl<'m, I: Index> Parts<'m, I> {
         check(slab, size_of::<State>())?;
         let state =
             slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
-        let config = state.and_then(|state| state.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
+        let config = state.and_then(|state| state.setup.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
         let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
         let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
         check(slab, needed)?;
@@ -293,7 +293,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Which pairs the world returns.
     pub(crate) fn mode(&self) -> Mode {
-        self.state.mode()
+        self.state.setup.mode()
     }
 
     /// Whether steps find overlaps of fat boxes that are no pairs.

@@ -19,7 +19,7 @@ pub enum Path {
 }
 
 impl Path {
-    pub(super) const ALL: [Self; 5] = [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt];
+    pub(crate) const ALL: [Self; 5] = [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt];
 }
 
 /// Why a step took its [`Path`].
@@ -51,7 +51,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    pub(super) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::NoMovers,
         Self::FewObjects,
         Self::FewMovers,

@@ -29,10 +29,10 @@ pub(crate) fn ingest<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> Intake {
-    let (mode, fixed_margins) = (parts.mode(), parts.state.has_fixed_margins());
-    let resting = if parts.state.resting != 0 { &*parts.resting } else { &[] };
+    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     if parts.sizes.is_small() {
-        let slots = (parts.state.slots as usize).min(bounds.len());
+        let slots = (parts.state.objects.slots as usize).min(bounds.len());
         let now = parts.boxes.now.span_mut(0, slots);
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
@@ -40,7 +40,7 @@ pub(crate) fn ingest<I: Index>(
         let objects = Objects { now, fat, moved, changed, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting });
     }
-    let slots = (parts.state.slots as usize).min(bounds.len());
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
     let len = block_len(slots);
     let margins = &*parts.boxes.margins;
     let mut found = [Intake::default(); SLOT_BLOCKS];

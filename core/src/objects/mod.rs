@@ -8,7 +8,7 @@ use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
-use crate::memory::state::State;
+use crate::memory::state::ObjectState;
 
 /// The arrays of some consecutive slots; positions count from the first of them.
 pub(crate) struct Objects<'o> {
@@ -67,7 +67,7 @@ impl<I: Index> Parts<'_, I> {
         let fat = FatBoxes {
             boxes: self.boxes.fat,
             margins: self.boxes.margins,
-            fixed_margins: self.state.has_fixed_margins(),
+            fixed_margins: self.state.setup.has_fixed_margins(),
             motions: Motions::default(),
         };
         Objects {
@@ -75,12 +75,12 @@ impl<I: Index> Parts<'_, I> {
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
-            mode: self.state.mode(),
+            mode: self.state.setup.mode(),
         }
     }
 }
 
-impl State {
+impl ObjectState {
     /// Notes what boxes that came have meant to their objects.
     pub(crate) fn note(&mut self, motions: Motions) {
         self.moved_inside_margin |= u8::from(motions.moved_inside_margin);

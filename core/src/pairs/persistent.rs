@@ -25,8 +25,8 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     }
     keep_for_events(parts);
     let Parts { state, moved, output, .. } = parts;
-    let pairs = output.pairs.span_mut(0, state.swept_pairs as usize);
-    let parked = state.parked as usize;
+    let pairs = output.pairs.span_mut(0, state.pairs.swept as usize);
+    let parked = state.pairs.parked as usize;
     let mut kept = parked;
     for index in parked..pairs.len() {
         let pair = pairs.at(index);
@@ -39,30 +39,30 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
 
 /// For a step that finds all pairs anew. With events, the last complete result is kept for the comparison.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.state.complete != 0 {
-        parts.state.parked = parts.state.surplus_parked;
+    if parts.state.pairs.complete != 0 {
+        parts.state.pairs.parked = parts.state.pairs.surplus_parked;
         keep_for_events(parts);
     } else if parts.sizes.previous > 0 {
         // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
         let state = &mut *parts.state;
-        let parked = state.result().start..state.parked as usize;
-        let others = state.previous_result as usize;
-        state.previous_result += parked.len() as u64;
+        let parked = state.pairs.result().start..state.pairs.parked as usize;
+        let others = state.pairs.previous as usize;
+        state.pairs.previous += parked.len() as u64;
         let parked = parts.output.pairs.span(parked.start, parked.len());
         parts.output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
-    parts.state.parked = 0;
-    parts.state.surplus_parked = 0;
-    parts.state.active = u32::MAX;
+    parts.state.pairs.parked = 0;
+    parts.state.pairs.surplus_parked = 0;
+    parts.state.pairs.active = u32::MAX;
 }
 
 /// With events, the reported pairs that are not parked go to the other buffer.
 fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.sizes.previous > 0 {
-        let first = parts.state.parked as usize;
-        let count = parts.state.result().end - first;
+        let first = parts.state.pairs.parked as usize;
+        let count = parts.state.pairs.result().end - first;
         parts.output.previous.span_mut(0, count).copy_in(parts.output.pairs.span(first, count));
-        parts.state.previous_result = count as u64;
+        parts.state.pairs.previous = count as u64;
     }
 }
 
@@ -86,20 +86,20 @@ fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
     let mut division = Division::of(state, output.pairs);
     if woken != 0 {
         for (active, stirring) in active.iter_mut().zip(&*stirring.words) {
-            state.active = state.active.saturating_add((stirring & !*active).count_ones());
+            state.pairs.active = state.pairs.active.saturating_add((stirring & !*active).count_ones());
             *active |= stirring;
         }
         division.unpark(active);
     }
     // There are at least as many as words, and mostly that is enough to know.
-    let too_many = |count: u32| state.active > ACTIVE_FOR_EACH.saturating_mul(count);
+    let too_many = |count: u32| state.pairs.active > ACTIVE_FOR_EACH.saturating_mul(count);
     if too_many(words) && too_many(stirring.count()) {
         active.copy_in(stirring.words);
-        state.active = stirring.count();
+        state.pairs.active = stirring.count();
         division.park(active);
     }
     let [surplus_parked, parked, _, _] = division.ends;
-    (state.surplus_parked, state.parked) = (surplus_parked as u32, parked as u32);
+    (state.pairs.surplus_parked, state.pairs.parked) = (surplus_parked as u32, parked as u32);
 }
 
 /// The pairs in four parts: surplus and result parked, result and surplus not parked.
@@ -110,8 +110,11 @@ struct Division<'p, I> {
 
 impl<'p, I: Index> Division<'p, I> {
     fn of(state: &State, pairs: &'p mut [Pair<I>]) -> Self {
-        let result = state.result();
-        Self { pairs, ends: [result.start, state.parked as usize, result.end, state.swept_pairs as usize] }
+        let result = state.pairs.result();
+        Self {
+            pairs,
+            ends: [result.start, state.pairs.parked as usize, result.end, state.pairs.swept as usize],
+        }
     }
 
     /// Takes back the pairs of who is active. O(pairs parked).
@@ -152,7 +155,6 @@ impl<'p, I: Index> Division<'p, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parallel::executor::Serial;
     use crate::{Aabb, Boxes, Capacity, Config, Kernels, Margin, World, layout};
     use std::{vec, vec::Vec};
 
@@ -172,19 +174,22 @@ mod tests {
             let cube = |x: f32, y: f32| Aabb::new([x, y, 0.0], [x + 1.0, y + 1.0, 1.0]);
             let boxes: Vec<Aabb> =
                 (0..1000u16).map(|k| cube(f32::from(k) + f32::from(k % 2) * -0.1, 0.0)).collect();
-            let mut ids = vec![None; boxes.len()];
-            world.insert_many(Boxes::new(&boxes), &mut ids).unwrap();
-            world.step(Kernels::BASELINE, &Serial).unwrap();
+            let ids: Vec<_> = world.insert_many(Boxes::new(&boxes)).unwrap().collect();
+            world.set_kernels(Kernels::BASELINE).step().unwrap();
             for (creeper, round) in [(5, 0.0), (5, 0.1), (500, 0.0), (500, 0.1), (5, 0.05)] {
                 let moved = boxes[creeper].min[0];
-                world.set_aabb(ids[creeper].unwrap(), cube(moved, 0.01 + round)).unwrap();
-                world.step(Kernels::BASELINE, &Serial).unwrap();
+                world.set_aabb(ids[creeper], cube(moved, 0.01 + round)).unwrap();
+                world.set_kernels(Kernels::BASELINE).step().unwrap();
                 let Parts { state, active, output, .. } = &world.parts;
-                for (at, pair) in output.pairs.span(0, state.swept_pairs as usize).iter().enumerate() {
-                    assert_eq!(at < state.parked as usize, is_clear_of(active, pair), "{pair:?} at {at}");
+                for (at, pair) in output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {
+                    assert_eq!(
+                        at < state.pairs.parked as usize,
+                        is_clear_of(active, pair),
+                        "{pair:?} at {at}"
+                    );
                 }
                 assert!(bits::test(active, creeper) && bits::count(active) <= 2);
-                assert_eq!(state.surplus_parked > 400, config.margin.is_some());
+                assert_eq!(state.pairs.surplus_parked > 400, config.margin.is_some());
             }
         }
     }

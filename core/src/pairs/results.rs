@@ -30,17 +30,17 @@ pub(crate) fn sort_out<I: Index>(
     context: StepContext<'_>,
 ) {
     let events = parts.sizes.previous > 0 && complete;
-    let mode = parts.state.mode();
+    let mode = parts.state.setup.mode();
     let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
-    let parked = parts.state.parked as usize;
+    let parked = parts.state.pairs.parked as usize;
     let pairs = parts.output.pairs.span_mut(parked, swept - parked);
     let margins = !parts.boxes.fat.is_empty();
     let result =
         if mode == Mode::Exact && margins { partition(context, pairs, Overlap(now)) } else { pairs.len() };
     let mut persisting = result;
-    parts.state.lost = 0;
+    parts.state.pairs.lost = 0;
     if events {
-        let previous = parts.output.previous.span_mut(0, parts.state.previous_result as usize);
+        let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let pairs = pairs.span_mut(0, result);
         persisting = partition(context, pairs, Overlap(before));
         // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
@@ -50,21 +50,21 @@ pub(crate) fn sort_out<I: Index>(
             persisting = staying.end;
             let staying = pairs.span(staying.start, staying.len());
             partition(context, previous, Dropped { now, before, asked, staying })
-        } else if parts.state.has_inserted != 0 {
+        } else if parts.state.objects.has_inserted != 0 {
             partition(context, previous, Ended { now, before })
         } else {
             partition(context, previous, Apart(now))
         };
-        parts.state.lost = lost as u64;
+        parts.state.pairs.lost = lost as u64;
     }
-    parts.state.swept_pairs = swept as u64;
-    parts.state.result_pairs = (parked + result) as u64 - u64::from(parts.state.surplus_parked);
-    parts.state.found = (result - persisting) as u64;
+    parts.state.pairs.swept = swept as u64;
+    parts.state.pairs.reported = (parked + result) as u64 - u64::from(parts.state.pairs.surplus_parked);
+    parts.state.pairs.found = (result - persisting) as u64;
 }
 
 /// Keeps the boxes that a complete step reports, for the events of the next one.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let mode = parts.state.mode();
+    let mode = parts.state.setup.mode();
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() { &**fat } else { &**now };
     if context.is_small() {

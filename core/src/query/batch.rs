@@ -6,7 +6,6 @@ use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor};
-use crate::simd::kernels::Kernels;
 use crate::world::World;
 
 /// Queries that a worker takes at a time.
@@ -22,7 +21,6 @@ impl<I: Index> World<'_, I> {
     pub fn first_hits(
         &self,
         casts: &[Cast],
-        kernels: Kernels,
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
@@ -33,7 +31,7 @@ impl<I: Index> World<'_, I> {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
                     // The casts are valid.
-                    *out = self.first_hit(cast, kernels).ok().flatten();
+                    *out = self.first_hit(cast).ok().flatten();
                 }
             }
         });
@@ -50,7 +48,6 @@ impl<I: Index> World<'_, I> {
     pub fn overlaps_many(
         &self,
         regions: &[Region],
-        kernels: Kernels,
         executor: &dyn Executor,
         out: &mut [Option<Id>],
         counts: &mut [u32],
@@ -68,7 +65,7 @@ impl<I: Index> World<'_, I> {
                 for (at, count) in counts.iter_mut().enumerate() {
                     let Some(region) = regions.get(block * BLOCK + at) else { continue };
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    *count = match self.overlaps(region, kernels, out) {
+                    *count = match self.overlaps(region, out) {
                         Ok(count) => count as u32,
                         Err(Error::OutputFull { needed }) => needed as u32,
                         // The regions are valid.

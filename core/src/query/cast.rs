@@ -7,7 +7,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
 use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
-use crate::simd::kernels::Kernels;
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::{Probe, Visit};
@@ -70,16 +69,11 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the cast is not valid: NaN, infinities other than the distance, a negative distance.
-    pub fn visit_hits(
-        &self,
-        cast: &Cast,
-        kernels: Kernels,
-        visit: &mut dyn FnMut(Hit) -> f64,
-    ) -> Result<(), Error> {
+    pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        kernels.run(Hits { world: self, cast, visit });
+        self.kernels.run(Hits { world: self, cast, visit });
         Ok(())
     }
 
@@ -87,9 +81,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn first_hit(&self, cast: &Cast, kernels: Kernels) -> Result<Option<Hit>, Error> {
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
             first = Some(nearest);
             nearest.distance
@@ -102,9 +96,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
-    pub fn hits(&self, cast: &Cast, kernels: Kernels, out: &mut [Option<Hit>]) -> Result<usize, Error> {
+    pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         let mut count = 0;
-        self.visit_hits(cast, kernels, &mut |hit| {
+        self.visit_hits(cast, &mut |hit| {
             if let Some(place) = out.get_mut(count) {
                 *place = Some(hit);
             }
@@ -176,7 +170,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let has_tree = world.has_tree();
         let mut home = 0;
         if has_tree {
-            home = leaf_of(parts.tree.planes, parts.state.depth, &cast.start.min.map(key));
+            home = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
             prefetch_parts(simd, parts, home);
         }
         let line = Line::new(&cast.start, cast.direction, cast.distance);
@@ -193,7 +187,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         }
         let walk = Walk::new(&search.line);
         let along = Along { walk: &walk, until: walk.time(search.far) };
-        let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.depth, home, along);
+        let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, home, along);
         while let Some(whole) = visit.next(simd) {
             prefetch_parts(simd, parts, whole);
             search.visit_leaf(simd, &walk, whole);
@@ -244,7 +238,7 @@ impl<I: Index> Search<'_, '_, I> {
     #[inline(always)]
     fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
         let parts = &self.world.parts;
-        let sub_levels = parts.state.sub_levels();
+        let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
         let first = whole << sub_levels;

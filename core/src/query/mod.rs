@@ -24,12 +24,12 @@ use crate::world::World;
 impl<I: Index> World<'_, I> {
     /// Whether the tree holds every object that has not been touched since the last step.
     pub(crate) fn has_tree(&self) -> bool {
-        self.parts.state.filled != 0
+        self.parts.state.tree.filled != 0
     }
 
     /// Whether there is more than what stands in the tree's leaves. Asked first, as it is less than an iterator over nothing.
     fn has_others(&self) -> bool {
-        !self.has_tree() || self.parts.state.large != 0 || self.parts.state.dirty != 0
+        !self.has_tree() || self.parts.state.tree.large != 0 || self.parts.state.objects.dirty != 0
     }
 
     /// The slots that the tree's leaves do not answer for.
@@ -39,8 +39,8 @@ impl<I: Index> World<'_, I> {
 
     /// The slots that the tree does not answer for: all, or those that were touched since the last step.
     fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
-        let (has_tree, dirty) = (self.has_tree(), self.parts.state.dirty != 0);
-        let all = 0..if has_tree { 0 } else { self.parts.state.slots as usize };
+        let (has_tree, dirty) = (self.has_tree(), self.parts.state.objects.dirty != 0);
+        let all = 0..if has_tree { 0 } else { self.parts.state.objects.slots as usize };
         let moved = (has_tree && dirty).then(|| self.parts.moved.slots());
         all.chain(moved.into_iter().flatten()).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
     }
@@ -48,8 +48,8 @@ impl<I: Index> World<'_, I> {
     /// The large objects that the tree answers for.
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let state = &*self.parts.state;
-        let count = if self.has_tree() { state.large as usize } else { 0 };
-        let large = self.parts.tree.straddlers.span(state.large_start as usize, count);
+        let count = if self.has_tree() { state.tree.large as usize } else { 0 };
+        let large = self.parts.tree.straddlers.span(state.tree.large_start as usize, count);
         large.iter().map(|straddler| straddler.slot as usize).filter(|&slot| is_current(&self.parts, slot))
     }
 
@@ -62,7 +62,7 @@ impl<I: Index> World<'_, I> {
 /// Whether the tree's record of an object is that of its box.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
-    parts.state.dirty == 0 || !bits::test(parts.moved.words, slot)
+    parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
 /// Records that are asked for ahead.
@@ -89,7 +89,7 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
         let bucket = parts.tree.leaves.at(leaf);
         let chunks_of_eight = bucket.chunks_of_eight(parts.tree.records);
-        let moved = if parts.state.dirty != 0 { &*parts.moved.words } else { &[] };
+        let moved = if parts.state.objects.dirty != 0 { &*parts.moved.words } else { &[] };
         Self { simd, moved, chunks_of_eight, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 
@@ -127,7 +127,7 @@ fn parts_near<S: Simd, I: Index>(
 ) -> (Record, u32) {
     let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
     let region = simd.record(frame, simd.keys(region), 0);
-    let bounds = sub_leaves_of(parts.tree.bounds, parts.state.sub_levels(), whole);
+    let bounds = sub_leaves_of(parts.tree.bounds, parts.state.tree.sub_levels(), whole);
     (region, bounds.map_or(1, |bounds| simd.touching(bounds, limit(&region))))
 }
 
@@ -135,7 +135,7 @@ fn parts_near<S: Simd, I: Index>(
 #[inline(always)]
 fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
     simd.prefetch(parts.tree.frames, whole);
-    let first = whole << parts.state.sub_levels();
+    let first = whole << parts.state.tree.sub_levels();
     simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.bounds, first);
     simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.leaves, first);
 }

@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::Index;
-use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
@@ -21,16 +20,11 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
-    pub fn nearest(
-        &self,
-        point: [f32; 3],
-        kernels: Kernels,
-        out: &mut [Option<Hit>],
-    ) -> Result<usize, Error> {
+    pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(kernels.run(Nearest { world: self, point, out }))
+        Ok(self.kernels.run(Nearest { world: self, point, out }))
     }
 }
 
@@ -117,13 +111,13 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             }
         }
         if world.has_tree() {
-            let sub_levels = parts.state.sub_levels();
+            let sub_levels = parts.state.tree.sub_levels();
             let home = home_of(parts.tree.planes, parts.state, &point.map(key));
             let start = home >> sub_levels;
             // The part around the point first: the others are hardly near enough then.
             let around_point = 1u32 << (home - (start << sub_levels));
             let probe = Around { point: &point, limit: best.limit() };
-            let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.depth, start, probe);
+            let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, start, probe);
             while let Some(whole) = visit.next(simd) {
                 let first = if whole == start { around_point } else { 0 };
                 for some in [first, !first].into_iter().filter(|some| *some != 0) {

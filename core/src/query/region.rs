@@ -6,7 +6,6 @@ use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
 use crate::geometry::key::{KeyBox, value};
 use crate::id::{Id, Index};
-use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
@@ -89,11 +88,10 @@ impl<I: Index> World<'_, I> {
     pub fn visit_overlaps(
         &self,
         region: &Region,
-        kernels: Kernels,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let bounds = region.bounds().ok_or(Error::BadQuery { index: 0 })?;
-        kernels.run(Overlaps { world: self, region, bounds, visit });
+        self.kernels.run(Overlaps { world: self, region, bounds, visit });
         Ok(())
     }
 
@@ -101,14 +99,9 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
-    pub fn overlaps(
-        &self,
-        region: &Region,
-        kernels: Kernels,
-        out: &mut [Option<Id>],
-    ) -> Result<usize, Error> {
+    pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
         let mut count = 0;
-        self.visit_overlaps(region, kernels, &mut |id| {
+        self.visit_overlaps(region, &mut |id| {
             if let Some(place) = out.get_mut(count) {
                 *place = Some(id);
             }
@@ -145,7 +138,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let (depth, sub_levels) = (parts.state.depth, parts.state.sub_levels());
+            let (depth, sub_levels) = (parts.state.tree.depth, parts.state.tree.sub_levels());
             let home = leaf_of(tree.planes, depth, &bounds.min);
             let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
             let mut wholes = [0; WHOLES];

@@ -6,7 +6,7 @@ use crate::error::{Error, Field};
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::memory::state::{Setup, State};
 use crate::validate::content::{Content, InSlab, Set};
 use crate::validate::pairs::previous;
 use crate::world::World;
@@ -27,29 +27,29 @@ impl<I: Index> World<'_, I> {
     /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is written then.
     ///
     /// ```
-    /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, Kernels, Serial, layout};
+    /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
     ///
-    /// const FEW: Config = Config::new(Capacity { objects: 2, leaf_refs: 0, pairs: 1 }).with_events();
-    /// const MORE: Config = Config::new(Capacity { objects: 4, leaf_refs: 0, pairs: 6 }).with_events();
+    /// const FEW: Config = Config::new(Capacity::for_objects(2).with_pairs(1)).with_events();
+    /// const MORE: Config = Config::new(Capacity::for_objects(4).with_pairs(6)).with_events();
     /// let mut memory = InlineWorld::<{ layout::<u16>(&FEW).unwrap().bytes }>::EMPTY;
     /// let mut larger = InlineWorld::<{ layout::<u16>(&MORE).unwrap().bytes }>::EMPTY;
     ///
     /// let cube = Aabb::new([0.0; 3], [1.0; 3]);
     /// let mut world = memory.init::<u16>(&FEW)?;
     /// let ids = [world.insert(cube)?, world.insert(cube)?];
-    /// world.step(Kernels::BASELINE, &Serial)?;
+    /// world.step()?;
     /// assert_eq!(world.insert(cube), Err(Error::ObjectsFull { needed: 3 }));
     ///
     /// let mut world = larger.receive(&world, &MORE)?;
     /// world.insert(cube)?;
     /// assert!(world.contains(ids[1]));
-    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.found().len(), 2);
+    /// assert_eq!(world.step()?.found().len(), 2);
     /// # Ok::<(), Error>(())
     /// ```
     pub fn move_into<'n>(&self, slab: &'n mut [u8], config: &Config) -> Result<World<'n, I>, Error> {
         let sizes = Parts::<I>::sizes(config)?;
-        let state = State::new(config, size_of::<I>());
-        if let Some(field) = self.parts.state.difference(&state) {
+        let setup = Setup::new(config, size_of::<I>());
+        if let Some(field) = self.parts.state.setup.difference(&setup) {
             return Err(Error::OtherConfig { field });
         }
         check_room(self.parts.state, &sizes)?;
@@ -67,14 +67,18 @@ pub(super) fn check_room(from: &State, sizes: &Sizes) -> Result<(), Error> {
         let needed = u32::try_from(needed).unwrap_or(u32::MAX);
         if needed > room { Err(Error::NoRoom { field, needed, room }) } else { Ok(()) }
     };
-    check(Field::Objects, u64::from(from.slots), sizes.objects)?;
-    check(Field::Pairs, from.result_pairs.max(of_the_step_before(from)), sizes.pairs)
+    check(Field::Objects, u64::from(from.objects.slots), sizes.objects)?;
+    check(Field::Pairs, from.pairs.reported.max(of_the_step_before(from)), sizes.pairs)
 }
 
 /// Pairs that the events of the last step speak of, or those of the next one if that step had no room.
 fn of_the_step_before(state: &State) -> u64 {
     // Those that are parked are not in the other buffer.
-    let parked = if state.complete == 0 { u64::from(state.parked - state.surplus_parked) } else { 0 };
+    let parked = if state.pairs.complete == 0 {
+        u64::from(state.pairs.parked - state.pairs.surplus_parked)
+    } else {
+        0
+    };
     previous(state) + parked
 }
 
@@ -88,23 +92,23 @@ pub(super) fn carry<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     if to.sizes.previous > 0 {
         let mut end = 0;
         let previous = (0..previous(state) as usize).map(|at| from.previous(at));
-        let parked = state.result().start..state.parked as usize;
-        let parked = if state.complete == 0 { parked } else { 0..0 };
+        let parked = state.pairs.result().start..state.pairs.parked as usize;
+        let parked = if state.pairs.complete == 0 { parked } else { 0..0 };
         for pair in previous.chain(parked.map(|at| from.pair(at))) {
             to.output.previous.put(end, pair);
             end += 1;
         }
-        to.state.previous_result = end as u64;
+        to.state.pairs.previous = end as u64;
     }
 }
 
 /// Everything that stands at a slot.
 fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
-    let fat = from.state().mode() == Mode::Fat && !to.boxes.fat.is_empty();
+    let fat = from.state().setup.mode() == Mode::Fat && !to.boxes.fat.is_empty();
     let (mut rank, mut former) = (0, 0);
     to.boxes.margins.fill(0.0);
     to.filters.of.fill(Default::default());
-    for slot in 0..from.state().slots as usize {
+    for slot in 0..from.state().objects.slots as usize {
         to.boxes.now.put(slot, from.now(slot));
         to.generations.put(slot, from.generation(slot));
         if !to.boxes.fat.is_empty() {
@@ -132,7 +136,7 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
 
 /// The sets of slots.
 fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
-    let slots = from.state().slots as usize;
+    let slots = from.state().objects.slots as usize;
     let known = from.word(Set::Changed, 0).is_some();
     for index in 0..bits::words(slots) {
         let word = |set| from.word(set, index).unwrap_or_default();
@@ -142,7 +146,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         to.former.reused.add(index, word(Set::Reused));
         // Where nobody has noted who moved inside a margin, anybody may have.
         let anybody = u32::MAX >> 32usize.saturating_sub(slots - index * 32).min(31);
-        let changed = match from.state().moved_inside_margin {
+        let changed = match from.state().objects.moved_inside_margin {
             _ if known => word(Set::Changed),
             0 => word(Set::Moved),
             _ => anybody,
@@ -154,7 +158,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
 /// The pairs, without a division by who is active: result, surplus.
 fn pairs<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let state = from.state();
-    let (result, swept) = (state.result(), state.swept_pairs as usize);
+    let (result, swept) = (state.pairs.result(), state.pairs.swept as usize);
     let fits = swept <= to.sizes.pairs;
     let surplus = (0..result.start).chain(result.end..swept);
     let surplus = if fits { surplus } else { (0..0).chain(0..0) };
@@ -164,7 +168,7 @@ fn pairs<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         end += 1;
     };
     result.chain(surplus).for_each(|at| put(from.pair(at)));
-    to.state.swept_pairs = end as u64;
+    to.state.pairs.swept = end as u64;
     // Nothing of fat boxes can be carried over by the next step then.
-    to.state.without_surplus |= u8::from(!fits);
+    to.state.pairs.without_surplus |= u8::from(!fits);
 }

@@ -121,18 +121,18 @@ pub(super) struct Lengths {
 impl Lengths {
     /// By the numbers of a state, which have been checked.
     pub(super) fn of(state: &State, sizes: &Sizes) -> Self {
-        let filled = |count: usize| if state.filled != 0 { count } else { 0 };
-        let slots = state.slots as usize;
+        let filled = |count: usize| if state.tree.filled != 0 { count } else { 0 };
+        let slots = state.objects.slots as usize;
         Self {
             slots,
             words: bits::words(slots),
             planes: tree::planes(state, sizes.depth),
             leaves: tree::leaves(state),
-            whole_leaves: filled(1 << state.depth),
-            bounds: if state.subdivided != 0 { filled(tree::leaves(state)) } else { 0 },
-            nodes: filled((2 << state.depth) - 1),
-            large: filled(state.large as usize),
-            pairs: state.swept_pairs as usize,
+            whole_leaves: filled(1 << state.tree.depth),
+            bounds: if state.tree.subdivided != 0 { filled(tree::leaves(state)) } else { 0 },
+            nodes: filled((2 << state.tree.depth) - 1),
+            large: filled(state.tree.large as usize),
+            pairs: state.pairs.swept as usize,
             previous: pairs::previous(state) as usize,
         }
     }

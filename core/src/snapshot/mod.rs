@@ -89,7 +89,7 @@ impl<I: Index> World<'_, I> {
         if !state.is_portable() {
             return Err(Error::BadSnapshot);
         }
-        if !state.is_like(parts.state) {
+        if !state.setup.is_like(&parts.state.setup) {
             return adapted(parts, &state, sections);
         }
         if numbers(&state, &parts.sizes).is_err() {
@@ -108,10 +108,10 @@ impl<I: Index> World<'_, I> {
 
 /// Replaces a world by one of another configuration.
 fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -> Result<(), Error> {
-    if let Some(field) = state.difference(parts.state) {
+    if let Some(field) = state.setup.difference(&parts.state.setup) {
         return Err(Error::OtherConfig { field });
     }
-    let config = state.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
+    let config = state.setup.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
     let known = layout::<I>(&config).and_then(|_| Sizes::of::<I>(&config));
     let sizes = &known.ok_or(Error::BadSnapshot)?;
     numbers(state, sizes).map_err(|_| Error::BadSnapshot)?;
@@ -122,7 +122,7 @@ fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -
     check_room(state, &parts.sizes)?;
     parts.clear();
     carry(&image, parts);
-    parts.state.unproven = 1;
+    parts.state.pairs.unproven = 1;
     if !cfg!(feature = "large") {
         prove_at_once(parts);
     }
@@ -207,18 +207,18 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.section(parts.output.planes);
     to.section(tree.planes.span(0, lengths.planes));
     to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
-    let far = |whole: usize| tree.cells.at(whole << state.sub_levels()).far();
+    let far = |whole: usize| tree.cells.at(whole << state.tree.sub_levels()).far();
     to.each(lengths.whole_leaves, (0..lengths.whole_leaves).map(far));
     let frames = tree.frames.span(0, lengths.whole_leaves).iter().map(Frame::parts);
     to.each(lengths.whole_leaves, frames);
     to.each(lengths.bounds, tree.bounds.span(0, lengths.bounds).iter().map(|bounds| bounds.lanes));
     to.section(tree.nodes.span(usize::from(lengths.nodes > 0), lengths.nodes));
-    let filled = if state.filled != 0 { lengths.leaves } else { 0 };
+    let filled = if state.tree.filled != 0 { lengths.leaves } else { 0 };
     for leaf in tree.leaves.span(0, filled) {
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         to.each(members.len(), members.iter().map(|record| I::from_slot(record.slot())));
     }
-    let large = tree.straddlers.span(kept(lengths.large, state.large_start as usize), lengths.large);
+    let large = tree.straddlers.span(kept(lengths.large, state.tree.large_start as usize), lengths.large);
     to.each(large.len(), large.iter().map(|straddler| I::from_slot(straddler.slot)));
     to.section(parts.output.pairs.span(0, lengths.pairs));
     to.section(parts.output.previous.span(0, kept(sizes.previous, lengths.previous)));

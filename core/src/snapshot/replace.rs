@@ -18,7 +18,7 @@ use crate::tree::{Cell, Frame, Leaf, Record, SUB_LEAVES, Straddler};
 pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored: &Stored<'_, I>) {
     let mut state = *state;
     state.adopt(parts.state);
-    state.unproven = 1;
+    state.pairs.unproven = 1;
     *parts.state = state;
     stored.now.copy_to(parts.boxes.now, KeyBox::EMPTY);
     stored.fat.copy_to(parts.boxes.fat, KeyBox::EMPTY);
@@ -52,9 +52,9 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     last_boxes(parts, stored);
     parts.listed.fill(0);
     parts.home.fill(I::NONE);
-    if !parts.sizes.is_small() && state.built > 0 {
+    if !parts.sizes.is_small() && state.tree.built > 0 {
         planes(parts, stored);
-        if state.filled != 0 {
+        if state.tree.filled != 0 {
             leaves(parts, stored);
             Kernels::BASELINE.run(Records { parts, stored });
         }
@@ -70,7 +70,7 @@ fn last_boxes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
         return;
     }
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
-    let is_fat = parts.state.mode() == Mode::Fat && !fat.is_empty();
+    let is_fat = parts.state.setup.mode() == Mode::Fat && !fat.is_empty();
     before.copy_in(if is_fat { fat } else { now });
     for (slot, before) in bits::ones(parts.changed.words).zip(stored.before.iter()) {
         parts.boxes.before.put(slot, before);
@@ -92,7 +92,7 @@ fn planes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
 /// Nodes, frames and cells.
 fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     let (state, tree) = (&*parts.state, &mut parts.tree);
-    let whole_leaves = 1usize << state.depth;
+    let whole_leaves = 1usize << state.tree.depth;
     tree.nodes.put(0, KeyBox::NOTHING);
     for (node, around) in (1..).zip(stored.nodes.iter()) {
         tree.nodes.put(node, around);
@@ -101,14 +101,14 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
         *bounds = Record { lanes, tag: 0 };
     }
     tree.cells.put(0, Cell::ALL);
-    divide(tree.planes, 1, state.depth, tree.cells);
+    divide(tree.planes, 1, state.tree.depth, tree.cells);
     for (cell, far) in tree.cells.iter_mut().zip(stored.far.iter()) {
         *cell = Cell::new(cell.low(), cell.high(), far);
     }
     for (frame, [origin, scale]) in tree.frames.iter_mut().zip(stored.frames.iter()) {
         *frame = Frame::new(origin, scale);
     }
-    if state.subdivided == 0 {
+    if state.tree.subdivided == 0 {
         return;
     }
     // From the back, so that each is read before its place is taken.
@@ -117,7 +117,7 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
         let cells = tree.cells.span_mut(whole * SUB_LEAVES, SUB_LEAVES);
         cells.fill(Cell::NOWHERE);
         cells.put(0, cell);
-        if state.is_subdivided(whole) {
+        if state.tree.is_subdivided(whole) {
             divide(tree.planes, whole_leaves + whole, SUB_LEVELS, cells);
         }
     }
@@ -139,7 +139,7 @@ impl<I: Index> Phase for Records<'_, '_, '_, I> {
         let mut members = stored.members.iter();
         for (index, leaf) in parts.tree.leaves.iter().enumerate() {
             let Leaf { start, len, .. } = *leaf;
-            let frame = parts.tree.frames.get(index >> parts.state.sub_levels());
+            let frame = parts.tree.frames.get(index >> parts.state.tree.sub_levels());
             let records = parts.tree.records.span_mut(start as usize, len as usize);
             let (Some(frame), false) = (frame, records.is_empty()) else { continue };
             for (place, (record, slot)) in records.iter_mut().zip(members.by_ref()).enumerate() {
@@ -150,7 +150,7 @@ impl<I: Index> Phase for Records<'_, '_, '_, I> {
         }
         for (place, slot) in stored.large.iter().enumerate() {
             let straddler = Straddler { bounds: swept.at(slot.at()), slot: slot.slot(), unused: 0 };
-            parts.tree.straddlers.put(parts.state.large_start as usize + place, straddler);
+            parts.tree.straddlers.put(parts.state.tree.large_start as usize + place, straddler);
             parts.home.put(slot.at(), I::LARGE);
             parts.place.put(slot.at(), I::from_slot(place as u32));
         }

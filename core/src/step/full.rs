@@ -49,9 +49,9 @@ pub(super) fn full<I: Index>(
     assign::fill(parts, &bounds_scan, kernels, executor);
     balance::review(parts);
     executor.enter(Stage::Sweep);
-    let leaf_count = 1usize << parts.state.depth;
+    let leaf_count = 1usize << parts.state.tree.depth;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.slots, &context);
+    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
@@ -60,7 +60,7 @@ pub(super) fn full<I: Index>(
         kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, scratch, sink });
     });
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    let rebalanced = if rebuild { parts.state.live } else { rebalanced };
-    let coarse = Some(bounds_scan.is_coarse(parts.state.live));
+    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
+    let coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse })
 }

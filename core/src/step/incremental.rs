@@ -26,7 +26,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let kept = persistent::persistent(parts);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
-    let per_block = count.div_ceil(parts.state.most_blocks()).max(MOVERS_PER_BLOCK);
+    let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(MOVERS_PER_BLOCK);
     let [movers, _, homes] = &parts.order;
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
     let moved = &*parts.moved.words;

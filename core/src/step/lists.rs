@@ -31,12 +31,12 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
     let boxes = boxes.swept();
-    let coarse = choose_axes(order[0].span(0, state.live as usize), state, boxes);
-    let axis = state.list_axis as usize;
+    let coarse = choose_axes(order[0].span(0, state.objects.live as usize), state, boxes);
+    let axis = state.lists.axis as usize;
     let order = list_of(order, axis, state);
-    let pair_filter = PairFilter::if_needed(&parts.filters, state.slots, &context);
+    let pair_filter = PairFilter::if_needed(&parts.filters, state.objects.slots, &context);
     let found = if let Some(planes) = output.planes.first_mut() {
-        let axes = [axis, state.stripe_axis as usize];
+        let axes = [axis, state.lists.stripe_axis as usize];
         let mut striped = Striped { order, boxes, axes, planes, members: output.members };
         if coarse.is_some() {
             striped.divide();
@@ -56,16 +56,16 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
 /// Chooses the axes of a small world and tells whether boxes are coarse: now and then, since a look at all boxes costs as
 /// much as a third of their sweep, and where objects are new.
 fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
-    if state.scan_in > 0 && state.has_inserted == 0 {
-        state.scan_in -= 1;
+    if state.lists.scan_in > 0 && state.objects.has_inserted == 0 {
+        state.lists.scan_in -= 1;
         return None;
     }
-    state.scan_in = SCAN_EVERY - 1;
+    state.lists.scan_in = SCAN_EVERY - 1;
     let (bounds_scan, extent) = scan_bounds(slots, state, boxes);
     let side = |k: u8| length(extent.low[k as usize % 3], extent.high[k as usize % 3]);
-    let (a, b) = ((state.list_axis + 1) % 3, (state.list_axis + 2) % 3);
-    state.stripe_axis = if side(b) > side(a) { b } else { a };
-    Some(bounds_scan.is_coarse(state.live))
+    let (a, b) = ((state.lists.axis + 1) % 3, (state.lists.axis + 2) % 3);
+    state.lists.stripe_axis = if side(b) > side(a) { b } else { a };
+    Some(bounds_scan.is_coarse(state.objects.live))
 }
 
 /// A world for one leaf: keep the list of one axis in order and sweep it.
@@ -73,25 +73,28 @@ pub(super) fn lists<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
     // Records of a tree that the world may have had are not kept up to date.
-    parts.state.filled = 0;
+    parts.state.tree.filled = 0;
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
     let boxes = boxes.swept();
     let spare = bytemuck::try_cast_slice_mut(output.scratch).unwrap_or_default();
     let Sorted { order, axis, bounds_scan, frame } = sort_list(order, state, boxes, spare);
     context.executor.enter(Stage::Sweep);
-    let mut collector =
-        Collector::new(output, &parts.sizes, PairFilter::if_needed(&parts.filters, state.slots, &context));
+    let mut collector = Collector::new(
+        output,
+        &parts.sizes,
+        PairFilter::if_needed(&parts.filters, state.objects.slots, &context),
+    );
     let (pairs, work) = collector.collect(context.executor, 0, 1, &|_, scratch, sink| {
         context.kernels.run_wide(SweepList { order, axis, frame, boxes, scratch, sink });
     });
-    let coarse = Some(bounds_scan.is_coarse(parts.state.live));
+    let coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
     Progress { pairs, work, leaves: 1, coarse, ..Progress::default() }
 }
 
 /// Makes the lists hold the living objects, where they do not.
 fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.state.stale_lists != 0 || parts.state.listed != parts.state.live {
+    if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
         links::list_all(parts);
     }
 }
@@ -112,8 +115,8 @@ fn sort_list<'o, I: Index>(
     boxes: &[KeyBox],
     spare: &mut [u32],
 ) -> Sorted<'o, I> {
-    let (bounds_scan, extent) = scan_bounds(order[0].span(0, state.live as usize), state, boxes);
-    let axis = state.list_axis as usize;
+    let (bounds_scan, extent) = scan_bounds(order[0].span(0, state.objects.live as usize), state, boxes);
+    let axis = state.lists.axis as usize;
     let order = list_of(order, axis, state);
     links::repair(order, boxes, axis, spare);
     Sorted { order, axis, bounds_scan, frame: Frame::over(extent.low, extent.high) }
@@ -123,7 +126,7 @@ fn sort_list<'o, I: Index>(
 fn scan_bounds<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> (BoundsScan, Extent) {
     let bounds_scan = assign::scan_bounds(slots.iter().filter_map(|slot| boxes.get(slot.at())));
     let extent = bounds_scan.extent.trimmed(&Sample::of_list(slots, boxes));
-    state.list_axis = longest_axis(&extent, state.list_axis as usize) as u8;
+    state.lists.axis = longest_axis(&extent, state.lists.axis as usize) as u8;
     (bounds_scan, extent)
 }
 
@@ -135,5 +138,5 @@ fn list_of<'o, I: Index>(order: &'o mut [&mut [I]; 3], axis: usize, state: &Stat
         1 => y,
         _ => z,
     }
-    .span_mut(0, state.live as usize)
+    .span_mut(0, state.objects.live as usize)
 }

@@ -20,7 +20,7 @@ pub(crate) fn find<I: Index>(
     route: Route,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    parts.state.without_surplus = 0;
+    parts.state.pairs.without_surplus = 0;
     match route.path {
         Path::Unchanged => (route, unchanged(parts)),
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
@@ -40,13 +40,13 @@ pub(crate) fn find_without_surplus<I: Index>(
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     // What the result before has to tell is kept already.
-    parts.state.complete = 0;
+    parts.state.pairs.complete = 0;
     parts.boxes.tight = true;
-    let route = policy::choose(parts, parts.state.live);
+    let route = policy::choose(parts, parts.state.objects.live);
     let (route, progress) = find(parts, route, context);
     parts.boxes.tight = false;
-    parts.state.filled = 0;
-    parts.state.without_surplus = 1;
+    parts.state.tree.filled = 0;
+    parts.state.pairs.without_surplus = 1;
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 

@@ -20,16 +20,16 @@ const CALM: u32 = 2;
 /// The path for a number of objects that have moved, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
-    let known = state.complete != 0 && state.without_surplus == 0;
-    let fixed = state.movers_only().fixed();
+    let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0;
+    let fixed = state.setup.movers_only().fixed();
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
-    } else if parts.sizes.is_small() || state.live as usize <= ONE_LEAF {
+    } else if parts.sizes.is_small() || state.objects.live as usize <= ONE_LEAF {
         Route { path: Path::Lists, reason: Reason::FewObjects }
-    } else if !known || state.filled == 0 {
+    } else if !known || state.tree.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.live / MOVERS_SHARE;
+        let few = moved <= state.objects.live / MOVERS_SHARE;
         match (fixed, fixed.unwrap_or(few)) {
             (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
             (None, false) => anew(parts, Reason::ManyMovers),
@@ -43,9 +43,9 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
 pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     if !balance::needs_planes(parts) {
         Route { path: Path::Full, reason }
-    } else if parts.state.built == 0 {
+    } else if parts.state.tree.built == 0 {
         Route { path: Path::Rebuilt, reason: Reason::NothingKept }
-    } else if parts.state.divisible != 0 {
+    } else if parts.state.tree.divisible != 0 {
         Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
     } else {
         Route { path: Path::Rebuilt, reason: Reason::Outgrown }
@@ -59,18 +59,18 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
-    let (few, due) = match parts.state.fine_leaves() {
-        Choice::Automatic => (moved <= parts.state.live / MOVERS_SHARE, CALM),
+    let (few, due) = match parts.state.setup.fine_leaves() {
+        Choice::Automatic => (moved <= parts.state.objects.live / MOVERS_SHARE, CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,
     };
     let calm = few && matches!(path, Path::Unchanged | Path::Movers);
-    if parts.sizes.is_small() || parts.state.filled == 0 || !calm {
+    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm {
         return;
     }
-    parts.state.calm = parts.state.calm.saturating_add(1);
-    let some_are_undivided = parts.state.subdivided <= 1 << parts.state.depth;
-    if parts.state.calm >= due && some_are_undivided {
+    parts.state.step.calm = parts.state.step.calm.saturating_add(1);
+    let some_are_undivided = parts.state.tree.subdivided <= 1 << parts.state.tree.depth;
+    if parts.state.step.calm >= due && some_are_undivided {
         context.executor.enter(Stage::Fill);
         context.kernels.run(Subdivide(parts));
     }

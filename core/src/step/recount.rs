@@ -57,28 +57,28 @@ pub(crate) fn prove<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) -> Route {
-    parts.state.unproven = 0;
+    parts.state.pairs.unproven = 0;
     if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, context) {
         return route;
     }
     // As after a step whose pairs cannot be kept.
-    parts.state.without_surplus = 1;
+    parts.state.pairs.without_surplus = 1;
     policy::choose(parts, moved)
 }
 
 /// The same at once, where worlds are small and no rule can have a say: so steps need no code for it.
 pub(crate) fn prove_at_once<I: Index>(parts: &mut Parts<'_, I>) {
-    parts.state.unproven = 0;
+    parts.state.pairs.unproven = 0;
     let known = carried(parts);
     if one_by_one(parts, None) != known {
-        parts.state.without_surplus = 1;
+        parts.state.pairs.without_surplus = 1;
     }
 }
 
 /// The pairs that a step would keep.
 pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
     let mut sum = Sum::default();
-    for pair in parts.output.pairs.span(0, parts.state.swept_pairs as usize) {
+    for pair in parts.output.pairs.span(0, parts.state.pairs.swept as usize) {
         if is_clear_of(parts.moved.words, pair) {
             sum.add(pair.map(Index::slot));
         }
@@ -89,22 +89,22 @@ pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
 /// Whether the pairs that a step would keep are all that there are.
 fn is_all<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let known = carried(parts);
-    if !context.is_small() && parts.state.filled != 0 {
+    if !context.is_small() && parts.state.tree.filled != 0 {
         return in_tree(parts, context) == known;
     }
     // With more objects there is a tree, or a step that keeps nothing.
-    parts.state.live as usize <= ONE_LEAF && one_by_one(parts, context.rule) == known
+    parts.state.objects.live as usize <= ONE_LEAF && one_by_one(parts, context.rule) == known
 }
 
 /// All overlaps of few objects that have not moved.
 fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Sum {
     let Parts { state, boxes, moved, order, filters, .. } = parts;
     // What was loaded has no lists.
-    state.stale_lists = 1;
+    state.lists.stale = 1;
     let boxes = boxes.swept();
     let list = &mut *order[0];
     let mut count = 0;
-    for slot in 0..state.slots as usize {
+    for slot in 0..state.objects.slots as usize {
         if !boxes.at(slot).is_empty() && !bits::test(moved.words, slot) {
             list.put(count, I::from_slot(slot as u32));
             count += 1;
@@ -144,14 +144,15 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
             add(record.slot(), I::from_slot(leaf));
         }
     }
-    for straddler in parts.tree.straddlers.span(parts.state.large_start as usize, parts.state.large as usize)
+    for straddler in
+        parts.tree.straddlers.span(parts.state.tree.large_start as usize, parts.state.tree.large as usize)
     {
         add(straddler.slot, I::LARGE);
     }
     // What was loaded has no lists, and so no marks of who is in them: here, everybody is.
-    parts.state.stale_lists = 1;
+    parts.state.lists.stale = 1;
     parts.listed.fill(u32::MAX);
-    let per_block = count.div_ceil(parts.state.most_blocks()).max(OBJECTS_PER_BLOCK);
+    let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(OBJECTS_PER_BLOCK);
     let [list, _, homes] = &parts.order;
     let (list, homes) = (list.span(0, count), homes.span(0, count));
     let (everybody, moved) = (&*parts.listed, &*parts.moved.words);

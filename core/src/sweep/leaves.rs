@@ -40,15 +40,15 @@ impl<'g> TreeView<'g> {
         Self {
             boxes,
             nodes: tree.nodes,
-            depth: state.depth,
-            sub_levels: state.sub_levels(),
+            depth: state.tree.depth,
+            sub_levels: state.tree.sub_levels(),
             cells: tree.cells,
             frames: tree.frames,
             leaves: tree.leaves,
             bounds: tree.bounds,
             records: tree.records,
             straddlers: tree.straddlers,
-            large: tree.straddlers.span(state.large_start as usize, state.large as usize),
+            large: tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize),
         }
     }
 

@@ -59,8 +59,8 @@ pub(crate) fn count<I: Index>(
     executor: &dyn Executor,
 ) -> BoundsScan {
     loop {
-        let depth = parts.state.depth;
-        let extent = parts.state.extent();
+        let depth = parts.state.tree.depth;
+        let extent = parts.state.tree.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
         let bounds_scan = count_at(parts, depth, kernels, executor);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
@@ -71,11 +71,11 @@ pub(crate) fn count<I: Index>(
             large += u64::from(rest.at(0));
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
-        if depth == 0 || (fits && are_few(large, depth, parts.state.live)) {
+        if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
             return bounds_scan;
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
-        parts.state.depth = depth - 1;
+        parts.state.tree.depth = depth - 1;
         super::subdivide::ascend(parts.home, 1);
     }
 }
@@ -86,7 +86,7 @@ fn count_at<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> BoundsScan {
-    let slots = parts.state.slots as usize;
+    let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(depth);
     let boxes = parts.boxes.swept();
@@ -190,20 +190,20 @@ pub(crate) fn fill<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) {
-    let depth = parts.state.depth;
+    let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
-    parts.state.set_extent(&bounds_scan.extent);
+    parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     offsets(parts, leaves);
     scatter(parts, leaves, kernels, executor);
     sharpen(parts, kernels);
     enclose(parts, depth, executor);
-    parts.state.filled = 1;
+    parts.state.tree.filled = 1;
 }
 
 /// Turns the counts of each block into the positions where the block writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
-    let row = histogram_row(parts.state.depth);
+    let row = histogram_row(parts.state.tree.depth);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     let (mut record, mut straddler) = (0u32, 0u32);
     for index in 0..leaves {
@@ -227,22 +227,22 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.large_start = straddler;
+    parts.state.tree.large_start = straddler;
     for histogram in histograms.chunks_exact_mut(row.max(1)) {
         let (_, large) = histogram.as_chunks_mut::<2>();
         let count = large.at(0);
         large.put(0, straddler);
         straddler += count;
     }
-    parts.state.large = straddler - parts.state.large_start;
+    parts.state.tree.large = straddler - parts.state.tree.large_start;
 }
 
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
-    let slots = parts.state.slots as usize;
+    let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
-    let row = histogram_row(parts.state.depth);
+    let row = histogram_row(parts.state.tree.depth);
     let boxes = parts.boxes.swept();
-    let large_start = parts.state.large_start;
+    let large_start = parts.state.tree.large_start;
     let (homes, cells, frames, buckets) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));

@@ -10,7 +10,7 @@ use crate::lists::links;
 use crate::lists::radix::{self, Sharing};
 use crate::memory::limits::{LEAF_TARGET, SLOT_BLOCKS, SUB_LEVELS, histogram_row};
 use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::memory::state::{State, TreeState};
 use crate::parallel::context::StepContext;
 
 /// A world is out of balance when the sum of the squares of its leaves' counts is this many quarters of what new planes can
@@ -40,7 +40,7 @@ fn mean(live: u32, depth: u32) -> usize {
 
 /// The most members of a leaf that is not overfull.
 pub(crate) fn overfull(state: &State) -> usize {
-    OVERFULL * mean(state.live, state.depth)
+    OVERFULL * mean(state.objects.live, state.tree.depth)
 }
 
 /// The depth of the tree in full steps for a number of objects: at most [`LEAF_TARGET`] in a leaf at exact medians
@@ -52,30 +52,31 @@ pub(crate) fn depth_for(objects: usize, deepest: u32) -> u32 {
 
 /// Whether there are no planes, or the number of objects has outgrown them, or new ones would be better.
 pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let State { live, built, divisible, .. } = *parts.state;
+    let TreeState { built, divisible, .. } = parts.state.tree;
+    let live = parts.state.objects.live;
     let depth = |objects| depth_for(objects as usize, parts.sizes.depth);
     built == 0 || divisible != 0 || depth(live) > depth(built) || live < built / 4
 }
 
 /// Whether the leaves that have just been counted are so uneven that the whole tree needs new planes now.
 pub(crate) fn is_out_of_balance<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let quarters = OUT_OF_BALANCE.min((1 << parts.state.depth) + 3);
-    4 * squares(parts) > quarters * parts.state.baseline.max(even(parts.state))
+    let quarters = OUT_OF_BALANCE.min((1 << parts.state.tree.depth) + 3);
+    4 * squares(parts) > quarters * parts.state.tree.baseline.max(even(parts.state))
 }
 
 /// The least sum of squares: of leaves that all have as many members.
 fn even(state: &State) -> u64 {
-    u64::from(state.live).pow(2) >> state.depth
+    u64::from(state.objects.live).pow(2) >> state.tree.depth
 }
 
 /// Notes what the planes achieve, right after they were made and the leaves were counted.
 pub(crate) fn set_baseline<I: Index>(parts: &mut Parts<'_, I>) {
     let baseline = squares(parts);
     let state = &mut *parts.state;
-    state.baseline = baseline;
-    state.poor = u8::from(4 * baseline > GOOD * even(state));
-    if state.poor == 0 {
-        (state.planes_in, state.planes_after) = (0, 1);
+    state.tree.baseline = baseline;
+    state.tree.poor = u8::from(4 * baseline > GOOD * even(state));
+    if state.tree.poor == 0 {
+        (state.tree.planes_in, state.tree.planes_after) = (0, 1);
     } else {
         put_off_planes(state);
     }
@@ -83,8 +84,8 @@ pub(crate) fn set_baseline<I: Index>(parts: &mut Parts<'_, I>) {
 
 /// Waits for some full steps before new planes are tried again, and twice as many the next time.
 fn put_off_planes(state: &mut State) {
-    state.planes_in = state.planes_after.max(1);
-    state.planes_after = state.planes_in.saturating_mul(2).min(PATIENCE);
+    state.tree.planes_in = state.tree.planes_after.max(1);
+    state.tree.planes_after = state.tree.planes_in.saturating_mul(2).min(PATIENCE);
 }
 
 /// Looks at the leaves that have just been filled: how many are in use, how full is the fullest one; and, where the planes could
@@ -92,25 +93,25 @@ fn put_off_planes(state: &mut State) {
 pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, tree, boxes, .. } = parts;
     let (mut in_use, mut fullest, mut most) = (0, 0, 0);
-    for (index, leaf) in tree.leaves.span(0, 1 << state.depth).iter().enumerate() {
+    for (index, leaf) in tree.leaves.span(0, 1 << state.tree.depth).iter().enumerate() {
         in_use += u32::from(leaf.len > 0);
         if leaf.len > most {
             (fullest, most) = (index, leaf.len);
         }
     }
-    (state.leaves_in_use, state.fullest_leaf) = (in_use, most);
-    state.divisible = 0;
-    let quarters = if state.poor != 0 { GOOD } else { FULL };
-    let is_full = (4 * u64::from(most)) << state.depth > quarters * u64::from(state.live);
-    if state.planes_in > 0 {
-        state.planes_in -= 1;
+    (state.tree.leaves_in_use, state.tree.fullest_leaf) = (in_use, most);
+    state.tree.divisible = 0;
+    let quarters = if state.tree.poor != 0 { GOOD } else { FULL };
+    let is_full = (4 * u64::from(most)) << state.tree.depth > quarters * u64::from(state.objects.live);
+    if state.tree.planes_in > 0 {
+        state.tree.planes_in -= 1;
     } else if !is_full {
-        state.planes_after = state.planes_after.saturating_sub(1).max(1);
+        state.tree.planes_after = state.tree.planes_after.saturating_sub(1).max(1);
     } else {
         let mut leaf = tree.leaves.at(fullest);
         if is_leaf_divisible::<I>(boxes.swept(), tree.records.span(leaf.start as usize, most as usize)) {
-            if state.poor != 0 {
-                state.divisible = 1;
+            if state.tree.poor != 0 {
+                state.tree.divisible = 1;
             } else {
                 leaf.baseline = DIVISIBLE;
                 tree.leaves.put(fullest, leaf);
@@ -136,13 +137,14 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
 /// into the same leaves from far apart, say, and their counts do not tell.
 pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
     if planes_are_new {
-        (state.baseline_work, state.heavy) = (in_vain, 0);
+        (state.tree.baseline_work, state.tree.heavy) = (in_vain, 0);
         return;
     }
-    let is_heavy = in_vain > HEAVY.saturating_mul(state.baseline_work).saturating_add(u64::from(state.live));
-    state.heavy = if is_heavy { state.heavy.saturating_add(1) } else { 0 };
-    if state.heavy >= HEAVY_STEPS && state.planes_in == 0 {
-        state.divisible = 1;
+    let is_heavy = in_vain
+        > HEAVY.saturating_mul(state.tree.baseline_work).saturating_add(u64::from(state.objects.live));
+    state.tree.heavy = if is_heavy { state.tree.heavy.saturating_add(1) } else { 0 };
+    if state.tree.heavy >= HEAVY_STEPS && state.tree.planes_in == 0 {
+        state.tree.divisible = 1;
         put_off_planes(state);
     }
 }
@@ -150,23 +152,24 @@ pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
 /// Uses all levels of the planes again, where copies that were too many for that have become fewer. The leaves must be counted
 /// anew.
 pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
-    let State { live, built, depth, large, large_start, deeper_in, deeper_after, .. } = *parts.state;
+    let TreeState { built, depth, large, large_start, deeper_in, deeper_after, .. } = parts.state.tree;
+    let live = parts.state.objects.live;
     let whole = depth_for(live.min(built) as usize, parts.sizes.depth);
     if depth >= whole {
-        (parts.state.deeper_in, parts.state.deeper_after) = (0, 1);
+        (parts.state.tree.deeper_in, parts.state.tree.deeper_after) = (0, 1);
         return;
     }
     if deeper_in > 0 {
-        parts.state.deeper_in -= 1;
+        parts.state.tree.deeper_in -= 1;
         return;
     }
     // Each level has about as many more copies as there are, at most.
     let (straddlers, large) = (u64::from(large_start) << (whole - depth), u64::from(large));
     let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
     if fits && are_few(large, whole, live) {
-        parts.state.deeper_in = deeper_after.max(1);
-        parts.state.deeper_after = parts.state.deeper_in.saturating_mul(2).min(PATIENCE);
-        parts.state.depth = whole;
+        parts.state.tree.deeper_in = deeper_after.max(1);
+        parts.state.tree.deeper_after = parts.state.tree.deeper_in.saturating_mul(2).min(PATIENCE);
+        parts.state.tree.depth = whole;
         for leaf in &mut *parts.tree.leaves {
             leaf.baseline = 0;
         }
@@ -175,33 +178,33 @@ pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
 }
 
 fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
-    let row = histogram_row(parts.state.depth);
+    let row = histogram_row(parts.state.tree.depth);
     let histograms = parts.tree.histogram.span(0, SLOT_BLOCKS * row);
     let count = |leaf| {
         histograms.chunks_exact(row.max(1)).map(|histogram| u64::from(histogram.at(2 * leaf))).sum::<u64>()
     };
-    (0..1usize << parts.state.depth).map(|leaf| count(leaf).pow(2)).sum()
+    (0..1usize << parts.state.tree.depth).map(|leaf| count(leaf).pow(2)).sum()
 }
 
 /// Makes all planes anew from sorted lists of all living objects.
 pub(crate) fn build_planes<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let live = parts.state.live as usize;
+    let live = parts.state.objects.live as usize;
     let depth = depth_for(live, parts.sizes.depth);
     links::list_all(parts);
-    parts.state.depth = depth;
-    parts.state.built = parts.state.live;
-    parts.state.divisible = 0;
+    parts.state.tree.depth = depth;
+    parts.state.tree.built = parts.state.objects.live;
+    parts.state.tree.divisible = 0;
     let boxes = parts.boxes.swept();
     let slots = parts.order[0].span(0, live);
     let extent = super::assign::scan_bounds(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
-    parts.state.set_extent(&extent);
+    parts.state.tree.set_extent(&extent);
     for leaf in &mut *parts.tree.leaves {
         leaf.baseline = 0;
     }
     make_planes(parts, live, 1, depth + SUB_LEVELS, 0, context);
     // Homes are numbers of leaves that are no more.
     parts.home.fill(I::NONE);
-    parts.state.filled = 0;
+    parts.state.tree.filled = 0;
 }
 
 /// Sorts the first `count` slots of the lists and makes the planes of the nodes below `root` from them. The sort
@@ -231,19 +234,19 @@ fn make_planes<I: Index>(
     sides.fill(0);
     Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }
         .share(root, levels, room, context);
-    parts.state.stale_lists = 1;
+    parts.state.lists.stale = 1;
 }
 
 /// Gives new planes to the parts of the tree with overfull leaves, as many as a step allows. The leaves must be those of the
 /// last full step; they have to be filled anew. Returns how many objects are concerned.
 pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
-    if parts.state.filled == 0 {
+    if parts.state.tree.filled == 0 {
         return 0;
     }
-    let depth = parts.state.depth;
+    let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
-    let live = parts.state.live as usize;
-    let mean = mean(parts.state.live, depth);
+    let live = parts.state.objects.live as usize;
+    let mean = mean(parts.state.objects.live, depth);
     let mut budget = (live / SHARE_PER_STEP).max(16 * LEAF_TARGET);
     let mut done = 0;
     let mut index = 0;
@@ -271,7 +274,7 @@ pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext
 /// The smallest part of the tree around a leaf in which the mean is not too far above that of the world: its root,
 /// its levels and its objects.
 fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (usize, u32, usize) {
-    let depth = parts.state.depth;
+    let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
     let mut node = leaves + leaf;
     let mut levels = 0;
@@ -289,7 +292,7 @@ fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (u
 
 /// Makes the planes below a node anew from the records of its leaves, which are lost.
 fn rebuild<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, context: StepContext<'_>) {
-    let first = (node << levels) - (1usize << parts.state.depth);
+    let first = (node << levels) - (1usize << parts.state.tree.depth);
     let range = first..first + (1 << levels);
     let mut count = 0;
     for index in range.clone() {
@@ -308,7 +311,7 @@ fn rebuild<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, context
         parts.tree.leaves.put(index, leaf);
     }
     let start = parts.tree.leaves.at(range.start).start as usize;
-    let sub_levels = (depth_for(parts.state.built as usize, parts.sizes.depth) + SUB_LEVELS)
-        .saturating_sub(parts.state.depth);
+    let sub_levels = (depth_for(parts.state.tree.built as usize, parts.sizes.depth) + SUB_LEVELS)
+        .saturating_sub(parts.state.tree.depth);
     make_planes(parts, count, node, levels + sub_levels, start, context);
 }

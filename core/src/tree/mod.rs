@@ -83,10 +83,10 @@ impl Corner {
 /// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
 #[inline(always)]
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
-    let node = below(planes, 1, state.depth, min);
-    let whole = node - (1 << state.depth);
-    let part = if state.is_subdivided(whole) { sub_leaf_of(planes, node, min) } else { 0 };
-    whole << state.sub_levels() | part
+    let node = below(planes, 1, state.tree.depth, min);
+    let whole = node - (1 << state.tree.depth);
+    let part = if state.tree.is_subdivided(whole) { sub_leaf_of(planes, node, min) } else { 0 };
+    whole << state.tree.sub_levels() | part
 }
 
 /// Which part of a leaf holds the minimum corner; the leaf is given as a node.

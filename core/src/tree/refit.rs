@@ -26,16 +26,16 @@ impl<I: Index> Phase for Refit<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { parts, movers } = self;
-        let leaves = 1usize << parts.state.depth;
+        let leaves = 1usize << parts.state.tree.depth;
         // A power of two, so that a mask keeps counts below it. Before, there may have been more leaves; and a snapshot can say
         // anything.
         let all = leaves * MOVERS_PER_LEAF;
-        let start = parts.state.moved_since_refit as usize & (all - 1);
+        let start = parts.state.tree.moved_since_refit as usize & (all - 1);
         let end = start + movers;
         for turn in start / MOVERS_PER_LEAF..end / MOVERS_PER_LEAF {
             refit(simd, parts, turn & (leaves - 1));
         }
-        parts.state.moved_since_refit = (end & (all - 1)) as u32;
+        parts.state.tree.moved_since_refit = (end & (all - 1)) as u32;
     }
 }
 
@@ -44,7 +44,7 @@ impl<I: Index> Phase for Refit<'_, '_, I> {
 fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
-    let sub_levels = parts.state.sub_levels();
+    let sub_levels = parts.state.tree.sub_levels();
     let mut around = KeyBox::NOTHING;
     for index in whole << sub_levels..(whole + 1) << sub_levels {
         let leaf = tree.leaves.at(index);
@@ -61,7 +61,7 @@ fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
             tree.bounds.put(index, bounds);
         }
     }
-    let mut node = (1usize << parts.state.depth) + whole;
+    let mut node = (1usize << parts.state.tree.depth) + whole;
     while node > 0 {
         tree.nodes.put(node, around);
         // The two sides of the node above.

@@ -28,13 +28,13 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> Option<usize> {
         let parts = self.0;
         let count = parts.moved.list(parts.order[1]);
-        parts.state.stale_lists = 1;
-        let mut budget = (parts.state.live as usize / LENT_SHARE).max(LENT_AT_LEAST);
+        parts.state.lists.stale = 1;
+        let mut budget = (parts.state.objects.live as usize / LENT_SHARE).max(LENT_AT_LEAST);
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
             if !relocate(simd, parts, slot, &mut budget) {
-                parts.state.filled = 0;
+                parts.state.tree.filled = 0;
                 return None;
             }
         }
@@ -79,7 +79,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
             parts
                 .tree
                 .straddlers
-                .put(parts.state.large_start as usize + parts.place.at(slot).at(), straddler);
+                .put(parts.state.tree.large_start as usize + parts.place.at(slot).at(), straddler);
             return true;
         }
         withdraw(parts, slot);
@@ -100,7 +100,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         parts.tree.leaves.put(leaf, bucket);
     }
     let start = parts.tree.leaves.at(leaf).start;
-    let sub_levels = parts.state.sub_levels();
+    let sub_levels = parts.state.tree.sub_levels();
     let whole = leaf >> sub_levels;
     let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32);
     parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
@@ -109,7 +109,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     {
         bounds.include(&record);
     }
-    expand_ancestors(parts.tree.nodes, (1usize << parts.state.depth) + whole, &bounds);
+    expand_ancestors(parts.tree.nodes, (1usize << parts.state.tree.depth) + whole, &bounds);
     true
 }
 
@@ -119,9 +119,9 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     parts.home.put(slot, I::NONE);
     let place = parts.place.at(slot).at();
     if home == I::LARGE {
-        parts.state.large -= 1;
-        let start = parts.state.large_start as usize;
-        let last = parts.tree.straddlers.at(start + parts.state.large as usize);
+        parts.state.tree.large -= 1;
+        let start = parts.state.tree.large_start as usize;
+        let last = parts.tree.straddlers.at(start + parts.state.tree.large as usize);
         parts.tree.straddlers.put(start + place, last);
         parts.place.put(last.slot as usize, I::from_slot(place as u32));
     } else if home != I::NONE {
@@ -136,14 +136,14 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
 
 /// Adds an object to the large ones.
 fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox) -> bool {
-    let at = parts.state.large_start as usize + parts.state.large as usize;
+    let at = parts.state.tree.large_start as usize + parts.state.tree.large as usize;
     if at >= parts.tree.straddlers.len() {
         return false;
     }
     parts.tree.straddlers.put(at, Straddler { bounds: *bounds, slot: slot as u32, unused: 0 });
     parts.home.put(slot, I::LARGE);
-    parts.place.put(slot, I::from_slot(parts.state.large));
-    parts.state.large += 1;
+    parts.place.put(slot, I::from_slot(parts.state.tree.large));
+    parts.state.tree.large += 1;
     true
 }
 
@@ -153,7 +153,7 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
     // A count for each leaf takes longer than movers that find the leaves around them one by one.
-    let coarser = if count < leaves / 4 { parts.state.sub_levels() } else { 0 };
+    let coarser = if count < leaves / 4 { parts.state.tree.sub_levels() } else { 0 };
     let leaves = leaves >> coarser;
     let starts = parts.tree.histogram.span_mut(0, leaves + 2);
     starts.fill(0);

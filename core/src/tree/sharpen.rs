@@ -14,8 +14,8 @@ use crate::simd::{Phase, Simd};
 
 /// Makes the frames narrower, and the records of their leaves anew. O(leaves), and the members of those leaves.
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
-    let leaves = 1usize << parts.state.depth;
-    let extent = parts.state.extent();
+    let leaves = 1usize << parts.state.tree.depth;
+    let extent = parts.state.tree.extent();
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
     for ((cell, frame), leaf) in

@@ -29,26 +29,26 @@ impl<I: Index> Phase for Subdivide<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let parts = self.0;
-        if parts.state.subdivided == 0 {
+        if parts.state.tree.subdivided == 0 {
             number_anew(parts);
         }
-        let mut left = (parts.state.live / SHARE_PER_STEP).max(LEAST_PER_STEP);
-        while left > 0 && parts.state.subdivided <= 1 << parts.state.depth {
-            let whole = parts.state.subdivided as usize - 1;
+        let mut left = (parts.state.objects.live / SHARE_PER_STEP).max(LEAST_PER_STEP);
+        while left > 0 && parts.state.tree.subdivided <= 1 << parts.state.tree.depth {
+            let whole = parts.state.tree.subdivided as usize - 1;
             // An empty leaf takes its time too.
             left = left.saturating_sub(parts.tree.leaves.at(whole * SUB_LEAVES).len + 1);
             divide_leaf(simd, parts, whole);
-            parts.state.subdivided += 1;
+            parts.state.tree.subdivided += 1;
         }
     }
 }
 
 /// Gives whole leaves the numbers of their first parts. O(slots).
 fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
-    let depth = parts.state.depth;
+    let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
-    parts.state.subdivided = 1;
-    for home in parts.home.span_mut(0, parts.state.slots as usize) {
+    parts.state.tree.subdivided = 1;
+    for home in parts.home.span_mut(0, parts.state.objects.slots as usize) {
         if *home < I::LARGE {
             *home = I::from_slot(home.slot() << SUB_LEVELS);
         }
@@ -71,7 +71,7 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
 /// Divides one leaf. Moved objects may be gone or anywhere; they only have to stand where their homes and places say.
 #[inline(always)]
 fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
-    let node = (1usize << parts.state.depth) + whole;
+    let node = (1usize << parts.state.tree.depth) + whole;
     let first = whole * SUB_LEAVES;
     let leaf = parts.tree.leaves.at(first);
     let boxes = if parts.boxes.fat.is_empty() { &*parts.boxes.now } else { &*parts.boxes.fat };
@@ -80,7 +80,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let frame = tree.frames.at(whole);
 
     // The slots, and which part each goes to, stand in lists that are made anew when they are needed.
-    parts.state.stale_lists = 1;
+    parts.state.lists.stale = 1;
     let [_, slots, goals] = &mut parts.order;
     let count = leaf.len as usize;
     let (slots, goals) = (slots.span_mut(0, count), goals.span_mut(0, count));
@@ -132,13 +132,13 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
 
 /// Goes back to the leaves of the last full step, which have to be filled. Tells whether there was anything to do.
 pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    parts.state.calm = 0;
-    if parts.state.subdivided == 0 {
+    parts.state.step.calm = 0;
+    if parts.state.tree.subdivided == 0 {
         return false;
     }
-    parts.state.subdivided = 0;
+    parts.state.tree.subdivided = 0;
     ascend(parts.home, SUB_LEVELS);
-    for index in 0..1usize << parts.state.depth {
+    for index in 0..1usize << parts.state.tree.depth {
         let leaf = parts.tree.leaves.at(index * SUB_LEAVES);
         parts.tree.leaves.put(index, leaf);
     }

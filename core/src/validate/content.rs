@@ -181,7 +181,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
     }
 
     fn large(&self, at: usize) -> usize {
-        self.0.tree.straddlers.at(self.0.state.large_start as usize + at).slot as usize
+        self.0.tree.straddlers.at(self.0.state.tree.large_start as usize + at).slot as usize
     }
 
     #[inline(always)]
@@ -205,7 +205,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 /// What a snapshot has of a leaf of a world.
 pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
     let leaf = parts.tree.leaves.at(index);
-    let filled = parts.state.filled != 0;
+    let filled = parts.state.tree.filled != 0;
     let [len, room] = [leaf.len, leaf.room].map(|count| if filled { count } else { 0 });
     LeafCounts { len, room, baseline: leaf.baseline }
 }

@@ -15,77 +15,90 @@ pub(crate) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
 }
 
 fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
-    let slots = state.slots;
+    let slots = state.objects.slots;
     check(slots as usize <= sizes.objects, "more slots than there is room for", slots as usize)?;
-    check(state.live <= slots, "more objects than slots", state.live as usize)?;
-    check(state.free <= slots, "a free slot that there is not", state.free as usize)?;
-    check(state.stale_lists != 0 || state.listed <= slots, "the lists are too long", state.listed as usize)?;
-    check(state.list_axis < 3 && state.stripe_axis < 3, "an axis that there is not", 0)?;
+    check(state.objects.live <= slots, "more objects than slots", state.objects.live as usize)?;
+    check(state.objects.free <= slots, "a free slot that there is not", state.objects.free as usize)?;
+    check(
+        state.lists.stale != 0 || state.lists.listed <= slots,
+        "the lists are too long",
+        state.lists.listed as usize,
+    )?;
+    check(state.lists.axis < 3 && state.lists.stripe_axis < 3, "an axis that there is not", 0)?;
     // Else they are chosen before they are used.
-    let chosen = sizes.is_small() && state.scan_in > 0;
-    check(!chosen || state.list_axis != state.stripe_axis, "strips along the axis of the sweep", 0)?;
+    let chosen = sizes.is_small() && state.lists.scan_in > 0;
+    check(!chosen || state.lists.axis != state.lists.stripe_axis, "strips along the axis of the sweep", 0)?;
     let yes_or_no = [
-        state.stale_lists,
-        state.filled,
-        state.dirty,
-        state.resting,
-        state.has_inserted,
-        state.moved_inside_margin,
-        state.complete,
-        state.without_surplus,
-        state.unproven,
-        state.poor,
-        state.divisible,
+        state.lists.stale,
+        state.tree.filled,
+        state.objects.dirty,
+        state.objects.resting,
+        state.objects.has_inserted,
+        state.objects.moved_inside_margin,
+        state.pairs.complete,
+        state.pairs.without_surplus,
+        state.pairs.unproven,
+        state.tree.poor,
+        state.tree.divisible,
     ];
     for (at, number) in yes_or_no.into_iter().enumerate() {
         check(number <= 1, "a number that is neither yes nor no", at)?;
     }
-    check(state.moved_inside_margin == 0 || sizes.fat > 0, "movement in margins that there are not", 0)?;
-    check(state.has_known_statistics(), "a path that there is not", 0)
+    check(
+        state.objects.moved_inside_margin == 0 || sizes.fat > 0,
+        "movement in margins that there are not",
+        0,
+    )?;
+    check(state.step.is_known(), "a path that there is not", 0)
 }
 
 fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let full = sizes.depth.saturating_sub(SUB_LEVELS);
-    check(state.built as usize <= sizes.tree, "planes for too many objects", state.built as usize)?;
+    check(state.tree.built as usize <= sizes.tree, "planes for too many objects", state.tree.built as usize)?;
     // The planes below are not made.
-    let deepest = if state.built > 0 { depth_for(state.built as usize, sizes.depth) } else { full };
-    check(state.depth <= deepest.min(full), "a tree without planes", state.depth as usize)?;
+    let deepest = if state.tree.built > 0 { depth_for(state.tree.built as usize, sizes.depth) } else { full };
+    check(state.tree.depth <= deepest.min(full), "a tree without planes", state.tree.depth as usize)?;
     check(
-        state.subdivided == 0 || sizes.tree > 0 && u64::from(state.subdivided) <= (1 << state.depth) + 1,
+        state.tree.subdivided == 0
+            || sizes.tree > 0 && u64::from(state.tree.subdivided) <= (1 << state.tree.depth) + 1,
         "more leaves are divided than there are",
-        state.subdivided as usize,
+        state.tree.subdivided as usize,
     )?;
-    check(state.filled == 0 || state.built > 0, "filled leaves without planes", 0)?;
+    check(state.tree.filled == 0 || state.tree.built > 0, "filled leaves without planes", 0)?;
     // So that no sum of squares is too much.
-    check(state.baseline <= u64::from(state.built).pow(2), "planes that were never so uneven", 0)?;
+    check(state.tree.baseline <= u64::from(state.tree.built).pow(2), "planes that were never so uneven", 0)?;
     check(
-        u64::from(state.large_start) + u64::from(state.large) <= sizes.straddlers as u64,
+        u64::from(state.tree.large_start) + u64::from(state.tree.large) <= sizes.straddlers as u64,
         "more large objects than there is room for",
-        state.large as usize,
+        state.tree.large as usize,
     )
 }
 
 fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
-    let (parked, surplus_parked) = (u64::from(state.parked), u64::from(state.surplus_parked));
-    let end = surplus_parked.saturating_add(state.result_pairs);
-    let swept = state.swept_pairs;
+    let (parked, surplus_parked) = (u64::from(state.pairs.parked), u64::from(state.pairs.surplus_parked));
+    let end = surplus_parked.saturating_add(state.pairs.reported);
+    let swept = state.pairs.swept;
     check(swept <= sizes.pairs as u64, "more pairs than room", swept as usize)?;
     check(end <= swept, "more pairs are exact, or surplus and set aside, than swept", swept as usize)?;
     check(
         surplus_parked <= parked && parked <= end,
         "more pairs are set aside than there are, or fewer than their surplus",
-        state.parked as usize,
+        state.pairs.parked as usize,
     )?;
-    check(parked == 0 || sizes.tree > 0, "pairs are set aside without a tree", state.parked as usize)?;
-    let has_surplus = state.mode() == Mode::Exact && sizes.fat > 0;
+    check(parked == 0 || sizes.tree > 0, "pairs are set aside without a tree", state.pairs.parked as usize)?;
+    let has_surplus = state.setup.mode() == Mode::Exact && sizes.fat > 0;
     check(has_surplus || surplus_parked == 0 && end == swept, "surplus without margins", swept as usize)?;
-    check(state.found <= end - parked, "more pairs are found than there are", state.found as usize)?;
+    check(
+        state.pairs.found <= end - parked,
+        "more pairs are found than there are",
+        state.pairs.found as usize,
+    )?;
     let events = sizes.previous > 0;
-    check(events || state.found == 0, "pairs are found without events", state.found as usize)?;
-    let previous = state.previous_result;
-    check(state.lost <= previous, "more pairs are lost than there were", state.lost as usize)?;
+    check(events || state.pairs.found == 0, "pairs are found without events", state.pairs.found as usize)?;
+    let previous = state.pairs.previous;
+    check(state.pairs.lost <= previous, "more pairs are lost than there were", state.pairs.lost as usize)?;
     // A step that finds all pairs anew adds those that are parked.
-    let more = if state.complete != 0 || !events { 0 } else { parked - surplus_parked };
+    let more = if state.pairs.complete != 0 || !events { 0 } else { parked - surplus_parked };
     check(
         previous <= sizes.previous as u64 && previous + more <= sizes.previous as u64,
         "more pairs of the last step than room",

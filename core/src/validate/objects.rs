@@ -12,7 +12,7 @@ use crate::id::Index;
 pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     sets(content)?;
     let state = content.state();
-    let slots = state.slots as usize;
+    let slots = state.objects.slots as usize;
     let mut free = 0;
     for slot in 0..slots {
         let now = content.now(slot);
@@ -37,7 +37,7 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
             check((class as usize) < CLASSES, "a class that there is not", slot)?;
         }
     }
-    check(free + state.live as usize == slots, "the living objects are not counted right", slots)?;
+    check(free + state.objects.live as usize == slots, "the living objects are not counted right", slots)?;
     chain(content, free)?;
     last_boxes(content)?;
     former(content)?;
@@ -47,8 +47,8 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
 
 /// Free slots are chained, each once.
 fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid> {
-    let used = content.state().slots as usize;
-    let mut next = content.state().free as usize;
+    let used = content.state().objects.slots as usize;
+    let mut next = content.state().objects.free as usize;
     for _ in 0..free {
         check(next >= 1 && next <= used, "the chain of free slots leaves the slots", next)?;
         let bounds = content.now(next - 1);
@@ -62,7 +62,7 @@ fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid
 /// Sets are of slots that there are; and who has moved has changed, as whose filter has changed has moved.
 fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
-    let slots = state.slots as usize;
+    let slots = state.objects.slots as usize;
     for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered, Set::Reused] {
         if !slots.is_multiple_of(32) {
             let last = content.word(set, slots / 32).unwrap_or(0);
@@ -84,14 +84,14 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
         )?;
     }
     let any = |set| count(content, set, slots) > 0;
-    check(state.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
-    check(state.resting != 0 || !any(Set::Resting), "objects rest and nobody has put them to rest", 0)
+    check(state.objects.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
+    check(state.objects.resting != 0 || !any(Set::Resting), "objects rest and nobody has put them to rest", 0)
 }
 
 /// Who had the slots of new objects: some object, and so not the one that has it now.
 fn former<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let mut rank = 0;
-    for index in 0..bits::words(content.state().slots as usize) {
+    for index in 0..bits::words(content.state().objects.slots as usize) {
         for bit in bits::of_word(content.word(Set::Reused, index).unwrap_or(0)) {
             let slot = index * 32 + bit;
             let generation = content.former(slot, rank);
@@ -109,14 +109,18 @@ fn last_boxes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
         return Ok(());
     }
     let mut rank = 0;
-    for index in 0..bits::words(content.state().slots as usize) {
+    for index in 0..bits::words(content.state().objects.slots as usize) {
         for bit in bits::of_word(content.word(Set::Changed, index).unwrap_or(0)) {
             let slot = index * 32 + bit;
             let before = content.before(slot, rank);
             let empty = before == KeyBox::EMPTY || before == KeyBox::free(before.next_free());
             check(empty || before.is_valid(), "a box of the last step is none", slot)?;
             let fresh = empty && !content.now(slot).is_empty();
-            check(!fresh || content.state().has_inserted != 0, "a new object that has not come", slot)?;
+            check(
+                !fresh || content.state().objects.has_inserted != 0,
+                "a new object that has not come",
+                slot,
+            )?;
             rank += 1;
         }
     }

@@ -12,14 +12,15 @@ use crate::memory::state::State;
 /// since, the boxes overlap and the filters agree. O(pairs).
 pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
-    let (slots, parked, result) = (state.slots as usize, state.parked as usize, state.result());
-    let (exact, margins) = (state.mode() == Mode::Exact, content.sizes().fat > 0);
+    let (slots, parked, result) =
+        (state.objects.slots as usize, state.pairs.parked as usize, state.pairs.result());
+    let (exact, margins) = (state.setup.mode() == Mode::Exact, content.sizes().fat > 0);
     let keeps_changed = content.word(Set::Changed, 0).is_some();
     let touches = |set, pair: &Pair<I>| content.is_in(set, pair[0].at()) || content.is_in(set, pair[1].at());
     let overlap =
         |boxes: &dyn Fn(usize) -> KeyBox, pair: &Pair<I>| boxes(pair[0].at()).overlaps(&boxes(pair[1].at()));
     let filters = content.sizes().filters > 0;
-    for at in 0..state.swept_pairs as usize {
+    for at in 0..state.pairs.swept as usize {
         let pair = content.pair(at);
         check(pair[0] < pair[1] && pair[1].at() < slots, "a pair is not of two slots in order", at)?;
         let is_aside = at < parked;
@@ -33,8 +34,11 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
         }
         if margins {
             check(overlap(&|slot| content.fat(slot), &pair), "a pair does not overlap", at)?;
-            let unchanged =
-                if keeps_changed { !touches(Set::Changed, &pair) } else { state.moved_inside_margin == 0 };
+            let unchanged = if keeps_changed {
+                !touches(Set::Changed, &pair)
+            } else {
+                state.objects.moved_inside_margin == 0
+            };
             if exact && unchanged {
                 check(
                     overlap(&|slot| content.now(slot), &pair) == result.contains(&at),
@@ -64,5 +68,5 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
 
 /// How many pairs of the step before mean something: those that are lost; after a step without room for its pairs, all.
 pub(crate) fn previous(state: &State) -> u64 {
-    if state.complete != 0 { state.lost } else { state.previous_result }
+    if state.pairs.complete != 0 { state.pairs.lost } else { state.pairs.previous }
 }

@@ -21,7 +21,7 @@ use crate::tree::{Cell, first_of_eight, home_of};
 pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     unused(parts)?;
     lists(parts)?;
-    if !parts.sizes.is_small() && parts.state.filled != 0 {
+    if !parts.sizes.is_small() && parts.state.tree.filled != 0 {
         tree(parts)?;
         cells(parts)?;
     }
@@ -30,7 +30,7 @@ pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// What is beyond the slots is as new.
 fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let slots = parts.state.slots as usize;
+    let slots = parts.state.objects.slots as usize;
     for marks in [
         &*parts.moved.words,
         parts.changed.words,
@@ -59,10 +59,10 @@ const WINDOW: usize = if cfg!(feature = "large") { 1 << 15 } else { 1 << 8 };
 
 /// Each list has every living object once, and the list that a step has swept is in order.
 fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    if parts.state.stale_lists != 0 {
+    if parts.state.lists.stale != 0 {
         return Ok(());
     }
-    let (listed, slots) = (parts.state.listed as usize, parts.state.slots as usize);
+    let (listed, slots) = (parts.state.lists.listed as usize, parts.state.objects.slots as usize);
     for slot in 0..slots {
         let lives = !parts.boxes.now.at(slot).is_empty();
         check(!lives || bits::test(parts.listed, slot), "a living object is not marked as listed", slot)?;
@@ -86,16 +86,16 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         }
     }
     let swept = parts.state.stats().path == Path::Lists
-        && parts.state.without_surplus == 0
+        && parts.state.pairs.without_surplus == 0
         && parts.moved.count() == 0;
-    if swept && listed == parts.state.live as usize {
-        let axis = parts.state.list_axis as usize;
+    if swept && listed == parts.state.objects.live as usize {
+        let axis = parts.state.lists.axis as usize;
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
         for (at, two) in order.windows(2).enumerate() {
             let boxes = parts.boxes.swept();
             let ascends = match parts.output.planes.first() {
                 Some(planes) => {
-                    let axes = [axis, parts.state.stripe_axis as usize];
+                    let axes = [axis, parts.state.lists.stripe_axis as usize];
                     let place = |slot: I| stripes::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
                     place(two.at(0)) < place(two.at(1))
                 }
@@ -109,10 +109,10 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// Records are those of their boxes, leaf by leaf without gaps; nobody else has a place in the tree.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let sub_levels = parts.state.sub_levels();
+    let sub_levels = parts.state.tree.sub_levels();
     let swept = parts.boxes.swept();
     check(parts.tree.nodes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
-    let (mut end, mut classify) = (0, parts.state.large as usize);
+    let (mut end, mut classify) = (0, parts.state.tree.large as usize);
     for index in 0..leaves(parts.state) {
         let leaf = parts.tree.leaves.at(index);
         check(leaf.start == end, "a leaf does not start where the last one ends", index)?;
@@ -130,7 +130,8 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             check(*record == expected, "a record is not that of its box", slot)?;
         }
     }
-    let large = parts.tree.straddlers.span(parts.state.large_start as usize, parts.state.large as usize);
+    let large =
+        parts.tree.straddlers.span(parts.state.tree.large_start as usize, parts.state.tree.large as usize);
     for straddler in large {
         let slot = straddler.slot as usize;
         let current = bits::test(parts.moved.words, slot) || straddler.bounds == swept.at(slot);
@@ -142,12 +143,12 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// The cells are those of the planes. Cut one by one, so that no room is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let sub_levels = parts.state.sub_levels();
-    let depth = parts.state.depth + sub_levels;
+    let sub_levels = parts.state.tree.sub_levels();
+    let depth = parts.state.tree.depth + sub_levels;
     for index in 0..1usize << depth {
         let mut planes = [0; 2];
         let mut cell = Cell::ALL;
-        let divided = sub_levels == 0 || parts.state.is_subdivided(index >> sub_levels);
+        let divided = sub_levels == 0 || parts.state.tree.is_subdivided(index >> sub_levels);
         if !divided && index & ((1 << sub_levels) - 1) != 0 {
             continue;
         }
@@ -156,7 +157,7 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let right = ((1 << depth) + index) >> (depth - level - 1) & 1;
             planes.put(1, parts.tree.planes.at(node));
             let mut halves = [cell, cell];
-            cut(&planes, 1, &parts.state.extent(), &mut halves);
+            cut(&planes, 1, &parts.state.tree.extent(), &mut halves);
             let half = halves.at(right);
             let (mut low, mut high) = (cell.low(), cell.high());
             for k in 0..3 {
@@ -179,9 +180,9 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 /// said no.
 fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &*parts.state;
-    let known = state.complete != 0 && state.without_surplus == 0 && state.unproven == 0;
-    let filled = !parts.sizes.is_small() && state.filled != 0;
-    let few = state.live as usize <= ONE_LEAF && parts.moved.count() == 0;
+    let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0 && state.pairs.unproven == 0;
+    let filled = !parts.sizes.is_small() && state.tree.filled != 0;
+    let few = state.objects.live as usize <= ONE_LEAF && parts.moved.count() == 0;
     if !known || !parts.filters.of.is_empty() || !filled && !few {
         return Ok(());
     }
@@ -197,7 +198,7 @@ fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
 /// All overlaps of objects that have not moved.
 fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
     let (boxes, mut all) = (parts.boxes.swept(), Sum::default());
-    let slots = 0..parts.state.slots as usize;
+    let slots = 0..parts.state.objects.slots as usize;
     for a in slots.clone().filter(|slot| stays(parts, *slot)) {
         for b in a + 1..slots.end {
             if stays(parts, b) && KeyBox::of(boxes, a).overlaps(KeyBox::of(boxes, b)) {
@@ -218,8 +219,8 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> Sum {
         let Self(parts) = self;
         let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
-        let (mut all, sub_levels) = (Sum::default(), state.sub_levels());
-        for slot in (0..state.slots as usize).filter(|slot| stays(parts, *slot)) {
+        let (mut all, sub_levels) = (Sum::default(), state.tree.sub_levels());
+        for slot in (0..state.objects.slots as usize).filter(|slot| stays(parts, *slot)) {
             let bounds = KeyBox::of(boxes, slot);
             // No vectors: a closure does not share the instruction set of its function.
             let mut meet = |other: usize| {
@@ -227,7 +228,7 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
                     all.add([slot as u32, other as u32]);
                 }
             };
-            let mut visit = Visit::new(simd, tree.nodes, state.depth, 0, *bounds);
+            let mut visit = Visit::new(simd, tree.nodes, state.tree.depth, 0, *bounds);
             while let Some(whole) = visit.next(simd) {
                 let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
                 for part in whole << sub_levels..(whole + 1) << sub_levels {
@@ -240,7 +241,8 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
                     }
                 }
             }
-            for straddler in tree.straddlers.span(state.large_start as usize, state.large as usize) {
+            for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize)
+            {
                 meet(straddler.slot as usize);
             }
         }

@@ -14,12 +14,12 @@ use crate::tree::{Cell, axis_of, plane};
 
 /// The nodes that have planes, and node zero, which is none.
 pub(crate) fn planes(state: &State, deepest: u32) -> usize {
-    if state.built == 0 { 0 } else { 1 << (depth_for(state.built as usize, deepest) + SUB_LEVELS) }
+    if state.tree.built == 0 { 0 } else { 1 << (depth_for(state.tree.built as usize, deepest) + SUB_LEVELS) }
 }
 
 /// The leaves that mean something: also where they are not filled, since they know how even their planes once were.
 pub(crate) fn leaves(state: &State) -> usize {
-    if state.built == 0 { 0 } else { 1 << (state.depth + state.sub_levels()) }
+    if state.tree.built == 0 { 0 } else { 1 << (state.tree.depth + state.tree.sub_levels()) }
 }
 
 /// Checks the planes and, if leaves are filled, all of them. O(slots + leaves log leaves).
@@ -29,20 +29,20 @@ pub(crate) fn tree<I: Index>(content: &mut impl Content<I>) -> Result<(), Invali
         let known = content.plane(node);
         check(plane(axis_of(known), known) == known, "a plane has no axis", node)?;
     }
-    let slots = content.state().slots as usize;
+    let slots = content.state().objects.slots as usize;
     for index in 0..leaves(content.state()) {
         let LeafCounts { len, room, baseline } = content.leaf(index);
         // So that it can be multiplied.
         check(baseline as usize <= slots, "a leaf was never so full", index)?;
         let empty = len == 0 && room == 0;
-        check(content.state().filled != 0 || empty, "a leaf that is not filled has room", index)?;
+        check(content.state().tree.filled != 0 || empty, "a leaf that is not filled has room", index)?;
     }
-    if content.state().filled == 0 {
+    if content.state().tree.filled == 0 {
         return Ok(());
     }
     nodes(content)?;
     let mut filled = Filled { content, position: 0, packed: 0, current: 0 };
-    let depth = filled.content.state().depth;
+    let depth = filled.content.state().tree.depth;
     for whole in 0..1usize << depth {
         filled.whole(whole, depth)?;
     }
@@ -51,7 +51,7 @@ pub(crate) fn tree<I: Index>(content: &mut impl Content<I>) -> Result<(), Invali
     let state = filled.content.state();
     let words = 0..bits::words(slots);
     let moved: usize = words.map(|index| moved_and_living(filled.content, index)).sum();
-    check(known + moved == state.live as usize, "the tree does not hold every object once", known)
+    check(known + moved == state.objects.live as usize, "the tree does not hold every object once", known)
 }
 
 /// How many slots of a word hold an object that has moved.
@@ -62,7 +62,7 @@ fn moved_and_living<I: Index>(content: &impl Content<I>, index: usize) -> usize 
 
 /// The box of each node is one, and holds those below it: who looks for objects does not look below a box that is not met.
 fn nodes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
-    let leaves = 1usize << content.state().depth;
+    let leaves = 1usize << content.state().tree.depth;
     for node in 1..2 * leaves {
         let around = content.node(node);
         check(around == KeyBox::NOTHING || around.is_valid(), "the box of a node is none", node)?;
@@ -88,11 +88,11 @@ impl<C> Filled<'_, C> {
     where
         C: Content<I>,
     {
-        let sub_levels = self.content.state().sub_levels();
+        let sub_levels = self.content.state().tree.sub_levels();
         let cell = cell_of(self.content, depth, whole);
         let frame = self.content.frame(whole);
         check(frame.is_sound(), "a frame does not keep the order of numbers", whole)?;
-        let divided = self.content.state().is_subdivided(whole);
+        let divided = self.content.state().tree.is_subdivided(whole);
         let node = (1 << depth) + whole;
         let around = self.content.node(node);
         for part in 0..1usize << sub_levels {
@@ -130,7 +130,7 @@ impl<C> Filled<'_, C> {
     where
         C: Content<I>,
     {
-        let slots = self.content.state().slots as usize;
+        let slots = self.content.state().objects.slots as usize;
         let mut members = Members::NONE;
         // More than there are slots would be more than the snapshot has.
         check(self.packed + len <= slots, "the leaves have more members than there are slots", leaf)?;
@@ -159,7 +159,8 @@ impl<C> Filled<'_, C> {
     where
         C: Content<I>,
     {
-        let (slots, count) = (self.content.state().slots as usize, self.content.state().large as usize);
+        let (slots, count) =
+            (self.content.state().objects.slots as usize, self.content.state().tree.large as usize);
         for place in 0..count {
             let slot = self.content.large(place);
             check(slot < slots, "a large object is of no slot", place)?;

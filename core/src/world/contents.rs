@@ -2,23 +2,12 @@
 
 use super::{Step, World};
 use crate::config::Capacity;
-use crate::error::Error;
 use crate::geometry::aabb::Aabb;
 use crate::id::{Id, Index};
-use crate::parallel::executor::Serial;
-use crate::simd::kernels::Kernels;
 use core::fmt;
 
 /// Looking around.
 impl<I: Index> World<'_, I> {
-    /// As [`step`](Self::step), on this thread alone, with the best kernels of this processor.
-    ///
-    /// # Errors
-    /// Those of [`step`](Self::step).
-    pub fn step_alone(&mut self) -> Result<Step<'_, I>, Error> {
-        self.step(Kernels::detect(), &Serial)
-    }
-
     /// How much fits into the world.
     #[must_use]
     pub fn capacity(&self) -> Capacity {
@@ -27,7 +16,7 @@ impl<I: Index> World<'_, I> {
 
     /// The living objects by ascending slot. O(slots that have been in use).
     pub fn ids(&self) -> impl Iterator<Item = Id> {
-        (0..self.parts.state.slots).filter_map(|slot| self.id_at(slot))
+        (0..self.parts.state.objects.slots).filter_map(|slot| self.id_at(slot))
     }
 
     /// The living objects and their boxes, by ascending slot. O(slots that have been in use).
@@ -53,7 +42,7 @@ impl<I: Index> World<'_, I> {
 
     /// Removes all objects. Their ids are stale from now on; their pairs are lost at the next step. O(slots that have been in use).
     pub fn clear(&mut self) {
-        for slot in 0..self.parts.state.slots {
+        for slot in 0..self.parts.state.objects.slots {
             if let Some(id) = self.id_at(slot) {
                 // It lives.
                 let _ = self.remove(id);

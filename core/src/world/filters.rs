@@ -42,7 +42,7 @@ impl<I: Index> World<'_, I> {
             return Err(Error::NoFilters);
         }
         self.parts.filters.classes.copy_in(meets);
-        for slot in 0..self.parts.state.slots as usize {
+        for slot in 0..self.parts.state.objects.slots as usize {
             if !self.parts.boxes.now.at(slot).is_empty() {
                 self.ask_again(slot);
             }
@@ -67,6 +67,6 @@ impl<I: Index> World<'_, I> {
         self.parts.filters.changed.set(slot);
         self.parts.moved.set(slot);
         self.parts.changed.set(slot);
-        self.parts.state.dirty = 1;
+        self.parts.state.objects.dirty = 1;
     }
 }

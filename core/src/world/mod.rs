@@ -8,16 +8,18 @@ mod objects;
 mod rest;
 mod result;
 mod shift;
+mod stepper;
 mod view;
 
 pub use inline::InlineWorld;
+pub use objects::Inserted;
 pub use result::Step;
+pub use stepper::Stepper;
 pub use view::{LeafView, PlaneView};
 
 use crate::access::{Access, faults};
 use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::filter::Rule;
 use crate::geometry::aabb::{Aabb, Boxes};
 use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
@@ -25,7 +27,7 @@ use crate::memory::stats::{Path, Route, Stats};
 use crate::objects::intake::ingest;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
-use crate::parallel::executor::{Executor, OneStep, Stage};
+use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
 use crate::step::{policy, recount};
@@ -36,6 +38,7 @@ use crate::step::{policy, recount};
 /// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
 pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
+    pub(crate) kernels: Kernels,
 }
 
 /// From this many objects on a step is shared between workers, where nobody has chosen: below, to hand out the work takes
@@ -46,7 +49,7 @@ const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
-        let shared = parts.state.sharing().fixed().unwrap_or(parts.state.live >= SHARED_FROM);
+        let shared = parts.state.setup.sharing().fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
         // A small world shares nothing.
         let shared = shared && !context.is_small();
         let executor = OneStep::new(context.executor, shared);
@@ -55,11 +58,11 @@ impl<I: Index> World<'_, I> {
         let mut result = Self::find(parts, shared, context);
         if faults() != parts.state.faults {
             parts.state.faults = faults();
-            parts.state.complete = 0;
-            parts.state.built = 0;
-            parts.state.baseline = 0;
-            parts.state.filled = 0;
-            parts.state.stale_lists = 1;
+            parts.state.pairs.complete = 0;
+            parts.state.tree.built = 0;
+            parts.state.tree.baseline = 0;
+            parts.state.tree.filled = 0;
+            parts.state.lists.stale = 1;
             result = Err(Error::InvariantBroken);
         }
         context.executor.enter(Stage::Done);
@@ -72,11 +75,11 @@ impl<I: Index> World<'_, I> {
         let moved = parts.moved.count();
 
         let mut route = policy::choose(parts, moved);
-        if cfg!(feature = "large") && parts.state.unproven != 0 {
+        if cfg!(feature = "large") && parts.state.pairs.unproven != 0 {
             route = recount::prove(parts, route, moved, context);
         }
         policy::subdivide_when_calm(parts, route.path, moved, context);
-        if route.path == Path::Unchanged && parts.state.moved_inside_margin == 0 {
+        if route.path == Path::Unchanged && parts.state.objects.moved_inside_margin == 0 {
             Self::keep(parts, shared);
             return Ok(());
         }
@@ -84,7 +87,7 @@ impl<I: Index> World<'_, I> {
         if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
             (route, progress) = step::find_without_surplus(parts, context);
         }
-        parts.state.record(moved, route, shared, &progress);
+        parts.state.step.record(moved, parts.state.objects.outran, route, shared, &progress);
         context.executor.enter(Stage::Results);
         Self::conclude(parts, progress.pairs, context)
     }
@@ -96,10 +99,10 @@ impl<I: Index> World<'_, I> {
         context: StepContext<'_>,
     ) -> Option<Rejected> {
         let bounds = bounds?;
-        parts.state.dirty = 1;
+        parts.state.objects.dirty = 1;
         context.executor.enter(Stage::Intake);
         let intake = ingest(parts, &bounds, context.kernels, context.executor);
-        parts.state.note(intake.motions);
+        parts.state.objects.note(intake.motions);
         if intake.rejected == 0 {
             return None;
         }
@@ -112,10 +115,10 @@ impl<I: Index> World<'_, I> {
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
         let leaves = parts.state.leaves();
         let progress = crate::memory::stats::Progress { leaves, ..Default::default() };
-        parts.state.record(0, Route::UNCHANGED, shared, &progress);
-        parts.state.found = 0;
-        parts.state.lost = 0;
-        parts.state.dirty = 0;
+        parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared, &progress);
+        parts.state.pairs.found = 0;
+        parts.state.pairs.lost = 0;
+        parts.state.objects.dirty = 0;
     }
 
     /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
@@ -124,21 +127,21 @@ impl<I: Index> World<'_, I> {
         let fitting = pairs.min(parts.output.pairs.len() as u64);
         let complete = pairs == fitting;
         results::sort_out(parts, fitting as usize, complete, context);
-        parts.state.complete = u8::from(complete);
+        parts.state.pairs.complete = u8::from(complete);
         if !complete {
             return Err(Error::PairsFull { needed: pairs });
         }
         results::remember(parts, context);
         parts.moved.clear();
-        parts.state.moved_inside_margin = 0;
-        parts.state.outran = 0;
+        parts.state.objects.moved_inside_margin = 0;
+        parts.state.objects.outran = 0;
         parts.filters.changed.clear();
-        if parts.state.has_inserted == 0 {
+        if parts.state.objects.has_inserted == 0 {
             // Those are of the step before.
             parts.former.reused.clear();
         }
-        parts.state.has_inserted = 0;
-        parts.state.dirty = 0;
+        parts.state.objects.has_inserted = 0;
+        parts.state.objects.dirty = 0;
         Ok(())
     }
 }
@@ -151,7 +154,7 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
     pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
-        Parts::init(slab, config).map(|parts| Self { parts })
+        Parts::init(slab, config).map(Self::of)
     }
 
     /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
@@ -159,20 +162,24 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        Parts::open(slab).map(|parts| Self { parts })
+        Parts::open(slab).map(Self::of)
+    }
+
+    fn of(parts: Parts<'m, I>) -> Self {
+        Self { parts, kernels: Kernels::detect() }
     }
 
     /// What the world was made for.
     #[must_use]
     pub fn config(&self) -> Config {
         // The state of an opened world is known to be good.
-        self.parts.state.config(size_of::<I>()).unwrap_or(Config::new(crate::Capacity::for_objects(0)))
+        self.parts.state.setup.config(size_of::<I>()).unwrap_or(Config::new(crate::Capacity::for_objects(0)))
     }
 
     /// Living objects.
     #[must_use]
     pub fn len(&self) -> u32 {
-        self.parts.state.live
+        self.parts.state.objects.live
     }
 
     /// Whether there is no object.
@@ -190,7 +197,8 @@ impl<'m, I: Index> World<'m, I> {
     /// The object that lives in `slot`.
     #[must_use]
     pub fn id_at(&self, slot: u32) -> Option<Id> {
-        let lives = slot < self.parts.state.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
+        let lives =
+            slot < self.parts.state.objects.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
         if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
     }
 
@@ -205,66 +213,13 @@ impl<'m, I: Index> World<'m, I> {
     }
 }
 
-/// Stepping and results.
+/// Results.
 impl<I: Index> World<'_, I> {
-    /// Finds all overlapping pairs of the boxes as they are now.
-    ///
-    /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`].
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
-    pub fn step(&mut self, kernels: Kernels, executor: &dyn Executor) -> Result<Step<'_, I>, Error> {
-        self.advance(None, self.context(kernels, executor, None))
-    }
-
-    /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
-    /// array: one pass over it, no copy. What stands at the slots of no object does not matter; objects beyond its end
-    /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`]. It says nothing of refused boxes; a step over the same array tells of them again.
-    pub fn step_over(
-        &mut self,
-        bounds: Boxes<'_>,
-        kernels: Kernels,
-        executor: &dyn Executor,
-    ) -> Result<Step<'_, I>, Error> {
-        self.advance(Some(bounds), self.context(kernels, executor, None))
-    }
-
-    /// As [`step_over`](Self::step_over), or where there are no `bounds` as [`step`](Self::step), with a rule that decides
-    /// about the pairs that the filters let through. A world that has a rule in one step should have it in all.
-    ///
-    /// # Errors
-    /// [`Error::PairsFull`], or [`Error::NoFilters`] in a world without filters.
-    pub fn step_with_rule(
-        &mut self,
-        bounds: Option<Boxes<'_>>,
-        rule: &Rule<'_>,
-        kernels: Kernels,
-        executor: &dyn Executor,
-    ) -> Result<Step<'_, I>, Error> {
-        if self.parts.filters.classes.is_empty() {
-            return Err(Error::NoFilters);
-        }
-        self.advance(bounds, self.context(kernels, executor, Some(rule)))
-    }
-
-    fn context<'e>(
-        &self,
-        kernels: Kernels,
-        executor: &'e dyn Executor,
-        rule: Option<&'e Rule<'e>>,
-    ) -> StepContext<'e> {
-        let sizes = &self.parts.sizes;
-        StepContext { kernels, executor, rule, workers: sizes.workers, small: sizes.is_small() }
-    }
-
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
     /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
-        let result = self.parts.state.result();
+        let result = self.parts.state.pairs.result();
         self.parts.output.pairs.span(result.start, result.len())
     }
 
@@ -272,15 +227,15 @@ impl<I: Index> World<'_, I> {
     /// the same slots counts as another pair.
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
-        let found = self.parts.state.found as usize;
-        self.parts.output.pairs.span(self.parts.state.result().end - found, found)
+        let found = self.parts.state.pairs.found as usize;
+        self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
     }
 
     /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's
     /// slot may hold a new one by now.
     #[must_use]
     pub fn lost(&self) -> &[Pair<I>] {
-        self.parts.output.previous.span(0, self.parts.state.lost as usize)
+        self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
     }
 
     /// What the last step did.

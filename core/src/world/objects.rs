@@ -11,7 +11,7 @@ use crate::lists::links;
 use crate::objects::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
-impl<I: Index> World<'_, I> {
+impl<'m, I: Index> World<'m, I> {
     /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
     ///
     /// # Errors
@@ -44,7 +44,7 @@ impl<I: Index> World<'_, I> {
             *margin = length;
             let bounds = self.parts.boxes.now.at(slot);
             self.parts.objects().anchor(slot, bounds, length);
-            self.parts.state.dirty = 1;
+            self.parts.state.objects.dirty = 1;
         }
         Ok(())
     }
@@ -59,26 +59,18 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Adds objects, all or none. Their ids go to `ids`. O(n).
+    /// Adds objects, all or none; gives their ids in the order of the boxes: `let ids: Vec<Id> = world.insert_many(boxes)?.collect()`.
+    /// Those whose ids nobody takes are added, too. O(n).
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] where `ids` is shorter than `boxes`, [`Error::BadBox`] or [`Error::ObjectsFull`].
-    pub fn insert_many(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
-        if ids.len() < boxes.len() {
-            return Err(Error::LengthMismatch { needed: boxes.len() });
-        }
+    /// [`Error::BadBox`] or [`Error::ObjectsFull`].
+    pub fn insert_many<'w, 'b>(&'w mut self, boxes: Boxes<'b>) -> Result<Inserted<'w, 'm, 'b, I>, Error> {
         let needed = u64::from(self.len()) + boxes.len() as u64;
         if needed > self.parts.sizes.objects as u64 {
             return Err(Error::ObjectsFull { needed });
         }
         check_all(&boxes)?;
-        for (index, id) in ids.iter_mut().enumerate().take(boxes.len()) {
-            *id = match boxes.get(index).as_ref().and_then(KeyBox::from_aabb) {
-                Some(bounds) => Some(self.enter(bounds)?),
-                None => None,
-            };
-        }
-        Ok(())
+        Ok(Inserted { world: self, boxes, next: 0 })
     }
 
     /// Gives objects other boxes, all or none. O(n).
@@ -128,23 +120,23 @@ impl<I: Index> World<'_, I> {
 
     fn enter(&mut self, bounds: KeyBox) -> Result<Id, Error> {
         let parts = &mut self.parts;
-        let free = parts.state.free;
-        let slot = if free > 0 { free - 1 } else { parts.state.slots };
+        let free = parts.state.objects.free;
+        let slot = if free > 0 { free - 1 } else { parts.state.objects.slots };
         if slot as usize >= parts.sizes.objects {
-            return Err(Error::ObjectsFull { needed: u64::from(parts.state.live) + 1 });
+            return Err(Error::ObjectsFull { needed: u64::from(parts.state.objects.live) + 1 });
         }
         let at = slot as usize;
         if free > 0 {
-            parts.state.free = parts.boxes.now.at(at).next_free();
+            parts.state.objects.free = parts.boxes.now.at(at).next_free();
         } else {
-            parts.state.slots += 1;
+            parts.state.objects.slots += 1;
         }
-        parts.state.live += 1;
+        parts.state.objects.live += 1;
         // After four billion objects in one slot an old id could match again; skipping zero keeps ids non-null.
         let former = parts.generations.at(at);
         let generation = former.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
-        if let (Some(margin), Some(length)) = (parts.state.margin(), parts.boxes.margins.get_mut(at)) {
+        if let (Some(margin), Some(length)) = (parts.state.setup.margin(), parts.boxes.margins.get_mut(at)) {
             *length = margin_length(&margin, &bounds);
         }
         parts.objects().enter(at, bounds);
@@ -154,11 +146,11 @@ impl<I: Index> World<'_, I> {
         // An object that had the slot since the last step is forgotten: its pairs are lost either way.
         if let Some(before) = parts.boxes.before.get_mut(at) {
             *before = KeyBox::EMPTY;
-            let is_first = parts.state.has_inserted == 0;
+            let is_first = parts.state.objects.has_inserted == 0;
             parts.former.note(at, former, is_first);
         }
-        parts.state.has_inserted = 1;
-        parts.state.dirty = 1;
+        parts.state.objects.has_inserted = 1;
+        parts.state.objects.dirty = 1;
         links::append(parts, slot);
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
@@ -168,7 +160,7 @@ impl<I: Index> World<'_, I> {
     fn accept(&mut self, ids: &[Id], boxes: impl Iterator<Item = KeyBox>) {
         let parts = &mut self.parts;
         for id in ids {
-            parts.state.dirty = 1;
+            parts.state.objects.dirty = 1;
             bits::clear(parts.resting, id.slot() as usize);
         }
         let mut objects = parts.objects();
@@ -176,16 +168,47 @@ impl<I: Index> World<'_, I> {
             objects.accept(id.slot() as usize, bounds);
         }
         let motions = objects.fat.motions;
-        parts.state.note(motions);
+        parts.state.objects.note(motions);
     }
 
     fn leave(&mut self, slot: usize) {
-        let next = self.parts.state.free;
-        self.parts.state.dirty = 1;
+        let next = self.parts.state.objects.free;
+        self.parts.state.objects.dirty = 1;
         bits::clear(self.parts.resting, slot);
         self.parts.objects().leave(slot, next);
-        self.parts.state.free = slot as u32 + 1;
-        self.parts.state.live -= 1;
+        self.parts.state.objects.free = slot as u32 + 1;
+        self.parts.state.objects.live -= 1;
+    }
+}
+
+/// The ids of new objects: see [`World::insert_many`]. What is left is added when it goes.
+pub struct Inserted<'w, 'm, 'b, I: Index = u32> {
+    world: &'w mut World<'m, I>,
+    boxes: Boxes<'b>,
+    next: usize,
+}
+
+impl<I: Index> Iterator for Inserted<'_, '_, '_, I> {
+    type Item = Id;
+
+    fn next(&mut self) -> Option<Id> {
+        let bounds = self.boxes.get(self.next).as_ref().and_then(KeyBox::from_aabb)?;
+        self.next += 1;
+        // There is room.
+        self.world.enter(bounds).ok()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.boxes.len() - self.next;
+        (left, Some(left))
+    }
+}
+
+impl<I: Index> ExactSizeIterator for Inserted<'_, '_, '_, I> {}
+
+impl<I: Index> Drop for Inserted<'_, '_, '_, I> {
+    fn drop(&mut self) {
+        self.for_each(drop);
     }
 }
 

@@ -26,10 +26,10 @@ impl<I: Index> World<'_, I> {
             if !active.is_empty() && bits::test(active, slot) {
                 bits::clear(active, slot);
                 // More than can be, so that the next step looks at its pairs.
-                state.active = u32::MAX;
+                state.pairs.active = u32::MAX;
             }
         }
-        state.resting |= u8::from(!ids.is_empty());
+        state.objects.resting |= u8::from(!ids.is_empty());
         Ok(())
     }
 

@@ -22,7 +22,7 @@ impl<I: Index> World<'_, I> {
     /// To win back precision that boxes have lost far from the origin, give them again from `f64` after the shift:
     ///
     /// ```
-    /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, Kernels, Serial, layout};
+    /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
     ///
     /// const CONFIG: Config = Config::new(Capacity::for_objects(16)).with_events();
     /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
@@ -32,13 +32,13 @@ impl<I: Index> World<'_, I> {
     /// let mut memory = InlineWorld::<BYTES>::EMPTY;
     /// let mut world = memory.init::<u16>(&CONFIG)?;
     /// let ids = [world.insert(cube(1e9, 0.0))?, world.insert(cube(1e9 + 2.0, 0.0))?];
-    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.pairs(), [[0, 1]]);
+    /// assert_eq!(world.step()?.pairs(), [[0, 1]]);
     ///
     /// assert_eq!(world.shift_origin([1e9, 0.0, 0.0])?, 0);
-    /// assert!(world.step(Kernels::BASELINE, &Serial)?.lost().is_empty());
+    /// assert!(world.step()?.lost().is_empty());
     /// world.set_aabb(ids[0], cube(1e9, 1e9))?;
     /// world.set_aabb(ids[1], cube(1e9 + 2.0, 1e9))?;
-    /// assert_eq!(world.step(Kernels::BASELINE, &Serial)?.lost(), [[0, 1]]);
+    /// assert_eq!(world.step()?.lost(), [[0, 1]]);
     /// # Ok::<(), trisap_core::Error>(())
     /// ```
     ///
@@ -50,7 +50,7 @@ impl<I: Index> World<'_, I> {
         }
         let parts = &mut self.parts;
         let mut rounded = 0;
-        for slot in 0..parts.state.slots as usize {
+        for slot in 0..parts.state.objects.slots as usize {
             let now = parts.boxes.now.at(slot);
             if now.is_empty() {
                 continue;
@@ -68,10 +68,10 @@ impl<I: Index> World<'_, I> {
             parts.changed.set(slot);
         }
         // Planes and records are those of the old origin.
-        parts.state.dirty = 1;
-        parts.state.built = 0;
-        parts.state.baseline = 0;
-        parts.state.filled = 0;
+        parts.state.objects.dirty = 1;
+        parts.state.tree.built = 0;
+        parts.state.tree.baseline = 0;
+        parts.state.tree.filled = 0;
         Ok(rounded)
     }
 }

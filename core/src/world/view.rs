@@ -47,8 +47,8 @@ impl<I: Index> World<'_, I> {
         let state = &*self.parts.state;
         let divides = move |node: usize| {
             // The planes in a leaf that is still whole divide nothing yet.
-            let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.depth);
-            let whole = |levels| !state.is_subdivided((node >> levels) - (1 << state.depth));
+            let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.tree.depth);
+            let whole = |levels| !state.tree.is_subdivided((node >> levels) - (1 << state.tree.depth));
             key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
         };
         (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {

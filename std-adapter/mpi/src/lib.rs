@@ -15,12 +15,12 @@
 //!     world.insert(7, Aabb::new([0.0; 3], [1.0; 3]))?;
 //!     world.insert(9, Aabb::new([0.5; 3], [1.5; 3]))?;
 //! }
-//! world.step(trisap::detect(), &Serial)?;
+//! world.step(trisap::Kernels::detect(), &Serial)?;
 //! // On one of the ranks:
 //! world.visit_pairs(|[low, high]| println!("{low} touches {high}"));
 //! // Each rank moves what it owns.
 //! world.update(|_key, aabb| Aabb::new(aabb.min.map(|x| x + 0.1), aabb.max.map(|x| x + 0.1)))?;
-//! world.step(trisap::detect(), &Serial)?;
+//! world.step(trisap::Kernels::detect(), &Serial)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -103,7 +103,7 @@ impl Local {
 
     fn sweep(&mut self, means: Means<'_>) -> Result<(), Error> {
         let mut world = self.world.world();
-        world.step_over(Boxes::new(&self.table.now), means.kernels, means.executor)?;
+        world.set_kernels(means.kernels).on(means.executor).step_over(Boxes::new(&self.table.now))?;
         Ok(())
     }
 
@@ -121,7 +121,7 @@ impl Local {
         if capacity.objects < needed {
             let objects = needed.saturating_add(needed / 4).saturating_add(16);
             let usual = Capacity::for_objects(objects);
-            capacity = Capacity { pairs: capacity.pairs.max(usual.pairs), ..usual };
+            capacity = usual.with_pairs(capacity.pairs.max(usual.pairs));
         }
         loop {
             self.config.capacity = capacity;
@@ -138,7 +138,7 @@ impl Local {
     /// Fills a new world with the objects of the last step, and takes it to this step.
     fn fill(&mut self, gone: &[Object], living: &[(Object, bool)], means: Means<'_>) -> Result<(), Error> {
         // Two large worlds at a time might not fit.
-        self.world = OwnedWorld::new(&Config { capacity: Capacity::for_objects(0), ..self.config })?;
+        self.world = OwnedWorld::new(&self.config.with_capacity(Capacity::for_objects(0)))?;
         self.world = OwnedWorld::new(&self.config)?;
         self.gone = Default::default();
         self.table = Table::default();
@@ -152,7 +152,7 @@ impl Local {
             let slot = world.insert(object.before)?.slot();
             self.table.put(slot, object, *owned);
         }
-        world.step(means.kernels, means.executor)?;
+        world.set_kernels(means.kernels).on(means.executor).step()?;
         for slot in self.gone[EARLY].keys() {
             if let Some(id) = world.id_at(*slot) {
                 world.remove(id)?;
@@ -213,7 +213,7 @@ mod tests {
     use trisap::{Aabb, Serial};
 
     fn means() -> Means<'static> {
-        Means { kernels: trisap::detect(), executor: &Serial }
+        Means { kernels: trisap::Kernels::detect(), executor: &Serial }
     }
 
     fn cube(x: f32) -> Aabb {
@@ -231,7 +231,8 @@ mod tests {
     }
 
     fn local(objects: u32, pairs: u32) -> Local {
-        Local::new(Config::new(Capacity { objects, leaf_refs: 0, pairs })).expect("small")
+        Local::new(Config::new(Capacity::for_objects(objects).with_leaf_refs(0).with_pairs(pairs)))
+            .expect("small")
     }
 
     #[test]

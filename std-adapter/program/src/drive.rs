@@ -86,12 +86,11 @@ fn pass<I: Index>(
     let mut number = 0;
     while let Some(boxes) = source.next_frame()? {
         if number == 0 {
-            let mut ids = vec![None; boxes.len()];
-            world.insert_many(boxes, &mut ids).context("frame 0")?;
+            world.insert_many(boxes).context("frame 0")?;
         }
         let start = Instant::now();
         let stopwatch = Stopwatch::new(executor);
-        let step = world.step_over(boxes, kernels, &stopwatch);
+        let step = world.set_kernels(kernels).on(&stopwatch).step_over(boxes);
         let (time, stages) = (start.elapsed(), stopwatch.times());
         let step = match step {
             // The surplus of margins should fit, too: steps are cheaper then.

@@ -36,9 +36,11 @@ impl Dump {
         for number in 0..=self.frame {
             let boxes = source.next_frame()?.context("the scene has become shorter")?;
             if number == 0 {
-                world.insert_many(boxes, &mut vec![None; boxes.len()])?;
+                world.insert_many(boxes)?;
             }
-            engine.with_executor(|executor| world.step_over(boxes, engine.kernels, executor).map(drop))?;
+            engine.with_executor(|executor| {
+                world.set_kernels(engine.kernels).on(executor).step_over(boxes).map(drop)
+            })?;
         }
         // The boxes of the world: those that were refused have stayed.
         let ids: Vec<_> = (0..config.capacity.objects).filter_map(|slot| world.id_at(slot)).collect();

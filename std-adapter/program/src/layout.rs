@@ -16,7 +16,7 @@ pub(crate) fn layout(args: &LayoutArgs) -> Result<Outcome> {
     let mut out = stdout().lock();
     row(&mut out, TITLES.map(String::from))?;
     for &objects in &args.objects {
-        let capacity = Capacity { pairs: objects.saturating_mul(4), ..Capacity::for_objects(objects) };
+        let capacity = Capacity::for_objects(objects).with_pairs(objects.saturating_mul(4));
         let exact = Config::new(capacity);
         let events = exact.with_events();
         let narrow = [&exact.with_lean(), &exact, &events].map(bytes::<u16>);

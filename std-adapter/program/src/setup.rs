@@ -36,7 +36,7 @@ impl Engine {
 
 fn kernels(name: &str) -> Result<Kernels> {
     if name == "auto" {
-        return Ok(trisap::detect());
+        return Ok(trisap::Kernels::detect());
     }
     Kernels::by_name(name).ok_or_else(|| {
         let names: Vec<_> = Kernels::all().map(Kernels::name).collect();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use trisap::recording::Recording;
-use trisap::{Boxes, Capacity, Config, OwnedWorld, Serial};
+use trisap::{Boxes, Capacity, Config, OwnedWorld};
 
 type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
 
@@ -34,9 +34,9 @@ fn a_frame_is_drawn() -> Result {
         let mut world = owned.world();
         let boxes =
             |frame: usize| Ok::<_, Box<dyn Error>>(Boxes::padded(recording.frame(frame).ok_or("no frame")?));
-        world.insert_many(boxes(0)?, &mut [None; 1000])?;
+        world.insert_many(boxes(0)?)?;
         for number in 0..=frame {
-            world.step_over(boxes(number)?, trisap::detect(), &Serial)?;
+            world.step_over(boxes(number)?)?;
         }
         let boxes: Vec<_> = (0..1000).filter_map(|slot| boxes(frame).ok()?.get(slot)).collect();
         let low = boxes.iter().map(|aabb| aabb.min[2]).fold(f32::INFINITY, f32::min);

@@ -104,7 +104,7 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
 /// All that brute force says, by key, in worlds that begin with next to nothing.
 #[test]
 fn it_says_what_brute_force_says() {
-    let tiny = Config::new(Capacity { objects: 1, leaf_refs: 0, pairs: 1 });
+    let tiny = Config::new(Capacity::for_objects(1).with_leaf_refs(0).with_pairs(1));
     let margin = tiny.with_margin(Margin::length(0.25)).with_events();
     for (seed, config) in
         [tiny, tiny.with_events(), margin, tiny.with_events().with_workers(3)].iter().enumerate()

@@ -3,7 +3,7 @@ use crate::OwnedWorld;
 use rayon::ThreadPoolBuilder;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Barrier;
-use trisap_core::{Aabb, Boxes, Capacity, Config, Kernels, Serial};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Serial};
 
 fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads")
@@ -174,11 +174,11 @@ fn transcript(executor: &dyn Executor) -> String {
     let config = Config::new(Capacity::for_objects(COUNT as u32)).with_events().with_workers(4);
     let mut owned = OwnedWorld::<u32>::new(&config).expect("memory");
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&frame(COUNT, 0)), &mut vec![None; COUNT]).expect("room");
+    world.insert_many(Boxes::new(&frame(COUNT, 0))).expect("room");
     let mut transcript = String::new();
     for time in 0..6 {
         let boxes = frame(COUNT, time);
-        let step = world.step_over(Boxes::new(&boxes), Kernels::detect(), executor).expect("room");
+        let step = world.on(executor).step_over(Boxes::new(&boxes)).expect("room");
         assert!(!step.pairs().is_empty());
         transcript += &format!("{:?}{:?}{:?}{:?}", step.stats(), step.pairs(), step.found(), step.lost());
     }

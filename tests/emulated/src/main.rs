@@ -12,8 +12,8 @@ use core::ops::ControlFlow;
 use machine::Console;
 use scenes::Random;
 use trisap_core::{
-    Aabb, Boxes, Capacity, Cast, Config, Error, Id, Index, InlineWorld, Kernels, Margin, Mode, Pair, Region,
-    Serial, World,
+    Aabb, Boxes, Capacity, Cast, Config, Error, Index, InlineWorld, Kernels, Margin, Mode, Pair, Region,
+    World,
 };
 
 /// The most objects of a world.
@@ -24,14 +24,10 @@ const STEPS: usize = 7;
 struct Memory {
     slab: InlineWorld<{ 32 << 20 }>,
     boxes: [Aabb; OBJECTS],
-    ids: [Option<Id>; OBJECTS],
 }
 
-static mut MEMORY: Memory = Memory {
-    slab: InlineWorld::EMPTY,
-    boxes: [Aabb::new([0.0; 3], [0.0; 3]); OBJECTS],
-    ids: [None; OBJECTS],
-};
+static mut MEMORY: Memory =
+    Memory { slab: InlineWorld::EMPTY, boxes: [Aabb::new([0.0; 3], [0.0; 3]); OBJECTS] };
 
 /// 64-bit FNV-1a, a word at a time.
 struct Digest(u64);
@@ -62,7 +58,6 @@ struct Outcome {
 /// A run through some frames.
 struct Run<'w, 'm, I: Index> {
     world: &'w mut World<'m, I>,
-    kernels: Kernels,
     digest: Digest,
     pairs: u64,
     instructions: u64,
@@ -71,15 +66,16 @@ struct Run<'w, 'm, I: Index> {
 
 impl<'w, 'm, I: Index> Run<'w, 'm, I> {
     fn new(world: &'w mut World<'m, I>, kernels: Kernels) -> Self {
-        Self { world, kernels, digest: Digest(0xcbf2_9ce4_8422_2325), pairs: 0, instructions: 0, steps: 0 }
+        world.set_kernels(kernels);
+        Self { world, digest: Digest(0xcbf2_9ce4_8422_2325), pairs: 0, instructions: 0, steps: 0 }
     }
 
-    fn step(&mut self, boxes: Boxes<'_>, ids: &mut [Option<Id>]) -> Result<(), Error> {
+    fn step(&mut self, boxes: Boxes<'_>) -> Result<(), Error> {
         if self.steps == 0 {
-            self.world.insert_many(boxes, ids)?;
+            self.world.insert_many(boxes)?;
         }
         let before = machine::instructions();
-        let step = self.world.step_over(boxes, self.kernels, &Serial)?;
+        let step = self.world.step_over(boxes)?;
         let after = machine::instructions();
         if self.steps > 0 {
             self.instructions += after - before;
@@ -101,7 +97,7 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
             let start = Aabb::new(from, from.map(|x| x + 0.5));
             for cast in [Cast::ray(from, direction, 1.0), Cast::swept(start, direction)] {
                 let digest = &mut self.digest;
-                self.world.visit_hits(&cast, self.kernels, &mut |hit| {
+                self.world.visit_hits(&cast, &mut |hit| {
                     digest.word(hit.id.to_bits());
                     digest.word(hit.distance.to_bits());
                     1.0
@@ -109,7 +105,7 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
             }
             let region = Region::Aabb(Aabb::new(from, from.map(|x| x + 2.0)));
             let digest = &mut self.digest;
-            self.world.visit_overlaps(&region, self.kernels, &mut |id| {
+            self.world.visit_overlaps(&region, &mut |id| {
                 digest.word(id.to_bits());
                 ControlFlow::Continue(())
             })?;
@@ -123,7 +119,8 @@ impl<'w, 'm, I: Index> Run<'w, 'm, I> {
 }
 
 fn config(objects: usize, pairs: usize) -> Config {
-    Config::new(Capacity { objects: objects as u32, leaf_refs: 8 * objects as u32, pairs: pairs as u32 })
+    let objects = objects as u32;
+    Config::new(Capacity::for_objects(objects).with_leaf_refs(8 * objects).with_pairs(pairs as u32))
 }
 
 /// Steps through a recording.
@@ -136,7 +133,7 @@ fn replay<I: Index>(
     let mut world = memory.slab.init::<I>(config)?;
     let mut run = Run::new(&mut world, kernels);
     for boxes in frames {
-        run.step(boxes, &mut memory.ids)?;
+        run.step(boxes)?;
     }
     run.ask(30.0)?;
     Ok(run.outcome())
@@ -155,7 +152,7 @@ fn play<I: Index>(
     let mut world = memory.slab.init::<I>(config)?;
     let mut run = Run::new(&mut world, kernels);
     for step in 0..STEPS {
-        run.step(Boxes::new(boxes), &mut memory.ids)?;
+        run.step(Boxes::new(boxes))?;
         scenes::advance(boxes, step, &mut random);
     }
     run.ask(30.0)?;

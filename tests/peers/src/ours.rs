@@ -11,7 +11,7 @@ use trisap::{Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, OwnedW
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
 pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
     match &options.kernels {
-        None => Ok(trisap::detect()),
+        None => Ok(trisap::Kernels::detect()),
         Some(name) => Kernels::by_name(name).ok_or_else(|| {
             let names: Vec<&str> = Kernels::all().map(Kernels::name).collect();
             format!("no kernels {name} here: {}", names.join(", "))
@@ -55,7 +55,7 @@ impl<I: Index> Ours<I> {
     fn new(setting: &Setting, pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
         let boxes = setting.boxes;
         let capacity = Capacity::for_objects(boxes.len() as u32);
-        let capacity = Capacity { pairs: capacity.pairs.max(pairs as u32), ..capacity };
+        let capacity = capacity.with_pairs(capacity.pairs.max(pairs as u32));
         let mut config = Config::new(capacity).with_workers(options.threads);
         if events {
             config = config.with_events();
@@ -63,10 +63,9 @@ impl<I: Index> Ours<I> {
         let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
         let build = || {
             let mut world = OwnedWorld::with_index(&config)?;
-            let mut ids = vec![None; boxes.len()];
-            world.world().insert_many(Boxes::new(&boxes), &mut ids)?;
+            let ids: Vec<_> = world.world().insert_many(Boxes::new(&boxes))?.collect();
             let movers = if setting.is_crowd() { setting.movers } else { &[] };
-            Ok::<_, trisap::Error>((world, movers.iter().filter_map(|&slot| ids[slot as usize]).collect()))
+            Ok::<_, trisap::Error>((world, movers.iter().map(|&slot| ids[slot as usize]).collect()))
         };
         let (world, movers) = build().map_err(|error| format!("trisap: {error}"))?;
         let executor: Box<dyn Executor> = match options.threads {
@@ -96,9 +95,11 @@ impl<I: Index> Peer for Ours<I> {
         let mut world = self.world.world();
         let boxes = Boxes::new(&self.boxes);
         let step = if self.movers.is_empty() {
-            world.step_over(boxes, self.kernels, &*self.executor)
+            world.set_kernels(self.kernels).on(&*self.executor).step_over(boxes)
         } else {
-            world.update_many(&self.movers, boxes).and_then(|()| world.step(self.kernels, &*self.executor))
+            world
+                .update_many(&self.movers, boxes)
+                .and_then(|()| world.set_kernels(self.kernels).on(&*self.executor).step())
         };
         // A step that fails leaves too few pairs, which the check tells.
         _ = std::hint::black_box(step).is_ok();

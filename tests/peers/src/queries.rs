@@ -12,7 +12,7 @@ use parry3d::{
     query::{Ray, RayCast},
 };
 use std::{fmt::Write, hint::black_box, time::Instant};
-use trisap::{Aabb, Boxes, Capacity, Cast, Config, Kernels, OwnedWorld, Region, Serial, World};
+use trisap::{Aabb, Boxes, Capacity, Cast, Config, Kernels, OwnedWorld, Region, World};
 
 /// Queries of each kind in a round, and rounds.
 const QUERIES: usize = 10_000;
@@ -152,8 +152,8 @@ impl Ours {
             .map_err(|error| error.to_string())?;
         let mut fill = || {
             let mut world: World<'_> = world.world();
-            world.insert_many(Boxes::new(&boxes), &mut vec![None; boxes.len()])?;
-            (0..STEPS).try_for_each(|_| world.step(kernels, &Serial).map(drop))
+            world.insert_many(Boxes::new(&boxes))?;
+            (0..STEPS).try_for_each(|_| world.set_kernels(kernels).step().map(drop))
         };
         fill().map_err(|error| error.to_string())?;
         Ok(Self { world, kernels })
@@ -170,7 +170,10 @@ impl Side for Ours {
         let mut out = [None; 1024];
         let count = |region: &Padded| {
             let (min, max) = corners(region);
-            world.overlaps(&Region::Aabb(Aabb::new(min, max)), self.kernels, &mut out).unwrap_or(0) as u64
+            world
+                .set_kernels(self.kernels)
+                .overlaps(&Region::Aabb(Aabb::new(min, max)), &mut out)
+                .unwrap_or(0) as u64
         };
         regions.iter().map(count).sum()
     }
@@ -179,7 +182,7 @@ impl Side for Ours {
         let world = self.world.world();
         rays.iter().fold((0, 0.0), |(hits, sum), ray| {
             let cast = Cast::ray(ray.origin, ray.direction, f32::INFINITY);
-            match world.first_hit(&cast, self.kernels) {
+            match world.set_kernels(self.kernels).first_hit(&cast) {
                 Ok(Some(hit)) => (hits + 1, sum + hit.distance),
                 _ => (hits, sum),
             }

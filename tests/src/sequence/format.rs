@@ -54,24 +54,21 @@ impl Header {
         let objects = self.objects();
         let choice =
             |by: u8| [Choice::Automatic, Choice::Never, Choice::Always][(self.0[2] / by % 3) as usize];
-        Config {
-            capacity: Capacity {
-                objects,
-                leaf_refs: [objects / 2, 0, objects / 8, 2 * objects][self.0[3] as usize % 4],
-                pairs: [8 * objects, objects * objects / 2, objects / 2, 2 * objects]
-                    [self.0[3] as usize / 4 % 4],
-            },
-            mode: if self.flag(4) { Mode::Fat } else { Mode::Exact },
-            margin: self.flag(3).then_some(Margin { per_extent: 0.125, min: 0.03125, max: 1.0 }),
-            events: self.flag(0),
-            filters: self.flag(1),
-            lean: self.flag(5) && objects <= 256,
-            workers: 1,
-            movers_only: choice(1),
-            fine_leaves: choice(3),
-            sharing: choice(9),
-            fixed_margins: self.flag(6),
-        }
+        let room = self.0[3] as usize;
+        let leaf_refs = [objects / 2, 0, objects / 8, 2 * objects][room % 4];
+        let pairs = [8 * objects, objects * objects / 2, objects / 2, 2 * objects][room / 4 % 4];
+        let capacity = Capacity::for_objects(objects).with_leaf_refs(leaf_refs).with_pairs(pairs);
+        let mut config = Config::new(capacity)
+            .with_mode(if self.flag(4) { Mode::Fat } else { Mode::Exact })
+            .with_movers_only(choice(1))
+            .with_fine_leaves(choice(3))
+            .with_sharing(choice(9));
+        config.margin = self.flag(3).then_some(Margin { per_extent: 0.125, min: 0.03125, max: 1.0 });
+        config.events = self.flag(0);
+        config.filters = self.flag(1);
+        config.lean = self.flag(5) && objects <= 256;
+        config.fixed_margins = self.flag(6);
+        config
     }
 
     /// The workers of the twin.

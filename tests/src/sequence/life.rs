@@ -235,13 +235,12 @@ impl<'m, I: Index> Life<'m, '_, I> {
         } else {
             bad.map_or(Ok(()), |index| Err(Error::BadBox { index: index as u32 }))
         };
-        let said = self.both(|world| {
-            let mut ids = vec![None; boxes.len()];
-            world.insert_many(Boxes::new(boxes), &mut ids).map(|()| ids)
-        });
+        let said = self.both(|world| world.insert_many(Boxes::new(boxes)).map(Iterator::collect::<Vec<_>>));
         assert_eq!(said.as_ref().map(|_| ()).map_err(|error| *error), expected);
-        for (id, aabb) in said.unwrap_or_default().iter().zip(boxes) {
-            self.born(id.expect("an id for each box"), *aabb);
+        let ids = said.unwrap_or_default();
+        assert!(ids.is_empty() || ids.len() == boxes.len(), "an id for each box");
+        for (id, aabb) in ids.iter().zip(boxes) {
+            self.born(*id, *aabb);
         }
     }
 

@@ -63,11 +63,9 @@ impl<I: Index> Life<'_, '_, I> {
         }
         let setup = Setup::REFERENCE;
         let (world, model) = self.checked.parts_mut();
-        let step = if model.has_rule() {
-            world.step_with_rule(None, &|a, b| model.agree(a, b), setup.kernels, &setup.jobs)
-        } else {
-            world.step(setup.kernels, &setup.jobs)
-        };
+        let rule = |a, b| model.agree(a, b);
+        let stepper = world.set_kernels(setup.kernels).on(&setup.jobs);
+        let step = if model.has_rule() { stepper.with_rule(&rule).step() } else { stepper.step() };
         let said = step.map(|step| Outcome::of(&step));
         let told = self.twin_step(op, None);
         assert!(told == said, "the twin says {told:?}, not {said:?}");

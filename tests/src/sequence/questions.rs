@@ -32,35 +32,46 @@ impl<I: Index> Life<'_, '_, I> {
     pub(super) fn overlaps(&mut self, op: &mut Operation) {
         let region = draw::region(&self.header, &mut op.rng);
         let mut ids = vec![None; self.header.objects() as usize];
-        let said = self.checked.world().overlaps(&region, Kernels::SCALAR, &mut ids);
+        let said = self.checked.world_mut().set_kernels(Kernels::SCALAR).overlaps(&region, &mut ids);
         self.past.tally.say_status(&said);
         assert_eq!(said.map(|_| ()), expected(is_good(&region)));
         let Ok(count) = said else { return };
         self.say_ids(&ids[..count]);
-        ask_region(self.checked.world(), self.checked.model(), &region, Setup::REFERENCE);
-        ask_region(&self.twin, self.checked.model(), &region, self.setup(op));
+        let setup = self.setup(op);
+        let (world, model) = self.checked.parts_mut();
+        ask_region(world, model, &region, Setup::REFERENCE);
+        ask_region(&mut self.twin, model, &region, setup);
     }
 
     pub(super) fn cast(&mut self, op: &mut Operation) {
         let cast = draw::cast(&self.header, &mut op.rng);
         let mut hits = vec![None; self.header.objects() as usize];
-        let said = self.checked.world().hits(&cast, Kernels::SCALAR, &mut hits);
+        let said = self.checked.world_mut().set_kernels(Kernels::SCALAR).hits(&cast, &mut hits);
         self.past.tally.say_status(&said);
         assert_eq!(said.map(|_| ()), expected(cast.distance >= 0.0));
         let Ok(count) = said else { return };
         self.say_hits(&hits[..count]);
-        ask_cast(self.checked.world(), self.checked.model(), &cast, Setup::REFERENCE);
-        ask_cast(&self.twin, self.checked.model(), &cast, self.setup(op));
+        let setup = self.setup(op);
+        let (world, model) = self.checked.parts_mut();
+        ask_cast(world, model, &cast, Setup::REFERENCE);
+        ask_cast(&mut self.twin, model, &cast, setup);
     }
 
     pub(super) fn nearest(&mut self, op: &mut Operation) {
         let point = draw::point(&self.header, &mut op.rng);
         let room = [1, 2, 7, self.header.objects() as usize][op.argument % 4];
         let mut hits = vec![None; room];
-        let count = self.checked.world().nearest(point, Kernels::SCALAR, &mut hits).expect("a good point");
+        let count = self
+            .checked
+            .world_mut()
+            .set_kernels(Kernels::SCALAR)
+            .nearest(point, &mut hits)
+            .expect("a good point");
         self.say_hits(&hits[..count]);
-        ask_nearest(self.checked.world(), self.checked.model(), point, room, Setup::REFERENCE);
-        ask_nearest(&self.twin, self.checked.model(), point, room, self.setup(op));
+        let setup = self.setup(op);
+        let (world, model) = self.checked.parts_mut();
+        ask_nearest(world, model, point, room, Setup::REFERENCE);
+        ask_nearest(&mut self.twin, model, point, room, setup);
     }
 
     pub(super) fn batches(&mut self, op: &mut Operation) {
@@ -69,13 +80,18 @@ impl<I: Index> Life<'_, '_, I> {
             (0..op.argument % 5).map(|_| draw::region(&self.header, &mut op.rng)).collect();
         let setup = Setup::REFERENCE;
         let mut hits = vec![None; casts.len()];
-        let said = self.checked.world().first_hits(&casts, setup.kernels, &setup.jobs, &mut hits);
+        let said =
+            self.checked.world_mut().set_kernels(setup.kernels).first_hits(&casts, &setup.jobs, &mut hits);
         self.past.tally.say_status(&said);
         let bad_cast = casts.iter().position(|cast| cast.distance < 0.0);
         assert_eq!(said.err(), bad_cast.map(|index| Error::BadQuery { index: index as u32 }));
         let (mut ids, mut counts) = (vec![None; 3 * regions.len()], vec![0; regions.len()]);
-        let told =
-            self.checked.world().overlaps_many(&regions, setup.kernels, &setup.jobs, &mut ids, &mut counts);
+        let told = self.checked.world_mut().set_kernels(setup.kernels).overlaps_many(
+            &regions,
+            &setup.jobs,
+            &mut ids,
+            &mut counts,
+        );
         self.past.tally.say_status(&told);
         let bad_region = regions.iter().position(|region| !is_good(region));
         if let Some(index) = bad_region {
@@ -85,9 +101,11 @@ impl<I: Index> Life<'_, '_, I> {
             self.say_hits(&hits);
             counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
             let questions = Questions { regions, casts, points: Vec::new() };
-            questions.ask(self.checked.world(), self.checked.model(), setup);
-            questions.ask_batches(self.checked.world(), setup);
-            questions.ask_batches(&self.twin, self.setup(op));
+            let other = self.setup(op);
+            let (world, model) = self.checked.parts_mut();
+            questions.ask(world, model, setup);
+            questions.ask_batches(world, setup);
+            questions.ask_batches(&mut self.twin, other);
         }
     }
 

@@ -58,12 +58,14 @@ impl<I: Index> Life<'_, '_, I> {
     pub(super) fn twin_step(&mut self, op: &Operation, boxes: Option<&[Aabb]>) -> Result<Outcome, Error> {
         let Setup { kernels, jobs } = self.setup(op);
         let model = self.checked.model();
+        let rule = |a, b| model.agree(a, b);
+        let mut stepper = self.twin.set_kernels(kernels).on(&jobs);
+        if model.has_rule() {
+            stepper = stepper.with_rule(&rule);
+        }
         let step = match boxes.map(Boxes::new) {
-            boxes if model.has_rule() => {
-                self.twin.step_with_rule(boxes, &|a, b| model.agree(a, b), kernels, &jobs)
-            }
-            Some(boxes) => self.twin.step_over(boxes, kernels, &jobs),
-            None => self.twin.step(kernels, &jobs),
+            Some(boxes) => stepper.step_over(boxes),
+            None => stepper.step(),
         };
         step.map(|step| Outcome::of(&step))
     }

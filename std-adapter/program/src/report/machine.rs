@@ -19,7 +19,7 @@ impl Machine {
         Self {
             processor: model.map_or("an unknown processor".into(), |(_, model)| model.trim().to_owned()),
             system: format!("{} on {}", env::consts::OS, env::consts::ARCH),
-            kernels: trisap::detect().name(),
+            kernels: trisap::Kernels::detect().name(),
             version: env!("CARGO_PKG_VERSION"),
             optimised: !cfg!(debug_assertions),
         }

@@ -77,7 +77,7 @@ pub(super) fn margins(lab: &Lab) -> Result<Section> {
                 MarginKind::Adapting => fat,
                 MarginKind::Fixed => fat.with_fixed_margins(),
             };
-            Contender { name: margin.to_string(), clip: &clip, config, kernels: trisap::detect() }
+            Contender { name: margin.to_string(), clip: &clip, config, kernels: trisap::Kernels::detect() }
         };
         let margins = lab.plan.margins.iter().filter(|margin| **margin > 0.0);
         let each = |kind| margins.clone().map(move |margin| (kind, *margin));

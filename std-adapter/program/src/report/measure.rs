@@ -12,7 +12,7 @@ use crate::figures::{median, quantile};
 use crate::setup::fits_u16;
 use anyhow::{Context, Result};
 use std::time::{Duration, Instant};
-use trisap::{Boxes, Capacity, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Serial, Stats};
+use trisap::{Boxes, Config, Error, Index, Kernels, Mode, OwnedWorld, Pair, Stats};
 
 /// What is measured: a world, what it is stepped with, and what it is stepped through.
 pub(super) struct Contender<'c> {
@@ -130,7 +130,7 @@ fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<Started<'
 pub(super) fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
     let Some(Error::PairsFull { needed }) = error.downcast_ref() else { return None };
     let pairs = u32::try_from(needed + needed / 4).ok()?;
-    Some(Config { capacity: Capacity { pairs, ..config.capacity }, ..*config })
+    Some(config.with_capacity(config.capacity.with_pairs(pairs)))
 }
 
 /// Plays the clip once and compares what can be compared.
@@ -138,11 +138,11 @@ fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<S
     let Contender { clip, kernels, .. } = *contender;
     let mut owned = OwnedWorld::<I>::with_index(config)?;
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
+    world.insert_many(Boxes::new(&clip.frames[0]))?;
     let mut measured = Measured { name: contender.name.clone(), ..Measured::default() };
     let mut last = Vec::new();
     for (frame, boxes) in clip.frames.iter().enumerate() {
-        let step = world.step_over(Boxes::new(boxes), kernels, &Serial)?;
+        let step = world.set_kernels(kernels).step_over(Boxes::new(boxes))?;
         if let Some(expected) = clip.pairs(frame) {
             let reported = step.pairs().sorted();
             measured.verdict.add(compare(expected, &reported, config.mode, step.surplus()));
@@ -186,7 +186,7 @@ impl<I: Index> Runner for Played<'_, I> {
             let frame = if self.at_end { count - 1 - k } else { k };
             let boxes = Boxes::new(&self.clip.frames[frame]);
             let start = Instant::now();
-            if let Err(error) = world.step_over(boxes, self.kernels, &Serial) {
+            if let Err(error) = world.set_kernels(self.kernels).step_over(boxes) {
                 let error = error.into();
                 return roomier(&self.config, &error).ok_or(error).map(Some);
             }
@@ -230,6 +230,7 @@ pub(super) fn slope(points: &[(f64, f64)]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trisap::Capacity;
     use trisap::scene::{Kind, Objects, Setup};
     use trisap::{Aabb, Margin};
 
@@ -246,7 +247,7 @@ mod tests {
     fn all_contenders_are_measured_and_compared() -> Result<()> {
         let clip = clip();
         // Room for a single pair: it must be raised.
-        let exact = Config::new(Capacity { pairs: 1, ..Capacity::for_objects(400) });
+        let exact = Config::new(Capacity::for_objects(400).with_pairs(1));
         let fat = exact.with_events().with_mode(Mode::Fat).with_margin(Margin::length(0.2));
         let measured = in_turns(&[contender(&clip, exact), contender(&clip, fat)], Duration::ZERO)?;
         assert_eq!(measured.len(), 2);
@@ -265,7 +266,7 @@ mod tests {
         // its new fat box meets the first.
         let place = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let clip = Clip::new([1.5, 1.35, 1.6, 3.0].map(|x| vec![place(0.0), place(x)]).into());
-        let config = Config::new(Capacity { pairs: 0, ..Capacity::for_objects(2) });
+        let config = Config::new(Capacity::for_objects(2).with_pairs(0));
         let fat = config.with_mode(Mode::Fat).with_margin(Margin::length(0.2)).with_fixed_margins();
         let contender = contender(&clip, fat);
         let (mut runner, measured) = runner(&contender, fat)?;

@@ -102,7 +102,7 @@ fn contenders(clip: &Clip) -> Vec<Contender<'_>> {
         name: (*name).into(),
         clip,
         config,
-        kernels: trisap::detect(),
+        kernels: trisap::Kernels::detect(),
     };
     WORLDS.iter().zip(configs).map(contender).collect()
 }

@@ -60,7 +60,7 @@ pub(super) fn parts(lab: &Lab) -> Result<Section> {
             name: name.into(),
             clip: &clip,
             config,
-            kernels: trisap::detect(),
+            kernels: trisap::Kernels::detect(),
         });
         let measured = lab.measure(&contenders.collect::<Vec<_>>())?;
         for (at, (of, (_, base))) in measured.iter().zip(PARTS).enumerate() {

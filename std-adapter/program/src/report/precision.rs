@@ -5,7 +5,7 @@ use super::measure::compare;
 use super::result::{Axis, Figure, Section, Series, Table, Value, Verdict, percent};
 use anyhow::{Result, ensure};
 use trisap::scene::Random;
-use trisap::{Aabb, Boxes, Capacity, Config, Mode, OwnedWorld, Pair, Serial};
+use trisap::{Aabb, Boxes, Capacity, Config, Mode, OwnedWorld, Pair};
 
 /// A box in `f64`.
 struct Wide {
@@ -191,22 +191,22 @@ struct Found {
 fn find(boxes: &[Wide], distance: f64, way: Way) -> Result<Found> {
     let count = boxes.len() as u32;
     // Far out everything overlaps.
-    let all = Capacity { pairs: count * (count - 1) / 2, ..Capacity::for_objects(count) };
+    let all = Capacity::for_objects(count).with_pairs(count * (count - 1) / 2);
     let mut owned = OwnedWorld::<u32>::new(&Config::new(all))?;
     let mut world = owned.world();
     let mut rounded: Vec<Aabb> = boxes.iter().map(|wide| way.round(wide, 0.0)).collect();
-    world.insert_many(Boxes::new(&rounded), &mut vec![None; boxes.len()])?;
+    world.insert_many(Boxes::new(&rounded))?;
     let mut origin = 0.0;
     if way == Way::Shifted {
-        world.step(trisap::detect(), &Serial)?;
+        world.step()?;
         origin = distance;
         world.shift_origin([origin; 3])?;
         // The same boxes, as far as f32 still knows them: no pair has gone.
-        world.step(trisap::detect(), &Serial)?;
+        world.step()?;
         ensure!(world.stats().pairs >= brute_force(boxes).len() as u64, "the shift has lost pairs");
         rounded = boxes.iter().map(|wide| way.round(wide, origin)).collect();
     }
-    let step = world.step_over(Boxes::new(&rounded), trisap::detect(), &Serial)?;
+    let step = world.step_over(Boxes::new(&rounded))?;
     let mut pairs = step.pairs().to_vec();
     pairs.sort_unstable();
     let cut = boxes.iter().zip(&rounded).filter(|(wide, narrow)| !wide.is_within(narrow, origin)).count();

@@ -11,7 +11,7 @@ use crate::setup::fits_u16;
 use anyhow::Result;
 use std::time::Instant;
 use trisap::scene::real::{Ground, Kind, Scene, Setup};
-use trisap::{Boxes, Capacity, Config, Index, Mode, OwnedWorld, Serial, Stats, World};
+use trisap::{Boxes, Capacity, Config, Index, Mode, OwnedWorld, Stats, World};
 
 /// Frames of a scene, and those at its end that a fresh world is stepped through too: after all that is sudden.
 const FRAMES: u32 = 32;
@@ -81,7 +81,7 @@ struct Life {
 impl Life {
     fn step<I: Index>(&mut self, world: &mut World<'_, I>, frame: u32, boxes: Boxes<'_>) -> Result<()> {
         let start = Instant::now();
-        let step = world.step_over(boxes, trisap::detect(), &Serial)?;
+        let step = world.step_over(boxes)?;
         let time = start.elapsed().as_secs_f64() * 1e3;
         self.stats = step.stats();
         self.times.push((f64::from(frame), time));
@@ -117,7 +117,6 @@ fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
     let (mut old, mut fresh) = (old_memory.world(), fresh_memory.world());
     for frame in 0..FRAMES {
         let boxes = Boxes::new(scene.boxes());
-        let mut ids = vec![None; boxes.len()];
         // Neither world always comes first.
         for turn in 0..2 {
             let (life, world, first) = if turn == frame % 2 {
@@ -126,8 +125,8 @@ fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
                 (&mut run.fresh, &mut fresh, FRAMES - LAST)
             };
             if frame == first {
-                world.insert_many(boxes, &mut ids)?;
-                world.step(trisap::detect(), &Serial)?;
+                world.insert_many(boxes)?;
+                world.step()?;
             } else if frame > first {
                 life.step(world, frame, boxes)?;
             }

@@ -9,7 +9,7 @@ use crate::stopwatch::{StageTime, Stopwatch};
 use anyhow::{Context, Result};
 use std::time::{Duration, Instant};
 use trisap::scene::{Kind, Objects};
-use trisap::{Boxes, Capacity, Config, Executor, Index, OwnedWorld, Rayon, Serial, Stage};
+use trisap::{Boxes, Config, Executor, Index, OwnedWorld, Rayon, Serial, Stage};
 
 /// Numbers of cores for which the speed-up is reckoned.
 const CORES: [u32; 3] = [8, 16, 64];
@@ -114,8 +114,8 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
 /// Plays the clip forwards and backwards in three worlds, frame by frame in turn.
 fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<Medians>, Verdict)> {
     // On the way back other pairs may be found than on the way there.
-    let capacity = Capacity { pairs: 2 * config.capacity.pairs, ..config.capacity };
-    let shared = Config { capacity, ..config }.with_workers(2);
+    let capacity = config.capacity.with_pairs(2 * config.capacity.pairs);
+    let shared = config.with_capacity(capacity).with_workers(2);
     // The calling thread is the second one.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().context("cannot start a thread")?;
     let rayon = Rayon::in_pool(&pool);
@@ -126,9 +126,9 @@ fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<
         OwnedWorld::with_index(&shared)?,
     ];
     for owned in &mut owned {
-        owned.world().insert_many(Boxes::new(&clip.frames[0]), &mut vec![None; clip.frames[0].len()])?;
+        owned.world().insert_many(Boxes::new(&clip.frames[0]))?;
     }
-    let kernels = trisap::detect();
+    let kernels = trisap::Kernels::detect();
     let mut verdict = Verdict::default();
     let mut times: [Vec<[StageTime; Stage::ALL.len()]>; 3] = Default::default();
     let begun = Instant::now();
@@ -141,7 +141,7 @@ fn play<I: Index>(clip: &Clip, config: Config, budget: Duration) -> Result<(Vec<
         {
             let stopwatch = Stopwatch::new(executor);
             let mut world = owned.world();
-            let found = world.step_over(Boxes::new(boxes), kernels, &stopwatch)?;
+            let found = world.set_kernels(kernels).on(&stopwatch).step_over(Boxes::new(boxes))?;
             if step <= last {
                 // The whole order, since that is what has to be the same.
                 verdict.faults += u64::from(turn > 0 && found.pairs() != pairs);

@@ -13,7 +13,7 @@ use trisap_firmware::{board, entry, print, recording};
 
 const OBJECTS: usize = 32;
 const CONFIG: Config = {
-    let capacity = Capacity { objects: OBJECTS as u32, leaf_refs: 16, pairs: 4 * OBJECTS as u32 };
+    let capacity = Capacity::for_objects(OBJECTS as u32).with_pairs(4 * OBJECTS as u32).with_leaf_refs(16);
     let config = Config::new(capacity).with_events();
     // There are no filters without the feature.
     if cfg!(feature = "large") { config.with_filters() } else { config }
@@ -34,7 +34,7 @@ static mut MEMORY: Memory =
 /// The calls. None is inlined, so that each is a root of the call graph.
 mod api {
     use super::*;
-    use trisap_core::{Kernels, Serial};
+    use trisap_core::Serial;
 
     #[inline(never)]
     pub(super) fn shift_origin(world: &mut World<'_, u16>, by: &[f64; 3]) -> Result<u32, Error> {
@@ -58,7 +58,7 @@ mod api {
         region: &Region,
         out: &mut [Option<Id>],
     ) -> Result<usize, Error> {
-        world.overlaps(region, Kernels::BASELINE, out)
+        world.overlaps(region, out)
     }
     #[inline(never)]
     pub(super) fn overlaps_many(
@@ -68,11 +68,11 @@ mod api {
         counts: &mut [u32; 2],
     ) -> Result<(), Error> {
         // Arrays, since more than four words of arguments would be on the caller's stack.
-        world.overlaps_many(regions, Kernels::BASELINE, &Serial, out, counts)
+        world.overlaps_many(regions, &Serial, out, counts)
     }
     #[inline(never)]
     pub(super) fn first_hit(world: &World<'_, u16>, cast: &Cast) -> Result<Option<Hit>, Error> {
-        world.first_hit(cast, Kernels::BASELINE)
+        world.first_hit(cast)
     }
     #[inline(never)]
     pub(super) fn first_hits(
@@ -80,11 +80,11 @@ mod api {
         casts: &[Cast],
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        world.first_hits(casts, Kernels::BASELINE, &Serial, out)
+        world.first_hits(casts, &Serial, out)
     }
     #[inline(never)]
     pub(super) fn hits(world: &World<'_, u16>, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        world.hits(cast, Kernels::BASELINE, out)
+        world.hits(cast, out)
     }
     #[inline(never)]
     pub(super) fn nearest(
@@ -92,7 +92,7 @@ mod api {
         point: &[f32; 3],
         out: &mut [Option<Hit>],
     ) -> Result<usize, Error> {
-        world.nearest(*point, Kernels::BASELINE, out)
+        world.nearest(*point, out)
     }
     #[inline(never)]
     pub(super) fn save(world: &World<'_, u16>, out: &mut [u8]) -> Result<usize, Error> {
@@ -127,11 +127,11 @@ mod api {
     #[inline(never)]
     pub(super) fn step_with_rule(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<usize, Error> {
         let rule = |a: u32, b: u32| a + b != 1;
-        world.step_with_rule(Some(*boxes), &rule, Kernels::BASELINE, &Serial).map(|step| step.pairs().len())
+        world.with_rule(&rule).step_over(*boxes).map(|step| step.pairs().len())
     }
     #[inline(never)]
     pub(super) fn step_filtered(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<usize, Error> {
-        world.step_over(*boxes, Kernels::BASELINE, &Serial).map(|step| step.pairs().len())
+        world.step_over(*boxes).map(|step| step.pairs().len())
     }
 }
 
@@ -154,8 +154,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     let mut counts = [0; 2];
 
     let mut world = world.init::<u16>(&CONFIG).ok()?;
-    world.insert_many(first, ids).ok()?;
-    let id = ids[0]?;
+    let id = world.insert_many(first).ok()?.next()?;
     seen("step_filtered", || api::step_filtered(&mut world, &first).ok())?;
     seen("set_resting", || api::set_resting(&mut world, &[id]).ok())?;
     seen("is_resting", || api::is_resting(&world, id).then_some(()))?;

@@ -10,7 +10,7 @@ use trisap_firmware::{board, entry, print, recording};
 
 const OBJECTS: usize = 64;
 const CONFIG: Config =
-    Config::new(Capacity { objects: OBJECTS as u32, leaf_refs: 32, pairs: 4 * OBJECTS as u32 })
+    Config::new(Capacity::for_objects(OBJECTS as u32).with_pairs(4 * OBJECTS as u32).with_leaf_refs(32))
         .with_events()
         .with_margin(Margin::length(0.01));
 const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
@@ -20,7 +20,6 @@ static mut MEMORY: InlineWorld<BYTES> = InlineWorld::EMPTY;
 /// The calls. None is inlined, so that each is a root of the call graph.
 mod api {
     use super::*;
-    use trisap_core::{Kernels, Serial};
 
     #[inline(never)]
     pub(super) fn init(memory: &mut InlineWorld<BYTES>) -> Result<(), Error> {
@@ -48,7 +47,10 @@ mod api {
         boxes: &Boxes<'_>,
         ids: &mut [Option<Id>],
     ) -> Result<(), Error> {
-        world.insert_many(*boxes, ids)
+        for (id, new) in ids.iter_mut().zip(world.insert_many(*boxes)?) {
+            *id = Some(new);
+        }
+        Ok(())
     }
     #[inline(never)]
     pub(super) fn set_aabb(world: &mut World<'_, u16>, id: Id, aabb: &Aabb) -> Result<(), Error> {
@@ -80,11 +82,11 @@ mod api {
     }
     #[inline(never)]
     pub(super) fn step(world: &mut World<'_, u16>) -> Result<u64, Error> {
-        world.step(Kernels::BASELINE, &Serial).map(|step| step.surplus())
+        world.step().map(|step| step.surplus())
     }
     #[inline(never)]
     pub(super) fn step_over(world: &mut World<'_, u16>, boxes: &Boxes<'_>) -> Result<bool, Error> {
-        world.step_over(*boxes, Kernels::BASELINE, &Serial).map(|step| step.rejected().is_none())
+        world.step_over(*boxes).map(|step| step.rejected().is_none())
     }
     #[inline(never)]
     pub(super) fn results(world: &World<'_, u16>) -> usize {

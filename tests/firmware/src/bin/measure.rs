@@ -5,7 +5,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, Kernels, Serial, World, layout};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, World, layout};
 use trisap_firmware::brute::{self, Keys};
 use trisap_firmware::scenes::{SCENES, Scene};
 use trisap_firmware::{board, entry, print, recording};
@@ -31,7 +31,7 @@ fn bound(objects: usize, pairs: usize, events: bool) -> u32 {
 }
 
 const fn config(objects: usize, pairs: usize) -> Config {
-    Config::new(Capacity { objects: objects as u32, leaf_refs: 0, pairs: pairs as u32 }).with_lean()
+    Config::new(Capacity::for_objects(objects as u32).with_pairs(pairs as u32)).with_lean()
 }
 
 const BYTES: usize =
@@ -41,7 +41,6 @@ const BYTES: usize =
 struct Memory {
     world: InlineWorld<BYTES>,
     boxes: [Aabb; LARGEST],
-    ids: [Option<Id>; LARGEST],
     keys: [Keys; LARGEST],
     pairs: [[u16; 2]; LARGEST * (LARGEST - 1) / 2],
 }
@@ -49,7 +48,6 @@ struct Memory {
 static mut MEMORY: Memory = Memory {
     world: InlineWorld::EMPTY,
     boxes: [Aabb::new([0.0; 3], [0.0; 3]); LARGEST],
-    ids: [None; LARGEST],
     keys: [Keys::NONE; LARGEST],
     pairs: [[0; 2]; LARGEST * (LARGEST - 1) / 2],
 };
@@ -82,7 +80,7 @@ impl Instructions {
 
 /// What steps come to: how many pairs, whether they fit or not, or why not.
 fn step(world: &mut World<'_, u16>, boxes: Boxes<'_>) -> Result<usize, Error> {
-    match world.step_over(boxes, Kernels::BASELINE, &Serial) {
+    match world.step_over(boxes) {
         Ok(step) => Ok(step.pairs().len()),
         Err(Error::PairsFull { needed }) => Ok(needed as usize),
         Err(error) => Err(error),
@@ -103,7 +101,7 @@ struct Row {
 
 /// Steps through a scene and prints its row.
 fn row(memory: &mut Memory, scene: &Scene, events: bool, objects: usize) -> Result<Row, Error> {
-    let Memory { world, boxes, ids, keys, pairs } = memory;
+    let Memory { world, boxes, keys, pairs } = memory;
     let all = objects * (objects - 1) / 2;
     let mut config = config(objects, scene.pairs_per_object.map_or(all, |count| count * objects));
     config.events = events;
@@ -112,7 +110,7 @@ fn row(memory: &mut Memory, scene: &Scene, events: bool, objects: usize) -> Resu
         return Ok(Row::default());
     };
     (scene.frame)(0, boxes);
-    world.insert_many(Boxes::new(boxes), ids)?;
+    world.insert_many(Boxes::new(boxes))?;
 
     let (mut ours, mut theirs) = (Instructions::default(), Instructions::default());
     let (mut agree, mut bounded) = (true, true);

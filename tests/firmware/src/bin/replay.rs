@@ -4,27 +4,26 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use trisap_core::{Capacity, Config, Error, Id, InlineWorld, Kernels, Serial, layout};
+use trisap_core::{Capacity, Config, Error, InlineWorld, layout};
 use trisap_firmware::digest::Digest;
 use trisap_firmware::{board, entry, print, recording};
 
 const OBJECTS: usize = 64;
 const CONFIG: Config =
-    Config::new(Capacity { objects: OBJECTS as u32, leaf_refs: 0, pairs: 4 * OBJECTS as u32 }).with_events();
+    Config::new(Capacity::for_objects(OBJECTS as u32).with_pairs(4 * OBJECTS as u32)).with_events();
 const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
 
 static mut MEMORY: InlineWorld<BYTES> = InlineWorld::EMPTY;
 
 fn replay(memory: &mut InlineWorld<BYTES>) -> Result<Digest, Error> {
     let mut digest = Digest::default();
-    let mut ids = [None::<Id>; OBJECTS];
     let mut world = memory.init::<u16>(&CONFIG)?;
     for index in 0..recording::FRAMES {
         let Some(boxes) = recording::frame(index, OBJECTS) else { continue };
         if index == 0 {
-            world.insert_many(boxes, &mut ids)?;
+            world.insert_many(boxes)?;
         }
-        let step = world.step_over(boxes, Kernels::BASELINE, &Serial)?;
+        let step = world.step_over(boxes)?;
         digest.pairs(step.pairs());
         digest.pairs(step.found());
         digest.pairs(step.lost());

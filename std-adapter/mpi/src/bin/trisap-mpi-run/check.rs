@@ -3,7 +3,7 @@
 use crate::source::Frame;
 use std::collections::HashMap;
 use std::error::Error;
-use trisap::{Capacity, Config, Id, OwnedWorld, Serial};
+use trisap::{Capacity, Config, Id, OwnedWorld};
 use trisap_mpi::{KeyPair, SplitWorld};
 
 /// The pairs of all objects in one world.
@@ -27,7 +27,7 @@ impl Reference {
     pub(crate) fn new(objects: u32) -> Result<Self, Box<dyn Error>> {
         let all = u64::from(objects) * u64::from(objects.max(1) - 1) / 2;
         let pairs = all.min((u64::from(objects) * 32).max(5_000_000)) as u32;
-        let config = Config::new(Capacity { pairs, ..Capacity::for_objects(objects) }).with_events();
+        let config = Config::new(Capacity::for_objects(objects).with_pairs(pairs)).with_events();
         Ok(Self {
             world: OwnedWorld::new(&config)?,
             ids: HashMap::new(),
@@ -50,7 +50,7 @@ impl Reference {
             self.keys[id.slot() as usize] = *key;
             self.ids.insert(*key, id);
         }
-        let step = world.step(trisap::detect(), &Serial)?;
+        let step = world.step()?;
         Ok(Answer {
             pairs: sorted(step.pairs(), &self.keys),
             found: sorted(step.found(), &self.keys),

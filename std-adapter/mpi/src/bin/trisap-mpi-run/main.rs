@@ -47,7 +47,7 @@ fn main() -> ExitCode {
 fn settings(args: &Args, rank: usize, objects: u32) -> Settings {
     let capacity = args.room.map_or_else(
         || Capacity::for_objects(objects),
-        |room| Capacity { objects: room, leaf_refs: room, pairs: room },
+        |room| Capacity::for_objects(room).with_leaf_refs(room).with_pairs(room),
     );
     let usual = Settings::default();
     let other = args.fault.as_ref().is_some_and(|fault| fault.kind == "version" && fault.rank == rank);
@@ -104,7 +104,7 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
             world.insert(taken, frame.boxes[taken as usize])?;
         }
         let given = [begun.elapsed().as_secs_f64(), processor_time() - processor];
-        world.step(trisap::detect(), &Faulty { fault })?;
+        world.step(trisap::Kernels::detect(), &Faulty { fault })?;
         let mut pairs = 0;
         world.visit_pairs(|_| pairs += 1);
         let counts = [pairs, world.found().len() as u64, world.lost().len() as u64];
@@ -169,7 +169,7 @@ fn load(folder: &Path, comm: &SimpleCommunicator, settings: &Settings) -> Result
     paths.sort();
     let mine = paths.iter().skip(comm.rank() as usize).step_by(comm.size() as usize);
     let files = mine.map(|path| File::open(path).map(BufReader::new)).collect::<Result<Vec<_>, _>>()?;
-    Ok(SplitWorld::load(comm, settings, files, trisap::detect(), &Serial)?)
+    Ok(SplitWorld::load(comm, settings, files, trisap::Kernels::detect(), &Serial)?)
 }
 
 /// Everything on the calling thread, and where a test asks for it, a fault in the middle of a sweep.

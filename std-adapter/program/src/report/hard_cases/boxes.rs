@@ -4,7 +4,7 @@ use super::Case;
 use trisap::scene::{Kind, Objects, Random, Setup, Synthetic};
 use trisap::{Aabb, Capacity, Config, Margin, Mode};
 
-const EXACT: Config = Config::new(Capacity { objects: 0, leaf_refs: 0, pairs: 0 });
+const EXACT: Config = Config::new(Capacity::for_objects(0).with_leaf_refs(0).with_pairs(0));
 
 /// Enough for a tree.
 const COUNT: u32 = 1200;

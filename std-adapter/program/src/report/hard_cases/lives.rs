@@ -1,7 +1,7 @@
 //! Hard lives of objects and worlds: capacities, ids.
 
 use anyhow::{Result, ensure};
-use trisap::{Aabb, Boxes, Capacity, Config, Error, Kernels, OwnedWorld, Serial};
+use trisap::{Aabb, Boxes, Capacity, Config, Error, Kernels, OwnedWorld};
 
 pub(super) struct Life {
     pub(super) input: &'static str,
@@ -42,7 +42,7 @@ fn counts(kernels: Kernels) -> Result<()> {
     let mut world = owned.world();
     let mut pairs = 0;
     for count in 0..=MOST {
-        let seen = match world.step(kernels, &Serial) {
+        let seen = match world.set_kernels(kernels).step() {
             Ok(step) => step.pairs().len() as u32,
             Err(Error::PairsFull { needed }) => needed as u32,
             Err(error) => return Err(error.into()),
@@ -60,18 +60,17 @@ fn counts(kernels: Kernels) -> Result<()> {
 }
 
 fn full_buffer(kernels: Kernels) -> Result<()> {
-    let config = Config::new(Capacity { pairs: 10, ..Capacity::for_objects(6) }).with_events();
+    let config = Config::new(Capacity::for_objects(6).with_pairs(10)).with_events();
     let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
-    let mut ids = [None; 6];
-    world.insert_many(Boxes::new(&[CUBE; 6]), &mut ids)?;
-    let error = world.step(kernels, &Serial).err();
+    let ids: Vec<_> = world.insert_many(Boxes::new(&[CUBE; 6]))?.collect();
+    let error = world.set_kernels(kernels).step().err();
     ensure!(error == Some(Error::PairsFull { needed: 15 }), "{error:?}");
     ensure!(world.pairs().len() == 10 && world.found().is_empty() && world.lost().is_empty(), "the prefix");
-    for id in ids.iter().flatten().take(2) {
+    for id in ids.iter().take(2) {
         world.remove(*id)?;
     }
-    let step = world.step(kernels, &Serial)?;
+    let step = world.set_kernels(kernels).step()?;
     ensure!(step.pairs().len() == 6 && step.found().len() == 6 && step.lost().is_empty(), "the events");
     Ok(())
 }
@@ -80,11 +79,11 @@ fn reuse(kernels: Kernels) -> Result<()> {
     let mut owned = OwnedWorld::<u16>::with_index(&Config::new(Capacity::for_objects(4)).with_events())?;
     let mut world = owned.world();
     let (old, _) = (world.insert(CUBE)?, world.insert(CUBE)?);
-    world.step(kernels, &Serial)?;
+    world.set_kernels(kernels).step()?;
     world.remove(old)?;
     let new = world.insert(CUBE)?;
     ensure!(new.slot() == old.slot() && !world.contains(old) && world.contains(new), "the ids");
-    let step = world.step(kernels, &Serial)?;
+    let step = world.set_kernels(kernels).step()?;
     ensure!(step.pairs() == [[0, 1]] && step.found() == [[0, 1]] && step.lost() == [[0, 1]], "the events");
     Ok(())
 }
@@ -98,18 +97,18 @@ fn far_out(kernels: Kernels) -> Result<()> {
     };
     let count = 200;
     let frame = |origin| -> Vec<Aabb> { (0..count).map(|i| cube(i, origin)).collect() };
-    let config = Config::new(Capacity { pairs: 40_000, ..Capacity::for_objects(count) }).with_events();
+    let config = Config::new(Capacity::for_objects(count).with_pairs(40_000)).with_events();
     let mut owned = OwnedWorld::<u16>::with_index(&config)?;
     let mut world = owned.world();
-    world.insert_many(Boxes::new(&frame(0.0)), &mut vec![None; count as usize])?;
-    let step = world.step(kernels, &Serial)?;
+    world.insert_many(Boxes::new(&frame(0.0)))?;
+    let step = world.set_kernels(kernels).step()?;
     let coarse = step.stats().coarse_resolution;
     let touching = |pairs: &[[u16; 2]]| (1..count as u16).all(|b| pairs.contains(&[b - 1, b]));
     ensure!(coarse && touching(step.pairs()), "outward rounding has lost a pair or has not warned");
     ensure!(world.shift_origin([FAR, 0.0, 0.0])? == 0, "the shift was not exact");
-    let step = world.step(kernels, &Serial)?;
+    let step = world.set_kernels(kernels).step()?;
     ensure!(step.found().is_empty() && step.lost().is_empty(), "the shift has made events");
-    let step = world.step_over(Boxes::new(&frame(FAR)), kernels, &Serial)?;
+    let step = world.set_kernels(kernels).step_over(Boxes::new(&frame(FAR)))?;
     ensure!(touching(step.pairs()) && step.pairs().len() as u32 == count - 1, "not exact after the shift");
     ensure!(step.found().is_empty() && !step.stats().coarse_resolution, "after the shift");
     Ok(())

@@ -92,7 +92,7 @@ struct Played {
 /// Plays a case on all kernels; what is told is that of the last ones, which are the best, or of the first that are wrong.
 fn play(case: Case) -> Result<Played> {
     let objects = case.frames[0].len() as u32;
-    let config = Config { capacity: Capacity::for_objects(objects), events: true, ..case.config };
+    let config = case.config.with_capacity(Capacity::for_objects(objects)).with_events();
     let mut source = Source::of_frames(case.input, case.frames);
     let mut verdict = Verdict::default();
     let mut watch = Watch::new(&config);

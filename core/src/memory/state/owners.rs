@@ -1,0 +1,223 @@
+//! The numbers of each layer.
+
+use crate::geometry::extent::Extent;
+use crate::memory::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
+use crate::memory::stats::{Path, Progress, Reason, Route};
+use bytemuck::{Pod, Zeroable};
+
+/// Who lives, and what the caller has changed: `objects` and `world`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct ObjectState {
+    /// Living objects.
+    pub(crate) live: u32,
+    /// Slots that have ever been in use.
+    pub(crate) slots: u32,
+    /// The free slot that was freed last, plus one; each free slot holds the next.
+    pub(crate) free: u32,
+    /// Boxes since the last complete step that outran their object's margin.
+    pub(crate) outran: u32,
+    /// Whether an object may differ from what the last complete step has seen.
+    pub(crate) dirty: u8,
+    /// Whether the caller has ever put an object to rest.
+    pub(crate) resting: u8,
+    /// Whether an object has come since the last complete step.
+    pub(crate) has_inserted: u8,
+    /// Whether a tight box has changed inside its fat box since the last complete step.
+    pub(crate) moved_inside_margin: u8,
+}
+
+/// The sorted lists: `lists` and `step::lists`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct ListState {
+    /// Slots in the sorted lists.
+    pub(crate) listed: u32,
+    /// Whether the lists do not hold the living objects any more.
+    pub(crate) stale: u8,
+    /// The axis that a small world is swept along.
+    pub(crate) axis: u8,
+    /// The axis across which its stripes lie.
+    pub(crate) stripe_axis: u8,
+    /// Steps until the axes are chosen anew.
+    pub(crate) scan_in: u8,
+}
+
+/// Planes and leaves, and how good they are: `tree`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct TreeState {
+    /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
+    pub(crate) baseline: u64,
+    /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
+    pub(crate) baseline_work: u64,
+    /// Living objects when the planes were made, or zero where there are none.
+    pub(crate) built: u32,
+    /// The depth that full steps use the planes to; less than planned where copies would take too much room.
+    pub(crate) depth: u32,
+    /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
+    /// first.
+    pub(crate) subdivided: u32,
+    /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
+    pub(crate) moved_since_refit: u32,
+    /// First large object among the straddlers, and how many there are.
+    pub(crate) large_start: u32,
+    pub(crate) large: u32,
+    /// Bounds of the minima.
+    pub(super) low: [i32; 3],
+    pub(super) high: [i32; 3],
+    /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
+    pub(crate) leaves_in_use: u32,
+    pub(crate) fullest_leaf: u32,
+    /// Whether records, places and reaches are those of the last step.
+    pub(crate) filled: u8,
+    /// Whether the planes could not part the objects well when they were made.
+    pub(crate) poor: u8,
+    /// Whether the planes leave together what new ones would part.
+    pub(crate) divisible: u8,
+    /// Full steps until new planes are tried again after they were not good, and how many it will be the next time.
+    pub(crate) planes_in: u8,
+    pub(crate) planes_after: u8,
+    /// The same for more levels of the planes after there were too many copies.
+    pub(crate) deeper_in: u8,
+    pub(crate) deeper_after: u8,
+    /// Full steps in a row with far more candidates than the planes left when they were new.
+    pub(crate) heavy: u8,
+}
+
+impl TreeState {
+    /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
+    /// unfinished.
+    pub(crate) fn most_blocks(&self) -> usize {
+        (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
+    }
+
+    /// How many levels below `depth` leaves stand: those of the last full step are divided into that, or being divided.
+    #[inline(always)]
+    pub(crate) const fn sub_levels(&self) -> u32 {
+        if self.subdivided == 0 { 0 } else { SUB_LEVELS }
+    }
+
+    /// Whether a leaf of the last full step is divided.
+    pub(crate) const fn is_subdivided(&self, leaf: usize) -> bool {
+        leaf + 1 < self.subdivided as usize
+    }
+
+    pub(crate) const fn extent(&self) -> Extent {
+        Extent { low: self.low, high: self.high }
+    }
+
+    pub(crate) const fn set_extent(&mut self, extent: &Extent) {
+        (self.low, self.high) = (extent.low, extent.high);
+    }
+}
+
+/// Where in the buffers which pairs stand: `pairs`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct PairState {
+    /// Overlaps of swept boxes in the pair buffer: those parked, the persisting ones, the found ones, then, in exact
+    /// mode with a margin, the surplus.
+    pub(crate) swept: u64,
+    /// All but the surplus: see [`result`](Self::result).
+    pub(crate) reported: u64,
+    pub(crate) found: u64,
+    pub(crate) lost: u64,
+    /// With events: pairs of the last complete result in the other buffer, all but those parked.
+    pub(crate) previous: u64,
+    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `persistent`. The
+    /// surplus among them comes first.
+    pub(crate) parked: u32,
+    pub(crate) surplus_parked: u32,
+    /// How many objects are active, or more.
+    pub(crate) active: u32,
+    /// Whether the last step ended with all its pairs.
+    pub(crate) complete: u8,
+    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
+    pub(crate) without_surplus: u8,
+    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    pub(crate) unproven: u8,
+    /// Zero.
+    pub(super) reserved: u8,
+}
+
+impl PairState {
+    /// Where the result stands in the pair buffer.
+    pub(crate) const fn result(&self) -> core::ops::Range<usize> {
+        let start = self.surplus_parked as usize;
+        start..start + self.reported as usize
+    }
+
+    /// The same pairs, none of them parked.
+    pub(super) fn reported_alone(&self) -> Self {
+        // More can not be active, so the next step looks which pairs can be parked.
+        Self { previous: 0, parked: 0, surplus_parked: 0, active: u32::MAX, ..*self }
+    }
+}
+
+/// What the last step did, and what led to it: `step`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct StepState {
+    pub(super) copies: u64,
+    pub(super) candidates: u64,
+    pub(super) tied: u64,
+    pub(super) moved: u32,
+    pub(super) outran: u32,
+    pub(super) leaves: u32,
+    pub(super) rebalanced: u32,
+    /// Steps in a row in which few objects have moved.
+    pub(crate) calm: u32,
+    /// The path, eight bits above it the reason, and above that whether the step was shared, and whether its resolution was
+    /// coarse.
+    pub(super) chosen: u32,
+}
+
+const SHARED: u32 = 1 << 16;
+const COARSE: u32 = 1 << 17;
+
+impl StepState {
+    pub(super) fn path(&self) -> Option<Path> {
+        Path::ALL.get((self.chosen & 0xff) as usize).copied()
+    }
+
+    pub(super) fn reason(&self) -> Option<Reason> {
+        Reason::ALL.get((self.chosen >> 8 & 0xff) as usize).copied()
+    }
+
+    pub(super) const fn is_shared(&self) -> bool {
+        self.chosen & SHARED != 0
+    }
+
+    pub(super) const fn is_coarse(&self) -> bool {
+        self.chosen & COARSE != 0
+    }
+
+    /// Whether this is what a step leaves, and nothing stands where nothing should.
+    pub(crate) fn is_known(&self) -> bool {
+        self.path().is_some() && self.reason().is_some() && self.chosen >> 18 == 0
+    }
+
+    /// Notes what a step did. Whether the resolution is coarse stays as it was where the step has not looked.
+    pub(crate) fn record(
+        &mut self,
+        moved: u32,
+        outran: u32,
+        route: Route,
+        shared: bool,
+        progress: &Progress,
+    ) {
+        let coarse = progress.coarse.unwrap_or(self.is_coarse());
+        self.moved = moved;
+        self.outran = outran;
+        self.chosen = route.path as u32
+            | (route.reason as u32) << 8
+            | if shared { SHARED } else { 0 }
+            | if coarse { COARSE } else { 0 };
+        self.leaves = progress.leaves;
+        self.rebalanced = progress.rebalanced;
+        self.copies = progress.work.copies;
+        self.candidates = progress.work.candidates;
+        self.tied = progress.work.tied;
+    }
+}

@@ -1,0 +1,155 @@
+//! What a world was made for, and how its slab is laid out.
+
+use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::error::Field;
+use bytemuck::{Pod, Zeroable};
+
+/// The version; and a bit of the feature that decides how the slab is laid out.
+const MAGIC: u32 = 0x7452_0008 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+
+// The bits of `Setup::flags`; a choice takes two.
+const EVENTS: u32 = 1;
+const LEAN: u32 = 1 << 1;
+const FILTERS: u32 = 1 << 2;
+const MARGIN: u32 = 1 << 3;
+const FAT: u32 = 1 << 4;
+const FIXED_MARGINS: u32 = 1 << 5;
+const MOVERS_ONLY: u32 = 6;
+const FINE_LEAVES: u32 = 8;
+const SHARING: u32 = 10;
+
+const fn flags(config: &Config) -> u32 {
+    let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
+    flag(EVENTS, events)
+        | flag(LEAN, lean)
+        | flag(FILTERS, filters)
+        | flag(MARGIN, margin.is_some())
+        | flag(FAT, matches!(mode, Mode::Fat))
+        | flag(FIXED_MARGINS, config.fixed_margins)
+        | (movers_only.bits() << MOVERS_ONLY)
+        | (fine_leaves.bits() << FINE_LEAVES)
+        | (sharing.bits() << SHARING)
+}
+
+const fn flag(bit: u32, is_set: bool) -> u32 {
+    if is_set { bit } else { 0 }
+}
+
+/// A [`Config`] as plain bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct Setup {
+    magic: u32,
+    index_bytes: u32,
+    objects: u32,
+    leaf_refs: u32,
+    pairs: u32,
+    margin: [f32; 3],
+    /// All that is a choice between two or three: see the constants.
+    flags: u32,
+    workers: u32,
+}
+
+impl Setup {
+    pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
+        let margin = config.margin.unwrap_or(Margin::length(0.0));
+        Self {
+            magic: MAGIC,
+            index_bytes: index_bytes as u32,
+            objects: config.capacity.objects,
+            leaf_refs: config.capacity.leaf_refs,
+            pairs: config.capacity.pairs,
+            margin: [margin.per_extent, margin.min, margin.max],
+            flags: flags(config),
+            workers: config.workers,
+        }
+    }
+
+    /// The configuration of a slab that holds a world of this index width.
+    pub(crate) fn config(&self, index_bytes: usize) -> Option<Config> {
+        if self.magic != MAGIC || self.index_bytes != index_bytes as u32 {
+            return None;
+        }
+        Some(Config {
+            capacity: Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs },
+            mode: self.mode(),
+            margin: self.margin(),
+            events: self.flags & EVENTS != 0,
+            lean: self.flags & LEAN != 0,
+            filters: self.flags & FILTERS != 0,
+            workers: self.workers,
+            movers_only: Choice::from_bits(self.flags >> MOVERS_ONLY)?,
+            fine_leaves: Choice::from_bits(self.flags >> FINE_LEAVES)?,
+            sharing: Choice::from_bits(self.flags >> SHARING)?,
+            fixed_margins: self.has_fixed_margins(),
+        })
+    }
+
+    // Of no choice, which no world has, the automatic one.
+
+    pub(crate) fn movers_only(&self) -> Choice {
+        Choice::from_bits(self.flags >> MOVERS_ONLY).unwrap_or_default()
+    }
+
+    pub(crate) fn fine_leaves(&self) -> Choice {
+        Choice::from_bits(self.flags >> FINE_LEAVES).unwrap_or_default()
+    }
+
+    pub(crate) fn sharing(&self) -> Choice {
+        Choice::from_bits(self.flags >> SHARING).unwrap_or_default()
+    }
+
+    pub(crate) const fn has_fixed_margins(&self) -> bool {
+        self.flags & FIXED_MARGINS != 0
+    }
+
+    pub(crate) const fn mode(&self) -> Mode {
+        if self.flags & FAT == 0 { Mode::Exact } else { Mode::Fat }
+    }
+
+    /// The margin of new objects.
+    pub(crate) fn margin(&self) -> Option<Margin> {
+        let [per_extent, min, max] = self.margin;
+        (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
+    }
+
+    /// Whether this is the setup of a world of the same configuration, but for the workers. Snapshots have a version of their own.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let key = |setup: &Self| {
+            let Self { index_bytes, objects, leaf_refs, pairs, flags, .. } = *setup;
+            ([index_bytes, objects, leaf_refs, pairs, flags], setup.margin.map(f32::to_bits))
+        };
+        key(self) == key(other)
+    }
+
+    /// What differs from another world's configuration and cannot be changed while there are objects.
+    pub(crate) fn difference(&self, to: &Self) -> Option<Field> {
+        let differs = |flag: u32| (self.flags ^ to.flags) & flag != 0;
+        let fields = [
+            (differs(FAT), Field::Mode),
+            (differs(MARGIN), Field::Margin),
+            (differs(EVENTS), Field::Events),
+            (differs(FILTERS), Field::Filters),
+            (self.index_bytes != to.index_bytes, Field::Index),
+        ];
+        fields.into_iter().find(|(differs, _)| *differs).map(|(_, field)| field)
+    }
+
+    /// See [`State::portable`](super::State::portable).
+    pub(super) const fn portable(&self) -> Self {
+        Self { workers: 1, magic: 0, ..*self }
+    }
+
+    pub(super) const fn is_portable(&self) -> bool {
+        self.workers == 1 && self.magic == 0
+    }
+
+    /// The configuration of the world that a portable state is of.
+    pub(crate) fn portable_config(&self, index_bytes: usize) -> Option<Config> {
+        Self { magic: MAGIC, ..*self }.config(index_bytes)
+    }
+
+    pub(super) const fn adopt(&mut self, other: &Self) {
+        (self.workers, self.magic) = (other.workers, other.magic);
+    }
+}

@@ -1,0 +1,104 @@
+//! How a step is done: by which kernels and which workers, and with which rule.
+
+use super::{Step, World};
+use crate::error::Error;
+use crate::filter::Rule;
+use crate::geometry::aabb::Boxes;
+use crate::id::Index;
+use crate::parallel::context::StepContext;
+use crate::parallel::executor::{Executor, Serial};
+use crate::simd::kernels::Kernels;
+
+/// A step to be done on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by [`step`](Self::step) or
+/// [`step_over`](Self::step_over).
+#[must_use = "a step that nobody does"]
+pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
+    world: &'w mut World<'m, I>,
+    executor: &'e dyn Executor,
+    rule: Option<&'e Rule<'e>>,
+}
+
+/// Stepping.
+impl<'m, I: Index> World<'m, I> {
+    /// Finds all overlapping pairs of the boxes as they are now, on this thread.
+    ///
+    /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`](crate::Stats::path).
+    ///
+    /// # Errors
+    /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
+    pub fn step(&mut self) -> Result<Step<'_, I>, Error> {
+        self.on(&Serial).step()
+    }
+
+    /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
+    /// array: one pass over it, no copy. What stands at the slots of no object does not matter; objects beyond its end
+    /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
+    ///
+    /// # Errors
+    /// [`Error::PairsFull`]. It says nothing of refused boxes; a step over the same array tells of them again.
+    pub fn step_over(&mut self, bounds: Boxes<'_>) -> Result<Step<'_, I>, Error> {
+        self.on(&Serial).step_over(bounds)
+    }
+
+    /// Steps on the workers of a job system: `world.on(&executor).step()`. The result is the same, byte for byte. As many may work
+    /// at once as [`Config::workers`](crate::Config::workers) says.
+    pub fn on<'w, 'e>(&'w mut self, executor: &'e dyn Executor) -> Stepper<'w, 'm, 'e, I> {
+        Stepper { world: self, executor, rule: None }
+    }
+
+    /// Steps with a rule that decides about the pairs that the filters let through: `world.with_rule(&rule).step()`. A world that
+    /// has a rule in one step should have it in all.
+    pub fn with_rule<'w, 'e>(&'w mut self, rule: &'e Rule<'e>) -> Stepper<'w, 'm, 'e, I> {
+        Stepper { world: self, executor: &Serial, rule: Some(rule) }
+    }
+
+    /// Has steps and queries use other kernels than the best ones of this CPU. They differ in speed alone. This is the view's: a
+    /// world that is opened anew uses the best ones.
+    pub fn set_kernels(&mut self, kernels: Kernels) -> &mut Self {
+        self.kernels = kernels;
+        self
+    }
+}
+
+impl<'w, 'e, I: Index> Stepper<'w, '_, 'e, I> {
+    /// The same on the workers of a job system.
+    pub fn on(self, executor: &'e dyn Executor) -> Self {
+        Self { executor, ..self }
+    }
+
+    /// The same with a rule.
+    pub fn with_rule(self, rule: &'e Rule<'e>) -> Self {
+        Self { rule: Some(rule), ..self }
+    }
+
+    /// See [`World::step`].
+    ///
+    /// # Errors
+    /// Those of [`World::step`], or [`Error::NoFilters`] for a rule in a world without filters.
+    pub fn step(self) -> Result<Step<'w, I>, Error> {
+        let (world, context) = self.context()?;
+        world.advance(None, context)
+    }
+
+    /// See [`World::step_over`].
+    ///
+    /// # Errors
+    /// Those of [`World::step_over`], or [`Error::NoFilters`] for a rule in a world without filters.
+    pub fn step_over(self, bounds: Boxes<'_>) -> Result<Step<'w, I>, Error> {
+        let (world, context) = self.context()?;
+        world.advance(Some(bounds), context)
+    }
+}
+
+impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
+    fn context(self) -> Result<(&'w mut World<'m, I>, StepContext<'e>), Error> {
+        let Self { world, executor, rule } = self;
+        if rule.is_some() && world.parts.filters.classes.is_empty() {
+            return Err(Error::NoFilters);
+        }
+        let sizes = &world.parts.sizes;
+        let (workers, small) = (sizes.workers, sizes.is_small());
+        let context = StepContext { kernels: world.kernels, executor, rule, workers, small };
+        Ok((world, context))
+    }
+}

@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# Builds, installs and consumes trisap by each way that takes minutes: `tests/cpp/packages.sh`, or some of them by name.
+# CMake and pkg-config are quick: `cargo test -p trisap-ffi`.
+#
+#     cargo-c    cargo cinstall, which is compiled first; programs find the library by pkg-config and CMake
+#     archive    the source archive, built offline in a folder of its own with nothing but its own crates
+#     conan      a Conan package, made and consumed; Conan comes from PyPI
+#     vcpkg      the portfile, with stand-ins for vcpkg's own functions
+#     windows    the library by mingw-w64, static and shared; its C tests run under Wine
+#     macos      the static library, compiled and looked at
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows macos
+
+root="${CARGO_TARGET_DIR:-$PWD/target}/packages"
+mkdir -p "$root"
+source=$PWD
+consumers=$PWD/tests/cpp/consumers
+
+# A C program and a C++ program by pkg-config, and all that CMake offers.
+consume() {
+    local prefix=$1 pc
+    pc=$(dirname "$(find "$prefix" -name trisap.pc)")
+    rm -rf "$prefix-consumer"
+    mkdir -p "$prefix-consumer"
+    (cd "$prefix-consumer" && PKG_CONFIG_PATH=$pc make -s -B -f "$consumers/pkg-config/Makefile" SOURCES="$consumers")
+    for program in c_shared c_static cpp_shared; do
+        "$prefix-consumer/$program"
+    done
+}
+
+consume_by_cmake() {
+    local prefix=$1 build=$1-cmake
+    rm -rf "$build"
+    cmake -S "$consumers/cmake" -B "$build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+    cmake --build "$build" >/dev/null
+    ctest --test-dir "$build" --output-on-failure
+}
+
+# Debian's compiler builds core for targets that Debian does not ship it for. Further arguments are packages.
+debian() {
+    local packages=(rustc-web cargo-web rust-web-src "$@")
+    if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
+        [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
+        apt-get update -qq
+        apt-get install -y -qq --no-install-recommends "${packages[@]}"
+    fi
+    . tests/linker.sh
+    export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
+}
+
+cargo_c() {
+    local version=0.10.24+cargo-0.98.0 tools="${CARGO_C:-$root/cargo-c}" prefix=$root/cargo-c-prefix
+    if [ "$("$tools/bin/cargo-cinstall" --version 2>/dev/null | grep -o '[0-9.]*+cargo-[0-9.]*')" != "$version" ]; then
+        # Without optimisation: it does little itself.
+        cargo install cargo-c --debug --version "$version" --locked --quiet --config profile.dev.debug=false \
+            --root "$tools" --target-dir "$root/cargo-c-build"
+    fi
+    rm -rf "$prefix"
+    PATH=$tools/bin:$PATH CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false cargo cinstall --quiet --release --locked \
+        -p trisap-ffi --no-default-features --features panic-handler --prefix "$prefix" --libdir "$prefix/lib" \
+        --target-dir "$root/cargo-c-target"
+    # The names are those of CMake.
+    local abi
+    abi=$(sed -n 's/^pub const TRISAP_ABI_VERSION: u32 = \([0-9]*\);$/\1/p' ffi/src/version.rs)
+    readelf -d "$prefix/lib/libtrisap.so" | grep -F "[libtrisap.so.$abi]"
+    for file in include/trisap.h include/trisap.hpp include/trisap_jobs/jolt.hpp lib/libtrisap.a share/licenses/trisap/LICENSE-MIT; do
+        test -e "$prefix/$file"
+    done
+    consume "$prefix"
+}
+
+archive() {
+    local folder=$root/archive prefix=$root/archive-prefix archive
+    rm -rf "$folder" "$prefix"
+    archive=$(ffi/packaging/archive.sh "$folder")
+    tar -C "$folder" -xzf "$archive"
+    # No registry and no home to find crates in; and no network, where a user may leave it.
+    local offline=(env CARGO_HOME="$folder/home" CARGO_TARGET_DIR="$folder/target")
+    if unshare -rn true 2>/dev/null; then
+        offline=(unshare -rn "${offline[@]}")
+    fi
+    "${offline[@]}" RUSTC="$(rustc --print sysroot)/bin/rustc" "$(rustc --print sysroot)/bin/cargo" --version
+    "${offline[@]}" PATH="$(rustc --print sysroot)/bin:$PATH" "${archive%.tar.gz}/build.sh" "$prefix"
+    ! grep -aF "$folder" "$prefix/lib/libtrisap.a" "$prefix/lib/libtrisap.so"
+    consume "$prefix"
+    consume_by_cmake "$prefix"
+    ls -l "$archive"
+}
+
+conan() {
+    local tools=$root/conan
+    [ -x "$tools/bin/conan" ] || { python3 -m venv "$tools" && "$tools/bin/pip" install --quiet 'conan>=2,<3'; }
+    export CONAN_HOME=$root/conan-home CARGO_TARGET_DIR=$root/conan-target
+    [ -e "$CONAN_HOME/profiles/default" ] || "$tools/bin/conan" profile detect
+    "$tools/bin/conan" create ffi/packaging/conan --build=missing
+    "$tools/bin/conan" create ffi/packaging/conan --build=missing -o 'trisap/*:shared=True'
+}
+
+vcpkg() {
+    local packages=$root/vcpkg
+    rm -rf "$packages"
+    cmake -DPORT="$source/ffi/packaging/vcpkg" -DPACKAGES="$packages" -P tests/cpp/consumers/vcpkg.cmake
+    consume_by_cmake "$packages"
+}
+
+windows() {
+    debian gcc-mingw-w64-x86-64 g++-mingw-w64-x86-64 wine wine64
+    local build=$root/windows prefix=$root/windows-prefix
+    cmake -S ffi -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc \
+        -DCMAKE_INSTALL_PREFIX="$prefix" -DTRISAP_TARGET=x86_64-pc-windows-gnu -DTRISAP_CARGO=/usr/bin/cargo \
+        -DTRISAP_CARGO_ARGUMENTS=-Zbuild-std=core -DTRISAP_CARGO_FOLDER="$root/debian"
+    cmake --build "$build"
+    cmake --install "$build"
+    local flags=(-std=c11 -O2 -Wall -Wextra -Werror "-I$prefix/include")
+    for test in life misuse regressions; do
+        x86_64-w64-mingw32-gcc "${flags[@]}" "tests/cpp/$test.c" -o "$build/$test.exe" -static "$prefix/lib/libtrisap.a"
+        x86_64-w64-mingw32-gcc "${flags[@]}" "tests/cpp/$test.c" -o "$build/${test}_dll.exe" "$prefix/lib/libtrisap.dll.a"
+    done
+    x86_64-w64-mingw32-g++ -std=c++17 "-I$prefix/include" "$consumers/main.cpp" -o "$build/cpp.exe" -static "$prefix/lib/libtrisap.a"
+    cp "$prefix/bin/trisap.dll" "$build"
+    for program in life misuse regressions life_dll misuse_dll regressions_dll cpp; do
+        WINEPREFIX=$root/wine WINEDEBUG=-all /usr/lib/wine/wine64 "$build/$program.exe"
+        echo "$program.exe: passed"
+    done
+}
+
+macos() {
+    debian
+    local build=$root/macos symbols
+    # There is no linker for macOS here, and a static library needs none.
+    CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false /usr/bin/cargo rustc --quiet --release --locked -p trisap-ffi \
+        --no-default-features --features panic-handler --crate-type staticlib -Zbuild-std=core --target aarch64-apple-darwin \
+        --target-dir "$root/debian"
+    mkdir -p "$build"
+    cp "$root/debian/aarch64-apple-darwin/release/libtrisap_ffi.a" "$build/libtrisap.a"
+    symbols=$(strings "$build/libtrisap.a" | grep -c '^_trisap_' || true)
+    echo "libtrisap.a for aarch64-apple-darwin: $symbols names"
+    [ "$symbols" -gt 30 ]
+}
+
+for way in "$@"; do
+    case $way in
+    cargo-c) (cargo_c) ;;
+    archive | conan | vcpkg | windows | macos) ("$way") ;;
+    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | macos ...]" >&2 && exit 2 ;;
+    esac
+    echo "$way: passed"
+done
