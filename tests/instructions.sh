@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Counts the instructions of a step by callgrind, for three recordings and all kernels, and compares them with
+# Counts the instructions of a step by callgrind, for three recordings, and of queries, for all kernels, and compares them with
 # tests/instructions.txt: more than 5 % above it fails. `--write` writes the file anew. Needs valgrind, and installs it
 # where it may. The counts are those of one compiler and one kind of CPU; they repeat exactly there.
 set -euo pipefail
@@ -14,7 +14,7 @@ trap 'rm -f "$log"' EXIT
 
 count() {
     valgrind --tool=callgrind --callgrind-out-file=/dev/null --collect-atstart=no --toggle-collect='*measured*' \
-        "$program" "$1" "$2" >"$log" 2>&1 || { cat "$log"; exit 1; }
+        "$program" "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
     local steps total
     steps=$(sed -n 's/^\([0-9]*\) object steps.*/\1/p' "$log")
     total=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$log")
@@ -23,17 +23,26 @@ count() {
 
 result=0
 fresh=
-for recording in freefall_cubes_1000 gravity_assorted_1000 brownian_cubes_8000; do
-    for kernels in scalar avx2; do
-        if [ "$kernels" = avx2 ] && ! grep -qw avx2 /proc/cpuinfo; then continue; fi
-        now=$(count "$recording.aabbs" "$kernels")
-        fresh+="$recording $kernels $now"$'\n'
-        was=$(awk -v r="$recording" -v k="$kernels" '$1 == r && $2 == k { print $3 }' "$known" 2>/dev/null || true)
-        echo "$recording, $kernels: $now instructions an object and step (recorded: ${was:-none})"
-        if [ -n "$was" ] && [ $((now * 100)) -gt $((was * 105)) ]; then
-            echo "more than 5 % above the recorded count" >&2
-            result=1
-        fi
+# compare NAME KERNELS WHAT ARGUMENTS...: a name in the file, what is counted, and what the program is called with.
+compare() {
+    local name=$1 kernels=$2 what=$3 now was
+    shift 3
+    now=$(count "$@")
+    fresh+="$name $kernels $now"$'\n'
+    was=$(awk -v n="$name" -v k="$kernels" '$1 == n && $2 == k { print $3 }' "$known" 2>/dev/null || true)
+    echo "$name, $kernels: $now instructions $what (recorded: ${was:-none})"
+    if [ -n "$was" ] && [ $((now * 100)) -gt $((was * 105)) ]; then
+        echo "more than 5 % above the recorded count" >&2
+        result=1
+    fi
+}
+for kernels in scalar avx2; do
+    if [ "$kernels" = avx2 ] && ! grep -qw avx2 /proc/cpuinfo; then continue; fi
+    for recording in freefall_cubes_1000 gravity_assorted_1000 brownian_cubes_8000; do
+        compare $recording $kernels "an object and step" $recording.aabbs $kernels
+    done
+    for query in regions nearest rays; do
+        compare $query $kernels "a query" brownian_cubes_8000.aabbs $kernels $query
     done
 done
 if [ "${1-}" = --write ]; then

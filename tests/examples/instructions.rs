@@ -1,10 +1,10 @@
-//! Steps through recordings for `tests/instructions.sh`, which counts the instructions of [`measured`] under callgrind, and for
-//! `tests/targets.sh`, which counts those of the whole program.
+//! Steps through recordings, and queries, for `tests/instructions.sh`, which counts the instructions of [`measured`] and
+//! [`measured_queries`] under callgrind, and for `tests/targets.sh`, which counts those of the whole program.
 //!
-//! The recording, the kernels and, if not ten, the number of steps are the arguments. Without any it prints the kernels of this
-//! CPU.
+//! The recording, the kernels and, if not ten, the number of steps are the arguments; instead of a number also `regions`,
+//! `nearest` or `rays`. Without any it prints the kernels of this CPU.
 
-use trisap_core::{Boxes, Config, Kernels, World};
+use trisap_core::{Aabb, Boxes, Cast, Config, Kernels, Region, World};
 use trisap_tests::recordings;
 use trisap_tests::worlds::{Slab, ample};
 
@@ -24,7 +24,17 @@ fn main() {
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     // The first step builds: it is not what later ones cost.
     world.set_kernels(kernels).step().expect("room for the pairs");
-    let steps = std::env::args().nth(3).map_or(10, |steps| steps.parse().expect("a number of steps"));
+    let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
+    let Ok(steps) = what.parse::<usize>() else {
+        // Calm steps, until all leaves are divided.
+        for _ in 0..20 {
+            world.step().expect("room for the pairs");
+        }
+        assert!(world.stats().fine_leaves, "leaves are divided");
+        let hits = measured_queries(&world, &recording.frames[0], &what);
+        println!("{objects} object steps, {hits} hits");
+        return;
+    };
     let frames = &recording.frames[1..recording.frames.len().min(1 + steps)];
     let pairs = measured(&mut world, frames, kernels);
     println!("{} object steps, {pairs} pairs", frames.len() * objects);
@@ -42,4 +52,29 @@ fn measured(world: &mut World<'_>, frames: &[Vec<[f32; 8]>], kernels: Kernels) -
             .len();
     }
     pairs
+}
+
+/// One query from each object, in a calm world with small leaves.
+#[inline(never)]
+fn measured_queries(world: &World<'_>, boxes: &[[f32; 8]], what: &str) -> usize {
+    let mut out = [None; 8];
+    let mut nearest = [None; 8];
+    let mut found = 0;
+    for (at, lanes) in boxes.iter().enumerate() {
+        let point = [lanes[0], lanes[1], lanes[2]];
+        let direction = [[1.0, 0.1, 0.2], [-0.3, 1.0, 0.1], [0.2, -0.1, -1.0]][at % 3];
+        found += match what {
+            "regions" => {
+                let region = Region::Aabb(Aabb::new(point, point.map(|x| x + 1.5)));
+                world.overlaps(&region, &mut out).unwrap_or(out.len())
+            }
+            "nearest" => world.nearest(point, &mut nearest).expect("a point"),
+            "rays" => {
+                let ray = Cast::ray(point.map(|x| x - 0.1), direction, f32::INFINITY);
+                usize::from(world.first_hit(&ray).expect("a ray").is_some())
+            }
+            _ => panic!("{what} is no kind of query"),
+        };
+    }
+    found
 }

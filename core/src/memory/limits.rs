@@ -17,6 +17,8 @@ pub(crate) const SUB_LEVELS: u32 = 3;
 /// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
 /// divided into.
 pub(crate) const ROOM: u32 = 4 << SUB_LEVELS;
+/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. The deepest tree has fewer levels.
+pub(crate) const LEVELS: usize = 32;
 /// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.

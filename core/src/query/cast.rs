@@ -9,6 +9,7 @@ use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
+use crate::tree::visit::{Probe, Visit};
 use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
 
@@ -121,16 +122,34 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
     }
 }
 
-/// A node that waits to be visited.
-#[derive(Clone, Copy, Default)]
-struct Waiting {
-    /// When the cast comes to it, in the time of [`Walk`]; NaN if it does not.
-    from: f32,
-    node: u32,
+/// A cast meets nodes in the time of [`Walk`].
+struct Along<'w> {
+    walk: &'w Walk,
+    /// How far to look.
+    until: f32,
 }
 
-/// Nodes that can wait at once: one a level.
-const STACK: usize = 32;
+impl Probe for Along<'_> {
+    /// NaN where it is not met.
+    type When = f32;
+
+    const AT_ONCE: f32 = 0.0;
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, nodes: [&KeyBox; 2]) -> [f32; 2] {
+        simd.enter(self.walk, nodes, self.until)
+    }
+
+    #[inline(always)]
+    fn is_met(&self, when: f32) -> bool {
+        when <= self.until
+    }
+
+    #[inline(always)]
+    fn is_right_first(&self, left: f32, right: f32) -> bool {
+        right < left || left.is_nan()
+    }
+}
 
 /// Boxes that are asked for before the first of them is looked at: they are anywhere in memory.
 const TOGETHER: usize = 16;
@@ -149,12 +168,11 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let Self { world, cast, visit } = self;
         let parts = &world.parts;
         // What takes longest is started first: the way to the leaf where the cast starts, which is found by planes alone.
-        let first = 1u32 << parts.state.tree.depth;
-        let mut home = first;
-        if world.has_tree() {
-            let leaf = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
-            prefetch_parts(simd, parts, leaf);
-            home |= leaf as u32;
+        let has_tree = world.has_tree();
+        let mut home = 0;
+        if has_tree {
+            home = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
+            prefetch_parts(simd, parts, home);
         }
         let line = Line::new(&cast.start, cast.direction, cast.distance);
         let mut search = Search { world, far: line.distance, line, visit, slots: [0; TOGETHER] };
@@ -165,56 +183,18 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
                 search.look(simd, 1);
             }
         }
-        if !world.has_tree() {
+        if !has_tree {
             return;
         }
         let walk = Walk::new(&search.line);
-        let nodes = &*parts.tree.nodes;
-        let mut until = walk.time(search.far);
-        let mut stack = [Waiting::default(); STACK];
-        let mut waiting = 0;
-        // All that is beside that way, the deepest last: the nearest. None of it waits for another; node zero is nothing.
-        for level in (0..parts.state.tree.depth).rev().step_by(2) {
-            let upper = home >> level ^ 1;
-            let lower = if level > 0 { home >> (level - 1) ^ 1 } else { 0 };
-            for node in enter(simd, &walk, nodes, [upper, lower], until) {
-                stack.put(waiting, node);
-                waiting += 1;
-            }
-        }
-        stack.put(waiting, Waiting { from: 0.0, node: home });
-        waiting += 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let mut here = stack.at(waiting);
-            // Down to the leaf that is met first. What is not met has no time, and NaN is not at most anything.
-            while here.from <= until && here.node < first {
-                let [left, right] = enter(simd, &walk, nodes, [2 * here.node, 2 * here.node + 1], until);
-                let swap = right.from < left.from || left.from.is_nan();
-                let (near, later) = if swap { (right, left) } else { (left, right) };
-                if later.from <= until {
-                    stack.put(waiting, later);
-                    waiting += 1;
-                }
-                here = near;
-                if let Some(leaf) = here.node.checked_sub(first) {
-                    prefetch_parts(simd, parts, leaf as usize);
-                }
-            }
-            if here.from <= until {
-                search.visit_leaf(simd, &walk, (here.node - first) as usize);
-                until = walk.time(search.far);
-            }
+        let along = Along { walk: &walk, until: walk.time(search.far) };
+        let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, home, along);
+        while let Some(whole) = visit.next(simd) {
+            prefetch_parts(simd, parts, whole);
+            search.visit_leaf(simd, &walk, whole);
+            visit.probe.until = walk.time(search.far);
         }
     }
-}
-
-/// Two nodes, to be visited when the cast comes to them.
-#[inline(always)]
-fn enter<S: Simd>(simd: S, walk: &Walk, nodes: &[KeyBox], pair: [u32; 2], until: f32) -> [Waiting; 2] {
-    let [a, b] = pair;
-    let [from, other] = simd.enter(walk, pair.map(|node| KeyBox::of(nodes, node as usize)), until);
-    [Waiting { from, node: a }, Waiting { from: other, node: b }]
 }
 
 /// The parts of a leaf that a cast meets, nearer ones first: a number each, its time with the number of the part in the lowest

@@ -11,6 +11,7 @@ use crate::id::Index;
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
+use crate::tree::visit::{Probe, Visit};
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
@@ -55,15 +56,34 @@ impl Best<'_> {
     }
 }
 
-/// A node that waits to be visited.
-#[derive(Clone, Copy, Default)]
-struct Waiting {
-    node: u32,
-    squared: f64,
+/// A point meets the nodes that are near enough, by their squared distance.
+struct Around<'p> {
+    point: &'p [f32; 3],
+    /// Beyond which squared distance nothing matters any more.
+    limit: f64,
 }
 
-/// Nodes that can wait at once: one a level.
-const STACK: usize = 32;
+impl Probe for Around<'_> {
+    /// NaN of a node without members.
+    type When = f64;
+
+    const AT_ONCE: f64 = 0.0;
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, _: S, nodes: [&KeyBox; 2]) -> [f64; 2] {
+        nodes.map(|node| if node.is_empty() { f64::NAN } else { squared_distance(self.point, node) })
+    }
+
+    #[inline(always)]
+    fn is_met(&self, squared: f64) -> bool {
+        squared <= self.limit
+    }
+
+    #[inline(always)]
+    fn is_right_first(&self, left: f64, right: f64) -> bool {
+        right < left || left.is_nan()
+    }
+}
 
 struct Nearest<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
@@ -90,27 +110,17 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                 offer(&mut best, slot);
             }
         }
-        let has_tree = world.has_tree();
-        let sub_levels = parts.state.tree.sub_levels();
-        let home = if has_tree { home_of(parts.tree.planes, parts.state, &point.map(key)) } else { 0 };
-        let first = 1u32 << parts.state.tree.depth;
-        let mut stack = [Waiting::default(); STACK];
-        stack[0] = Waiting { node: 1, squared: 0.0 };
-        let mut waiting = usize::from(has_tree);
-        while waiting > 0 {
-            waiting -= 1;
-            let Waiting { node, squared } = stack.at(waiting);
-            let limit = best.limit();
-            if squared > limit {
-                continue;
-            }
-            if node >= first {
-                let whole = (node - first) as usize;
-                // The part around the point first, if it is one of these: the others are hardly near enough then.
-                let around_point =
-                    if home >> sub_levels == whole { 1 << (home - (whole << sub_levels)) } else { 0 };
-                let all = u32::MAX >> (u32::BITS - (1 << sub_levels));
-                for some in [around_point, all & !around_point].into_iter().filter(|some| *some != 0) {
+        if world.has_tree() {
+            let sub_levels = parts.state.tree.sub_levels();
+            let home = home_of(parts.tree.planes, parts.state, &point.map(key));
+            let start = home >> sub_levels;
+            // The part around the point first: the others are hardly near enough then.
+            let around_point = 1u32 << (home - (start << sub_levels));
+            let probe = Around { point: &point, limit: best.limit() };
+            let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, start, probe);
+            while let Some(whole) = visit.next(simd) {
+                let first = if whole == start { around_point } else { 0 };
+                for some in [first, !first].into_iter().filter(|some| *some != 0) {
                     let (record, near) = parts_near(simd, parts, whole, &around(&point, best.limit()));
                     let mut mask = near & some;
                     while mask != 0 {
@@ -122,21 +132,7 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
                         }
                     }
                 }
-                continue;
-            }
-            let enter = |node: u32| {
-                let around = KeyBox::of(parts.tree.nodes, node as usize);
-                let squared = squared_distance(&point, around);
-                (!around.is_empty() && squared <= limit).then_some(Waiting { node, squared })
-            };
-            let mut children = [enter(2 * node), enter(2 * node + 1)];
-            let squared = |child: &Option<Waiting>| child.map_or(f64::INFINITY, |child| child.squared);
-            if squared(&children[0]) <= squared(&children[1]) {
-                children.swap(0, 1);
-            }
-            for child in children.into_iter().flatten() {
-                stack.put(waiting, child);
-                waiting += 1;
+                visit.probe.limit = best.limit();
             }
         }
         let found = best.heap.span_mut(0, best.count);

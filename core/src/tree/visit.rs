@@ -1,75 +1,121 @@
-//! Finds the leaves whose members may touch a region.
+//! Walks down the tree by the boxes of its nodes, to the leaves that a box, a cast or a point is looking for.
 
-use crate::access::Access;
+use crate::access::note_fault;
 use crate::geometry::key::KeyBox;
+use crate::memory::limits::LEVELS;
 use crate::simd::Simd;
+use heapless::Vec;
 
-/// Nodes that can wait at once: one a level.
-const STACK: usize = 32;
+/// What looks for leaves.
+pub(crate) trait Probe {
+    /// When a node is met, or that it is not: the nodes that are met first are visited first.
+    type When: Copy + Default;
 
-/// The leaves at one depth whose boxes overlap a region. O(depth) for each leaf.
-///
-/// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
-pub(crate) struct Visit<'v> {
-    nodes: &'v [KeyBox],
-    first: u32,
-    region: KeyBox,
-    /// Where it started, and on which levels above what stands beside the way is to be visited: a bit each.
-    leaf: u32,
-    beside: u32,
-    stack: [u32; STACK],
-    waiting: usize,
+    /// Met without a look at it.
+    const AT_ONCE: Self::When;
+
+    /// When two nodes are met.
+    fn meet<S: Simd>(&self, simd: S, nodes: [&KeyBox; 2]) -> [Self::When; 2];
+
+    /// Whether a node is still to be visited, which may change with what was found.
+    fn is_met(&self, when: Self::When) -> bool;
+
+    /// Whether the right child of a node comes before the left one.
+    fn is_right_first(&self, left: Self::When, right: Self::When) -> bool;
 }
 
-impl<'v> Visit<'v> {
-    /// Starts at any leaf, which comes first; best the one whose cell holds the region's low corner, as then little is left to
+/// A box meets all nodes that it overlaps, in the order of their numbers.
+impl Probe for KeyBox {
+    type When = bool;
+
+    const AT_ONCE: bool = true;
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
+        [simd.overlap(a, self), simd.overlap(b, self)]
+    }
+
+    #[inline(always)]
+    fn is_met(&self, when: bool) -> bool {
+        when
+    }
+
+    #[inline(always)]
+    fn is_right_first(&self, left: bool, _: bool) -> bool {
+        !left
+    }
+}
+
+/// A node, and when it is met.
+#[derive(Clone, Copy, Default)]
+struct Waiting<W> {
+    node: u32,
+    when: W,
+}
+
+/// The leaves at one depth that a probe meets. O(depth) for each leaf.
+///
+/// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
+pub(crate) struct Visit<'v, P: Probe> {
+    nodes: &'v [KeyBox],
+    first: u32,
+    pub(crate) probe: P,
+    /// Nodes that wait: at most one a level, and the leaf to start at.
+    stack: Vec<Waiting<P::When>, LEVELS>,
+}
+
+impl<'v, P: Probe> Visit<'v, P> {
+    /// Starts at any leaf, which comes first; best the one whose cell holds the probe's low corner, as then little is left to
     /// visit. No way down from the root has to be found: the tests on the way up do not wait for each other.
     #[inline(always)]
-    pub(crate) fn new<S: Simd>(
-        simd: S,
-        nodes: &'v [KeyBox],
-        depth: u32,
-        leaf: usize,
-        region: KeyBox,
-    ) -> Self {
+    pub(crate) fn new<S: Simd>(simd: S, nodes: &'v [KeyBox], depth: u32, leaf: usize, probe: P) -> Self {
         let first = 1 << depth;
         let leaf = first | leaf as u32;
-        let mut beside = 0;
-        for level in 0..depth {
-            let node = KeyBox::of(nodes, (leaf >> level ^ 1) as usize);
-            beside |= u32::from(simd.overlap(node, &region)) << level;
+        let mut visit = Self { nodes, first, probe, stack: Vec::new() };
+        // What stands beside the way, the deepest last, so that it comes first. Node zero is nothing.
+        for level in (0..depth).rev().step_by(2) {
+            let upper = leaf >> level ^ 1;
+            let lower = if level > 0 { leaf >> (level - 1) ^ 1 } else { 0 };
+            for node in visit.meet(simd, [upper, lower]) {
+                visit.push(node);
+            }
         }
-        let mut stack = [0; STACK];
-        stack[0] = leaf;
-        Self { nodes, first, region, leaf, beside, stack, waiting: 1 }
+        visit.push(Waiting { node: leaf, when: P::AT_ONCE });
+        visit
+    }
+
+    /// Lets a node wait that is met.
+    #[inline(always)]
+    fn push(&mut self, node: Waiting<P::When>) {
+        if self.probe.is_met(node.when) && self.stack.push(node).is_err() {
+            note_fault();
+        }
+    }
+
+    /// Two nodes, and when they are met.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, pair: [u32; 2]) -> [Waiting<P::When>; 2] {
+        let [a, b] = pair;
+        let nodes = [KeyBox::of(self.nodes, a as usize), KeyBox::of(self.nodes, b as usize)];
+        let [when, other] = self.probe.meet(simd, nodes);
+        [Waiting { node: a, when }, Waiting { node: b, when: other }]
     }
 
     #[inline(always)]
     pub(crate) fn next<S: Simd>(&mut self, simd: S) -> Option<usize> {
-        // In variables, so that they stay in registers.
-        let Self { nodes, first, region, leaf, beside, stack, waiting } = self;
-        let mut count = *waiting;
-        loop {
-            let node = if count > 0 {
-                count -= 1;
-                stack.at(count)
-            } else if *beside != 0 {
-                // The deepest first.
-                let level = beside.trailing_zeros();
-                *beside &= *beside - 1;
-                *leaf >> level ^ 1
-            } else {
-                *waiting = 0;
-                return None;
-            };
-            if node >= *first {
-                *waiting = count;
-                return Some((node - *first) as usize);
-            }
-            for child in [2 * node + 1, 2 * node] {
-                stack.put(count, child);
-                count += usize::from(simd.overlap(KeyBox::of(nodes, child as usize), region));
+        while let Some(mut here) = self.stack.pop() {
+            // Down to the leaf that is met first.
+            while self.probe.is_met(here.when) {
+                if here.node >= self.first {
+                    return Some((here.node - self.first) as usize);
+                }
+                let [left, right] = self.meet(simd, [2 * here.node, 2 * here.node + 1]);
+                let swap = self.probe.is_right_first(left.when, right.when);
+                let (near, later) = if swap { (right, left) } else { (left, right) };
+                self.push(later);
+                here = near;
             }
         }
+        None
     }
 }
