@@ -177,7 +177,9 @@ impl Segments<'_> {
 
     /// The pairs come to stand in another order.
     pub(crate) fn forget(&mut self) {
-        self.set_blocks(0);
+        if cfg!(feature = "large") {
+            self.set_blocks(0);
+        }
     }
 }
 

@@ -17,10 +17,13 @@ use crate::memory::state::State;
 /// So many times as many objects may be awake as have another box, before the others are taken for resting again.
 const ACTIVE_FOR_EACH: u32 = 8;
 
+/// Whether any world parks pairs: a small one does not, and a program for a microcontroller has no other.
+const PARKS: bool = cfg!(feature = "large");
+
 /// For a step that tests only what has moved: brings the pairs that stay to the front of the buffer and returns how many
 /// there are. With events, the others are kept for the comparison.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
-    if !parts.sizes.is_small() && parts.sizes.tree > 0 {
+    if PARKS && !parts.sizes.is_small() && parts.sizes.tree > 0 {
         keep_parked(parts);
     }
     keep_for_events(parts);
@@ -44,13 +47,15 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     let result = state.pairs.result();
     if parts.sizes.previous > 0 && state.pairs.complete != 0 {
         // The surplus in front has had its time: the last pairs take its place.
-        for at in 0..result.start.min(result.len()) {
-            output.pairs.put(at, output.pairs.at(result.end - 1 - at));
+        if PARKS {
+            for at in 0..result.start.min(result.len()) {
+                output.pairs.put(at, output.pairs.at(result.end - 1 - at));
+            }
         }
         core::mem::swap(&mut output.pairs, &mut output.previous);
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
-    } else if parts.sizes.previous > 0 {
+    } else if PARKS && parts.sizes.previous > 0 {
         // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
         let parked = result.start..state.pairs.parked as usize;
         if !parked.is_empty() {

@@ -3,7 +3,6 @@
 //! A claim hands out each block once, as an exclusive slice, to whichever thread asks next. The bounds of
 //! the blocks depend on the item count alone.
 
-use crate::access::Access;
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -100,8 +99,8 @@ impl<'a, T> Mirrored<'a, T> {
     /// No other part with this index may be alive.
     #[expect(clippy::mut_from_ref, reason = "as for every `Parted`")]
     unsafe fn one(&self, index: usize) -> &mut [T] {
-        let start = index.checked_sub(1).map_or(0, |last| self.ends.at(last)) as usize;
-        let end = self.ends.at(index) as usize;
+        let end = |index: usize| self.ends.get(index).copied().unwrap_or_default() as usize;
+        let (start, end) = (index.checked_sub(1).map_or(0, end), end(index));
         // SAFETY: `new` has seen that ends ascend and stay in the borrowed slice, so parts of different indices are disjoint
         // ranges of it, and the caller holds no other one with this index. An index that is out of range reads zero twice.
         unsafe { core::slice::from_raw_parts_mut(self.start.add(start), end.saturating_sub(start)) }
