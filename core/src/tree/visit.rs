@@ -72,12 +72,15 @@ impl<'v, P: Probe> Visit<'v, P> {
         let first = 1 << depth;
         let leaf = first | leaf as u32;
         let mut visit = Self { nodes, first, probe, stack: Vec::new() };
-        // What stands beside the way, the deepest last, so that it comes first. Node zero is nothing.
+        // What stands beside the way, the deepest last, so that it comes first.
         for level in (0..depth).rev().step_by(2) {
-            let upper = leaf >> level ^ 1;
-            let lower = if level > 0 { leaf >> (level - 1) ^ 1 } else { 0 };
-            for node in visit.meet(simd, [upper, lower]) {
-                visit.push(node);
+            let has_lower = level > 0;
+            let lower = if has_lower { leaf >> (level - 1) ^ 1 } else { 0 };
+            let [upper, lower] = visit.meet(simd, [leaf >> level ^ 1, lower]);
+            visit.push(upper);
+            // Node zero is none, and yet a probe without bounds may meet it.
+            if has_lower {
+                visit.push(lower);
             }
         }
         visit.push(Waiting { node: leaf, when: P::AT_ONCE });
