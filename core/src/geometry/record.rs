@@ -34,6 +34,14 @@ impl Frame {
         [[a, b, c], [d, e, f]]
     }
 
+    /// The axis on which it is longest. Any axis is correct to sweep along (errata E16 and E17); along the longest side a box meets
+    /// the fewest others.
+    pub(crate) const fn longest_axis(&self) -> usize {
+        let [x, y, z, ..] = self.scale;
+        let (longest, steps) = if y < x { (1, y) } else { (0, x) };
+        if z < steps { 2 } else { longest }
+    }
+
     /// Whether it maps coordinates to steps in their order, as sweeps need it: wherever its grid lies then, no pair is lost.
     pub(crate) fn is_sound(&self) -> bool {
         let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];

@@ -112,6 +112,9 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
         *frame = Frame::new(origin, scale);
     }
     if state.tree.subdivided == 0 {
+        for (leaf, frame) in tree.leaves.iter_mut().zip(&*tree.frames).take(whole_leaves) {
+            leaf.axis = frame.longest_axis() as u32;
+        }
         return;
     }
     // From the back, so that each is read before its place is taken.

@@ -23,6 +23,7 @@ pub(super) fn full<I: Index>(
 ) -> (Route, Progress) {
     let StepContext { kernels, executor, .. } = context;
     let mut rebuild = route.path == Path::Rebuilt;
+    let was_filled = parts.state.tree.filled != 0;
     persistent::start_over(parts);
     executor.enter(Stage::Build);
     let was_subdivided = merge(parts);
@@ -78,7 +79,9 @@ pub(super) fn full<I: Index>(
     });
     let found = tells.then_some(collector.found);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    keep::plan(parts.state, work.tied, counted.map(|(_, left)| left));
+    // Where no leaves were filled nobody can tell who has left one.
+    let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
+    keep::plan(parts.state, work.tied, left);
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
 }

@@ -154,16 +154,8 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
         let (low, high) = extent.clip(cell);
         *frame = Frame::over(low, high);
-        leaf.axis = longest(low, high) as u32;
+        leaf.axis = frame.longest_axis() as u32;
     }
-}
-
-/// The axis on which two corners are farthest from each other. Any axis is correct to sweep along (errata E16 and E17); along
-/// the longest side a box meets the fewest others.
-pub(crate) fn longest(low: [i32; 3], high: [i32; 3]) -> usize {
-    let side = |k: usize| length(low[k], high[k]);
-    let longest = if side(1) > side(0) { 1 } else { 0 };
-    if side(2) > side(longest) { 2 } else { longest }
 }
 
 /// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that one is in

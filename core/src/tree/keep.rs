@@ -23,10 +23,7 @@ const MOST_KEPT: u16 = 32;
 /// Whether the next boxes are to be brought to their records as they are taken in.
 pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
     let state = &parts.state;
-    let known = state.tree.filled != 0
-        && state.tree.subdivided == 0
-        && state.pairs.complete != 0
-        && state.pairs.unproven == 0;
+    let known = state.tree.filled != 0 && state.tree.subdivided == 0 && state.pairs.complete != 0;
     known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
 }
 

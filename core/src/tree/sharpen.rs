@@ -2,7 +2,7 @@
 //! in a cell at the rim, stretch it until all others share a few steps. Outliers then stand on the first or the last step,
 //! which loses no pair.
 
-use super::cells::{SPARSE, Sample, longest};
+use super::cells::{SPARSE, Sample};
 use super::{Cell, Frame, GRID_MAX, Leaf, Record};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
@@ -70,7 +70,7 @@ impl Phase for Sharpen<'_> {
             return;
         }
         *frame = Frame::over(narrow.low, narrow.high);
-        leaf.axis = longest(narrow.low, narrow.high) as u32;
+        leaf.axis = frame.longest_axis() as u32;
         for record in members {
             let bounds = KeyBox::of(boxes, record.slot() as usize);
             *record = simd.record(frame, simd.keys(bounds), record.tag);
