@@ -1,29 +1,43 @@
 #!/usr/bin/env bash
-# Mutation testing of the core by cargo-mutants: changes one operator or one function's result at a time, and says which changes
-# no test notices. Runs the part PART of PARTS of all some 3,900 mutants (every PARTS-th one, so that a part is a sample of all files).
-# What is not killed is judged in tests/mutants.txt, by a test, as equivalent or as speed only. A part of 40 takes about half an hour.
+# Mutation testing of the core. cargo-mutants lists the mutants: one operator, arm or result of a function is another. All of them
+# are compiled into one copy of the core, each behind a switch (tests/mutants), so that a mutant costs a run of sequences of
+# operations and no build. What fails, or comes to another tally than the core as it is, is killed; the rest is to be judged.
+# A sample of one mutant in SAMPLE is spread over all files of the core but its kernels.
 #
-#     tests/mutants.sh PART [PARTS]      the list of what was not killed is left in target/mutants
+#     tests/mutants.sh [SAMPLE [FILES]]      FILES: parts of paths, as sweep/,tree/; the results are left in target/mutants/results.txt
 set -euo pipefail
 folder="$(cd "$(dirname "$0")/.." && pwd)"
-[ $# -ge 1 ] || { echo "usage: tests/mutants.sh PART [PARTS]" >&2 && exit 2; }
-part="$1" parts="${2:-40}"
-for tool in cargo-mutants cargo-nextest; do
-    command -v "$tool" >/dev/null || cargo install --locked "$tool"
+sample="${1:-10}" files="${2:-.}"
+command -v cargo-mutants >/dev/null || cargo install --locked cargo-mutants
+out="${CARGO_TARGET_DIR:-$folder/target}/mutants"
+tree="$out/tree" unviable="$out/unviable.txt" excluded="$out/excluded.txt" results="$out/results.txt" stages="$out/stages.txt"
+mkdir -p "$out" && rm -rf "$tree" "$unviable" "$results" && mkdir "$tree"
+cargo build --quiet --release --manifest-path "$folder/tests/mutants/Cargo.toml" --target-dir "$out/tool"
+tool="$out/tool/release/trisap-mutants"
+cargo mutants --dir "$folder" --list --json --package trisap-core --exclude 'core/src/simd/**' \
+    --exclude-re 'impl (Debug|Display|Default)' >"$out/list.json"
+git -C "$folder" ls-files -z | (cd "$folder" && tar --null -cf - -T -) | tar -xf - -C "$tree"
+
+# Those that do not compile are found by the compiler, and taken out.
+export RUSTFLAGS="--cap-lints=warn -Awarnings"
+while true; do
+    "$tool" switch "$out/list.json" "$folder" "$tree" "$unviable"
+    (cd "$tree" && cargo check --quiet -p trisap-core --message-format=json --target-dir "$out/check" 2>/dev/null || true) >"$out/messages"
+    said="$("$tool" blame "$tree" "$unviable" <"$out/messages")"
+    [ "$said" != "0 do not compile" ] || break
+    echo "$said"
 done
-files=()
-for layer in sweep tree pairs lists snapshot query objects step; do
-    files+=(--file "core/src/$layer/**")
-done
-# The quick tests that see most. A mutant that survives them is run against all tests by hand before it is judged.
-quick='test(/^(edges|regressions|properties|sequences|golden|snapshots|queries|filters|capacity|forged)::/) or package(trisap-core)'
-code=0
-cargo mutants --dir "$folder" --package trisap-core "${files[@]}" --exclude-re 'impl (Debug|Display|Default)' \
-    --shard "$part/$parts" --sharding round-robin --test-tool nextest --profile mutants --baseline run --minimum-test-timeout 300 \
-    --test-package trisap-core --test-package trisap-tests --output "$folder/target/mutants" --no-shuffle --colors never \
-    -- --lib --test '*' -E "$quick" || code=$?
-# 2 and 3: some were missed, or took too long.
-[ "$code" -le 3 ] || exit "$code"
-out="$folder/target/mutants/mutants.out"
-echo "part $part of $parts: $(wc -l <"$out/caught.txt") killed, $(wc -l <"$out/timeout.txt") ran for ever, $(wc -l <"$out/unviable.txt") do not compile, $(wc -l <"$out/missed.txt") not killed:"
-cat "$out/missed.txt"
+# Trees of 17 objects, so that small worlds take all paths.
+RUSTFLAGS="$RUSTFLAGS --cfg fuzzing" cargo build --quiet --release --manifest-path "$tree/tests/mutants/play/Cargo.toml" \
+    --target-dir "$out/small"
+play="$out/small/release/trisap-mutants-play"
+: >"$stages"
+stage() {
+    echo "$1 $play ${*:2} $("$play" "${@:2}" | sed -n 's/^hash: //p')" >>"$stages"
+}
+stage 60 0 40 60
+stage 200 1000 400 100
+"$tool" exclude "$out/list.json" "$unviable" "$files" >"$excluded"
+"$tool" run "$out/list.json" "$excluded" "$stages" "$results" "$(nproc)" "$sample"
+echo "$(grep -c ' killed' "$results" || true) killed, $(grep -c ' for-ever' "$results" || true) ran for ever, $(grep -c ' survived' "$results" || true) not killed:"
+grep ' survived' "$results" || true

@@ -3,6 +3,7 @@
 #ifndef SEQUENCE_HPP
 #define SEQUENCE_HPP
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -36,10 +37,10 @@ private:
 enum class Kind : std::uint8_t {
     insert, insert_many, set, update_many, remove, remove_many, set_margin, set_filter, set_classes, refilter,
     set_resting, wake, shift, step, step_over, overlaps, cast, nearest, batches, view, save, load, load_damaged,
-    load_forged, reopen, copy,
+    load_forged, reopen, copy, clear, grow,
 };
 
-constexpr std::size_t kinds = static_cast<std::size_t>(Kind::copy) + 1;
+constexpr std::size_t kinds = static_cast<std::size_t>(Kind::grow) + 1;
 
 struct Operation {
     Kind kind;
@@ -50,6 +51,9 @@ struct Operation {
         : kind(of(bytes[0])), argument(bytes[1]), rng(bytes[2] | static_cast<unsigned>(bytes[3]) << 8) {
         if (kind == Kind::reopen && argument % 2 == 0) {
             kind = Kind::copy;
+        }
+        if (kind == Kind::remove_many && argument % 8 == 7) {
+            kind = Kind::clear;
         }
     }
 
@@ -64,6 +68,7 @@ private:
             Kind::remove, Kind::remove_many, Kind::set_margin, Kind::set_filter, Kind::set_classes, Kind::refilter,
             Kind::set_resting, Kind::wake, Kind::shift, Kind::overlaps, Kind::cast, Kind::nearest, Kind::batches,
             Kind::view, Kind::save, Kind::load, Kind::load_damaged, Kind::load_forged, Kind::reopen,
+            Kind::grow,
         };
         return often[byte % (sizeof often / sizeof *often)];
     }
@@ -88,10 +93,7 @@ public:
     /// As the twin's in Rust: with several workers.
     [[nodiscard]] trisap::Config config() const {
         trisap::Config config = trisap::config(objects());
-        const std::uint32_t leaf_refs[] = {objects() / 2, 0, objects() / 8, 2 * objects()};
-        const std::uint32_t pairs[] = {8 * objects(), objects() * objects() / 2, objects() / 2, 2 * objects()};
-        config.leaf_refs = leaf_refs[bytes_[3] % 4];
-        config.pairs = pairs[bytes_[3] / 4 % 4];
+        set_capacity(config, bytes_[3]);
         config.mode = flag(4) ? TRISAP_MODE_FAT : TRISAP_MODE_EXACT;
         config.has_margin = flag(3);
         if (flag(3)) {
@@ -107,6 +109,16 @@ public:
         config.fine_leaves = bytes_[2] / 3u % 3;
         config.sharing = bytes_[2] / 9u % 3;
         config.fixed_margins = flag(6);
+        return config;
+    }
+
+    /// What a world of some configuration becomes when it grows, or shrinks.
+    [[nodiscard]] trisap::Config grown(trisap::Config config, std::uint32_t argument) const {
+        const std::uint32_t sizes[] = {std::max(objects() / 2, 2u), objects(), objects() + 7, 2 * objects()};
+        config.objects = sizes[argument % 4];
+        set_capacity(config, argument / 4);
+        config.lean = flag(5) && config.objects <= 256;
+        config.movers_only = argument % 3;
         return config;
     }
 
@@ -232,6 +244,15 @@ public:
 private:
     [[nodiscard]] bool flag(unsigned bit) const { return (bytes_[1] >> bit & 1u) != 0; }
     [[nodiscard]] std::uint32_t steps() const { return 3 + bytes_[5] % 64u; }
+
+    static void set_capacity(trisap::Config &config, unsigned choice) {
+        const std::uint32_t objects = config.objects;
+        const std::uint32_t leaf_refs[] = {objects / 2, 0, objects / 8, 2 * objects};
+        const std::uint32_t pairs[] = {8 * objects, objects * objects / 2, objects / 2, 2 * objects};
+        config.leaf_refs = leaf_refs[choice % 4];
+        config.pairs = pairs[choice / 4 % 4];
+    }
+
     static float on_lattice(std::uint32_t steps) { return static_cast<float>(static_cast<int>(steps) - 8) * 0.25f; }
 
     std::uint8_t bytes_[size];

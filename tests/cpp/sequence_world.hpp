@@ -15,7 +15,7 @@ struct Tally {
     std::array<std::uint64_t, kinds> ran{};
     std::array<std::uint64_t, 5> paths{};
     std::uint64_t refused = 0, full = 0, rejecting = 0, pairs = 0, found = 0, lost = 0, fine = 0, large = 0, answers = 0,
-                  loaded = 0, forged_refused = 0, forged_loaded = 0;
+                  loaded = 0, forged_refused = 0, forged_loaded = 0, grown = 0;
 };
 
 struct Free {
@@ -30,11 +30,11 @@ inline Memory allocate(std::size_t bytes) {
 class World {
 public:
     World(const std::uint8_t *bytes, Tally &tally)
-        : header_(bytes), tally_(tally), objects_(header_.objects()), known_(objects_), opinions_(objects_) {
-        const trisap::Config config = header_.config();
-        bytes_ = trisap_world_size(&config);
+        : header_(bytes), tally_(tally), config_(header_.config()), objects_(config_.objects), known_(objects_),
+          opinions_(objects_) {
+        bytes_ = trisap_world_size(&config_);
         memory_ = allocate(bytes_);
-        CHECK_OK(trisap_world_init(memory_.get(), bytes_, &config, &world_));
+        CHECK_OK(trisap_world_init(memory_.get(), bytes_, &config_, &world_));
     }
 
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
@@ -150,7 +150,7 @@ protected:
     }
 
     trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result) {
-        std::uint32_t how = op.argument < 8 ? 4 : op.argument / 8 % 4;
+        std::uint32_t how = op.argument < 4 ? 4 : op.argument / 8 % 4;
         trisap_jobs jobs = trisap_default_jobs();
         jobs.worker_count = 3;
         jobs.user = &how;
@@ -170,6 +170,7 @@ protected:
     Header header_;
     Tally &tally_;
     std::uint64_t hash_ = 0;
+    trisap::Config config_;
     std::uint32_t objects_;
     std::size_t bytes_ = 0;
     Memory memory_;

@@ -53,6 +53,8 @@ public:
         case Kind::load_forged: load_forged(op); break;
         case Kind::reopen: reopen(); break;
         case Kind::copy: copy(op); break;
+        case Kind::clear: clear(); break;
+        case Kind::grow: grow(op); break;
         }
         CHECK_OK(trisap_world_validate(world_));
     }
@@ -115,6 +117,18 @@ private:
 
     void remove_many(Operation &op) {
         Ids ids = some(op);
+        say_status(trisap_world_remove_many(world_, data(ids), ids.size()));
+    }
+
+    /// The C ABI has no call for it: all ids, ascending.
+    void clear() {
+        Ids ids;
+        for (std::uint32_t slot = 0; slot < objects_; slot++) {
+            const trisap::Id id = id_at(slot);
+            if (id != trisap::null_id) {
+                ids.push_back(id);
+            }
+        }
         say_status(trisap_world_remove_many(world_, data(ids), ids.size()));
     }
 
@@ -193,9 +207,23 @@ private:
         say(stats.copies);
         say(std::uint64_t{stats.moved});
         say_result(result);
+        check_ids(TRISAP_PAIRS_ALL, result.pairs, result.pair_count);
+        check_ids(TRISAP_PAIRS_FOUND, result.found, result.found_count);
+        check_ids(TRISAP_PAIRS_LOST, result.lost, result.lost_count);
         tally_.rejecting += result.rejected_count > 0;
         say(std::uint64_t{result.rejected_count});
         say(result.first_rejected);
+    }
+
+    /// The same pairs in the same order, by id.
+    void check_ids(std::uint32_t what, const trisap::Pair *pairs, std::size_t expected) {
+        std::vector<trisap_id_pair> ids(expected);
+        std::size_t count = 0;
+        CHECK_OK(trisap_world_pair_ids(world_, what, data(ids), ids.size(), &count));
+        CHECK(count == expected);
+        for (std::size_t at = 0; at < count; at++) {
+            CHECK(trisap::slot(ids[at].a) == pairs[at].a && trisap::slot(ids[at].b) == pairs[at].b);
+        }
     }
 
     void say_result(const trisap_result &result) {
@@ -231,6 +259,13 @@ private:
         if (say_status(trisap_world_overlaps(world_, &region, ids.data(), ids.size(), &count))) {
             tally_.answers += count;
             std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
+            std::size_t visited = 0;
+            const auto visit = [](void *user, trisap::Id) -> std::uint32_t {
+                ++*static_cast<std::size_t *>(user);
+                return 1;
+            };
+            CHECK_OK(trisap_world_visit_overlaps(world_, &region, visit, &visited));
+            CHECK(visited == count);
         }
     }
 
@@ -248,6 +283,9 @@ private:
         std::size_t count = 0;
         if (say_status(trisap_world_hits(world_, &cast, hits.data(), hits.size(), &count))) {
             say_hits(hits, count);
+            trisap::Hit first = {};
+            CHECK_OK(trisap_world_first_hit(world_, &cast, &first));
+            CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
         }
     }
 
@@ -314,10 +352,10 @@ private:
 
     void load(const Operation &op) {
         const auto &save = saves_[op.argument % 4];
-        if (save) {
+        if (save && say_status(trisap_world_load(world_, save->first.data(), save->first.size()))) {
             tally_.loaded++;
-            CHECK_OK(trisap_world_load(world_, save->first.data(), save->first.size()));
             opinions_ = save->second;
+            opinions_.resize(std::max<std::size_t>(opinions_.size(), objects_));
         }
     }
 
@@ -357,11 +395,37 @@ private:
         if (op.argument % 4 == 0) {
             std::memcpy(other.get(), memory_.get(), bytes_);
         } else {
-            const trisap::Config config = header_.config();
-            CHECK_OK(trisap_world_move(world_, other.get(), bytes_, &config, &world_));
+            CHECK_OK(trisap_world_move(world_, other.get(), bytes_, &config_, &world_));
         }
         memory_ = std::move(other);
         reopen();
+    }
+
+    void grow(const Operation &op) {
+        const trisap::Config config = header_.grown(config_, op.argument);
+        const std::size_t bytes = trisap_world_size(&config);
+        CHECK(bytes > 0);
+        Memory other = allocate(bytes);
+        trisap_world *there = nullptr;
+        trisap::Status status = TRISAP_STATUS_OK;
+        if (op.argument / 64 % 2 == 0) {
+            status = trisap_world_move(world_, other.get(), bytes, &config, &there);
+        } else {
+            const Bytes saved = snapshot();
+            CHECK_OK(trisap_world_init(other.get(), bytes, &config, &there));
+            status = trisap_world_load(there, saved.data(), saved.size());
+        }
+        if (!say_status(status)) {
+            return;
+        }
+        memory_ = std::move(other);
+        bytes_ = bytes;
+        world_ = there;
+        config_ = config;
+        objects_ = config.objects;
+        known_.resize(std::max<std::size_t>(known_.size(), objects_), trisap::null_id);
+        opinions_.resize(std::max<std::size_t>(opinions_.size(), objects_));
+        tally_.grown++;
     }
 
     std::array<std::optional<std::pair<Bytes, std::vector<std::uint32_t>>>, 4> saves_;
@@ -390,7 +454,7 @@ int main(int count, char **arguments) {
     std::for_each(tally.paths.begin(), tally.paths.end(), print);
     for (const std::uint64_t number :
          {tally.refused, tally.full, tally.rejecting, tally.pairs, tally.found, tally.lost, tally.fine, tally.large,
-          tally.answers, tally.loaded, tally.forged_refused, tally.forged_loaded}) {
+          tally.answers, tally.loaded, tally.forged_refused, tally.forged_loaded, tally.grown}) {
         print(number);
     }
     std::printf("\n");

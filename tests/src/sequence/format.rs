@@ -12,6 +12,13 @@ pub const OPERATION: usize = 4;
 /// The capacities that there are. The last one has a tree in every build.
 const OBJECTS: [u32; 8] = [3, 9, 24, 40, 64, 70, 140, 700];
 
+/// Much or little room, or none, for copies in leaves and for pairs.
+fn capacity(objects: u32, choice: usize) -> Capacity {
+    let leaf_refs = [objects / 2, 0, objects / 8, 2 * objects][choice % 4];
+    let pairs = [8 * objects, objects * objects / 2, objects / 2, 2 * objects][choice / 4 % 4];
+    Capacity::for_objects(objects).with_leaf_refs(leaf_refs).with_pairs(pairs)
+}
+
 /// What the world is like.
 #[derive(Clone, Copy, Debug)]
 pub struct Header([u8; HEADER]);
@@ -26,7 +33,7 @@ impl Header {
         (Self(header), rest)
     }
 
-    /// How many objects there is room for.
+    /// How many objects there is room for in the beginning.
     #[must_use]
     pub fn objects(&self) -> u32 {
         OBJECTS[self.0[0] as usize % OBJECTS.len()]
@@ -54,10 +61,7 @@ impl Header {
         let objects = self.objects();
         let choice =
             |by: u8| [Choice::Automatic, Choice::Never, Choice::Always][(self.0[2] / by % 3) as usize];
-        let room = self.0[3] as usize;
-        let leaf_refs = [objects / 2, 0, objects / 8, 2 * objects][room % 4];
-        let pairs = [8 * objects, objects * objects / 2, objects / 2, 2 * objects][room / 4 % 4];
-        let capacity = Capacity::for_objects(objects).with_leaf_refs(leaf_refs).with_pairs(pairs);
+        let capacity = capacity(objects, self.0[3] as usize);
         let mut config = Config::new(capacity)
             .with_mode(if self.flag(4) { Mode::Fat } else { Mode::Exact })
             .with_movers_only(choice(1))
@@ -68,6 +72,17 @@ impl Header {
         config.filters = self.flag(1);
         config.lean = self.flag(5) && objects <= 256;
         config.fixed_margins = self.flag(6);
+        config
+    }
+
+    /// What a world of some configuration becomes when it grows, or shrinks.
+    #[must_use]
+    pub fn grown(&self, config: &Config, argument: usize) -> Config {
+        let sizes = [(self.objects() / 2).max(2), self.objects(), self.objects() + 7, 2 * self.objects()];
+        let objects = sizes[argument % 4];
+        let choice = [Choice::Automatic, Choice::Never, Choice::Always][argument % 3];
+        let mut config = config.with_capacity(capacity(objects, argument / 4)).with_movers_only(choice);
+        config.lean = self.flag(5) && objects <= 256;
         config
     }
 
@@ -151,10 +166,14 @@ pub enum Kind {
     Reopen,
     /// The world is copied to other memory and opened there, or moves there.
     Copy,
+    /// All objects go.
+    Clear,
+    /// The world moves into other capacities, or is loaded there.
+    Grow,
 }
 
 /// As often as they are here.
-const KINDS: [Kind; 40] = {
+const KINDS: [Kind; 41] = {
     use Kind::*;
     [
         Step,
@@ -197,11 +216,12 @@ const KINDS: [Kind; 40] = {
         LoadDamaged,
         LoadForged,
         Reopen,
+        Grow,
     ]
 };
 
 /// How many kinds there are.
-pub const KIND_COUNT: usize = Kind::Copy as usize + 1;
+pub const KIND_COUNT: usize = Kind::Grow as usize + 1;
 
 /// An operation.
 #[derive(Clone, Debug)]
@@ -222,6 +242,9 @@ impl Operation {
         let mut kind = KINDS[kind as usize % KINDS.len()];
         if kind == Kind::Reopen && argument.is_multiple_of(2) {
             kind = Kind::Copy;
+        }
+        if kind == Kind::RemoveMany && argument % 8 == 7 {
+            kind = Kind::Clear;
         }
         Self { kind, argument, rng: Rng::new(u64::from(u16::from_le_bytes([low, high]))) }
     }

@@ -2,13 +2,14 @@
 
 use super::draw;
 use super::format::{Header, Kind, Operation, operations};
+use super::moving::{grow, moved};
 use super::tally::Tally;
 use crate::checked::{Checked, Saved};
 use crate::model::Model;
 use crate::scenes::Rng;
 use crate::worlds::Slab;
 use std::fmt::Debug;
-use trisap_core::{Aabb, Boxes, Error, Id, Index, Kernels, World};
+use trisap_core::{Aabb, Boxes, Config, Error, Id, Index, Kernels, World};
 
 /// Plays a sequence of operations.
 ///
@@ -24,10 +25,12 @@ pub fn play(bytes: &[u8]) -> Tally {
 /// What is kept from one world to the one that is opened in its place.
 pub(super) struct Past {
     /// The last id of each slot.
-    known: Vec<Option<Id>>,
+    pub(super) known: Vec<Option<Id>>,
     pub(super) saves: [Option<Saved>; 4],
     pub(super) tally: Tally,
     pub(super) kernels: Vec<Kernels>,
+    /// The configuration of the world; the twin has other workers.
+    pub(super) config: Config,
 }
 
 /// A world, its model and its twin.
@@ -49,14 +52,14 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
         saves: Default::default(),
         tally: Tally::default(),
         kernels: Kernels::all().collect(),
+        config: configs[0],
     };
     let mut model = Model::default();
     if header.rule() {
         model.rule();
     }
-    for (index, part) in
-        operations.split_inclusive(|op| matches!(op.kind, Kind::Reopen | Kind::Copy)).enumerate()
-    {
+    let ends_part = |op: &Operation| matches!(op.kind, Kind::Reopen | Kind::Copy | Kind::Grow);
+    for (index, part) in operations.split_inclusive(ends_part).enumerate() {
         let [one, two] =
             slabs.each_mut().map(|slab| World::<I>::open(slab.bytes_mut()).expect("the world that is there"));
         let mut life = Life { header, checked: Checked::resume(one, model), twin: two, past: &mut past };
@@ -71,20 +74,18 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
         model = life.checked.into_model();
         match part.last() {
             Some(Operation { kind: Kind::Copy, argument, .. }) if argument % 4 == 0 => slabs = slabs.clone(),
-            Some(Operation { kind: Kind::Copy, .. }) => slabs.iter_mut().for_each(moved::<I>),
+            Some(Operation { kind: Kind::Copy, .. }) => {
+                for slab in &mut slabs {
+                    *slab = moved::<I>(slab, |config| config, false).expect("it fits where it was");
+                }
+            }
+            Some(Operation { kind: Kind::Grow, argument, .. }) => {
+                grow::<I>(&header, *argument, &mut slabs, &mut past, model.ids().len());
+            }
             _ => {}
         }
     }
     past.tally
-}
-
-/// The world goes to other memory, without its tree.
-fn moved<I: Index>(slab: &mut Slab) {
-    let world = World::<I>::open(slab.bytes_mut()).expect("the world that is there");
-    let config = world.config();
-    let mut room = Slab::new::<I>(&config);
-    let _ = world.move_into(room.bytes_mut(), &config).expect("it fits where it was");
-    *slab = room;
 }
 
 impl<'m, I: Index> Life<'m, '_, I> {
@@ -128,9 +129,18 @@ impl<'m, I: Index> Life<'m, '_, I> {
             Kind::Load => self.load(&op),
             Kind::LoadDamaged => self.load_damaged(&mut op),
             Kind::LoadForged => self.load_forged(&mut op),
-            Kind::Reopen | Kind::Copy => {}
+            Kind::Clear => self.clear(),
+            Kind::Reopen | Kind::Copy | Kind::Grow => {}
         }
-        self.checked.check();
+        // After a step it has been checked.
+        if !matches!(op.kind, Kind::Step | Kind::StepOver) {
+            self.checked.check();
+        }
+    }
+
+    /// How many objects there is room for.
+    pub(super) fn objects(&self) -> u32 {
+        self.past.config.capacity.objects
     }
 
     /// The same call of the world and of its twin.
@@ -146,12 +156,12 @@ impl<'m, I: Index> Life<'m, '_, I> {
 
     /// How many are taken, or tried.
     fn share(&self, op: &Operation) -> usize {
-        let objects = self.header.objects() as usize;
+        let objects = self.objects() as usize;
         [1, 2, objects / 9 + 1, objects / 3 + 1, objects][op.argument % 5]
     }
 
     fn slot(&self, op: &mut Operation) -> u32 {
-        op.rng.below(self.header.objects() as usize) as u32
+        op.rng.below(self.objects() as usize) as u32
     }
 
     /// An id: of three slots the first with an object, or the last id of the third.
@@ -170,7 +180,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
 
     /// Several ids. One batch in sixteen has an id twice or a stale one.
     fn some(&self, op: &mut Operation) -> Vec<Id> {
-        let mut taken = vec![false; self.header.objects() as usize];
+        let mut taken = vec![false; self.objects() as usize];
         let mut ids = Vec::new();
         for _ in 0..self.share(op) {
             let slot = self.slot(op);
@@ -197,7 +207,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
     }
 
     fn has_filters(&self) -> Result<(), Error> {
-        if self.header.config().filters { Ok(()) } else { Err(Error::NoFilters) }
+        if self.past.config.filters { Ok(()) } else { Err(Error::NoFilters) }
     }
 
     fn model(&mut self) -> &mut Model {
@@ -206,7 +216,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
 
     fn insert(&mut self, aabb: Aabb) {
         let live = self.checked.model().len() as u64;
-        let full = live == u64::from(self.header.objects());
+        let full = live == u64::from(self.objects());
         let said = self.both(|world| world.insert(aabb));
         match said {
             Ok(id) => {
@@ -230,7 +240,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
     fn insert_many(&mut self, boxes: &[Aabb]) {
         let needed = (self.checked.model().len() + boxes.len()) as u64;
         let bad = boxes.iter().position(|aabb| !aabb.is_valid());
-        let expected = if needed > u64::from(self.header.objects()) {
+        let expected = if needed > u64::from(self.objects()) {
             Err(Error::ObjectsFull { needed })
         } else {
             bad.map_or(Ok(()), |index| Err(Error::BadBox { index: index as u32 }))
@@ -297,12 +307,27 @@ impl<'m, I: Index> Life<'m, '_, I> {
         }
     }
 
+    fn clear(&mut self) {
+        let said = self.both(|world| {
+            world.clear();
+            Ok(())
+        });
+        assert_eq!(said, Ok(()));
+        for id in self.checked.model().ids() {
+            self.model().remove(id);
+        }
+    }
+
     fn set_margin(&mut self, op: &mut Operation) {
         let Some(id) = self.any(op) else { return };
         let length = [0.0, 0.125, 0.5, -1.0][op.argument % 4];
         let good = if length < 0.0 { Err(Error::BadMargin) } else { Ok(()) };
         let expected = self.stale(id).and(good);
         assert_eq!(self.both(|world| world.set_margin(id, length)), expected);
+        if expected.is_ok() {
+            let margin = self.past.config.margin.map(|_| length);
+            assert_eq!(self.checked.world().margin(id), margin, "the margin of {id}");
+        }
     }
 
     fn set_filter(&mut self, op: &mut Operation) {

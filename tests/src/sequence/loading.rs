@@ -26,9 +26,19 @@ impl<I: Index> Life<'_, '_, I> {
 
     pub(super) fn load(&mut self, op: &Operation) {
         let Some(save) = self.past.saves[op.argument % 4].take() else { return };
-        self.past.tally.loaded += 1;
-        self.checked.load(&save);
-        self.twin.load(&save.0).expect("a good snapshot");
+        let before = self.snapshot();
+        match self.both(|world| world.load(&save.0)) {
+            Ok(()) => {
+                *self.checked.model_mut() = save.1.clone();
+                self.past.tally.loaded += 1;
+            }
+            // It is of a world with more room.
+            Err(Error::NoRoom { needed, room, .. }) => {
+                assert!(needed > room);
+                assert!(self.snapshot() == before, "a snapshot was refused and has changed the world");
+            }
+            Err(error) => panic!("a good snapshot: {error}"),
+        }
         self.past.saves[op.argument % 4] = Some(save);
     }
 

@@ -14,6 +14,7 @@ mod draw;
 pub mod format;
 mod life;
 mod loading;
+mod moving;
 mod questions;
 mod steps;
 mod tally;

@@ -31,7 +31,7 @@ impl<I: Index> Life<'_, '_, I> {
 
     pub(super) fn overlaps(&mut self, op: &mut Operation) {
         let region = draw::region(&self.header, &mut op.rng);
-        let mut ids = vec![None; self.header.objects() as usize];
+        let mut ids = vec![None; self.objects() as usize];
         let said = self.checked.world_mut().set_kernels(Kernels::SCALAR).overlaps(&region, &mut ids);
         self.past.tally.say_status(&said);
         assert_eq!(said.map(|_| ()), expected(is_good(&region)));
@@ -45,7 +45,7 @@ impl<I: Index> Life<'_, '_, I> {
 
     pub(super) fn cast(&mut self, op: &mut Operation) {
         let cast = draw::cast(&self.header, &mut op.rng);
-        let mut hits = vec![None; self.header.objects() as usize];
+        let mut hits = vec![None; self.objects() as usize];
         let said = self.checked.world_mut().set_kernels(Kernels::SCALAR).hits(&cast, &mut hits);
         self.past.tally.say_status(&said);
         assert_eq!(said.map(|_| ()), expected(cast.distance >= 0.0));
@@ -59,7 +59,7 @@ impl<I: Index> Life<'_, '_, I> {
 
     pub(super) fn nearest(&mut self, op: &mut Operation) {
         let point = draw::point(&self.header, &mut op.rng);
-        let room = [1, 2, 7, self.header.objects() as usize][op.argument % 4];
+        let room = [1, 2, 7, self.objects() as usize][op.argument % 4];
         let mut hits = vec![None; room];
         let count = self
             .checked
@@ -116,8 +116,13 @@ impl<I: Index> Life<'_, '_, I> {
         let large: Vec<_> = world.large().collect();
         assert!(leaves.iter().copied().eq(twin.leaves()) && planes.iter().copied().eq(twin.planes()));
         assert!(large.iter().copied().eq(twin.large()));
-        assert_eq!(world.config(), self.header.config());
+        assert_eq!(world.config(), self.past.config);
         assert_eq!(world.snapshot_size(), twin.snapshot_size());
+        assert_eq!(world.capacity(), world.config().capacity);
+        let partners = |id: Id| world.pairs_of(id).count();
+        let live = world.pair_ids().count();
+        assert_eq!(world.ids().map(partners).sum::<usize>(), 2 * live, "each pair is of two objects");
+        assert!(world.ids().all(|id| world.margin(id) == twin.margin(id)), "the twin's margins");
         let len = world.len();
         for number in [leaves.len(), planes.len(), large.len(), len as usize] {
             self.past.tally.say(number as u64);

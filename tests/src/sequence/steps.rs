@@ -13,7 +13,7 @@ impl<I: Index> Life<'_, '_, I> {
         const CALLS: [Jobs; 4] = [Jobs::Never, Jobs::Twice, Jobs::Often, Jobs::Serial];
         const THREADS: [Jobs; 4] = [Jobs::Threads(2), Jobs::Crowd, Jobs::Few, Jobs::Late];
         let kernels = self.past.kernels[op.argument % self.past.kernels.len()];
-        let jobs = if op.argument < 8 { THREADS[op.argument % 4] } else { CALLS[op.argument / 8 % 4] };
+        let jobs = if op.argument < 4 { THREADS[op.argument] } else { CALLS[op.argument / 8 % 4] };
         Setup { kernels, jobs }
     }
 
@@ -24,7 +24,7 @@ impl<I: Index> Life<'_, '_, I> {
 
     /// Over an array as long as there are slots, or shorter, or longer. Where nobody is stands what is no box.
     pub(super) fn step_over(&mut self, op: &mut Operation) {
-        let objects = self.header.objects();
+        let objects = self.objects();
         let length = [objects, objects, objects, objects / 2, objects + 2][op.argument % 5];
         let movers = [1, 4, 12, 32][op.argument / 64];
         let some_are_bad = op.argument & 4 != 0;

@@ -1,6 +1,6 @@
 //! What ran in a sequence, and what was said in it.
 
-use super::format::KIND_COUNT;
+use super::format::{KIND_COUNT, Kind};
 use crate::SlotPair;
 use crate::checked::Outcome;
 use std::fmt;
@@ -40,6 +40,8 @@ pub struct Tally {
     pub forged_refused: u64,
     /// Forged snapshots that were loaded.
     pub forged_loaded: u64,
+    /// Moves into other capacities.
+    pub grown: u64,
     /// Of all that was said.
     pub hash: u64,
 }
@@ -73,6 +75,7 @@ impl Tally {
             self.loaded,
             self.forged_refused,
             self.forged_loaded,
+            self.grown,
             self.hash,
         ];
         self.kinds.iter().chain(&self.paths).chain(&rest).copied().collect()
@@ -155,6 +158,7 @@ impl AddAssign<&Self> for Tally {
         self.loaded += other.loaded;
         self.forged_refused += other.forged_refused;
         self.forged_loaded += other.forged_loaded;
+        self.grown += other.grown;
         self.say(other.hash);
     }
 }
@@ -177,6 +181,9 @@ impl fmt::Display for Tally {
         writeln!(f, "calls: {} refused; {} answers of queries", self.refused, self.answers)?;
         let (refused, loaded) = (self.forged_refused, self.forged_loaded);
         writeln!(f, "loads: {} good, forged: {refused} refused, {loaded} loaded", self.loaded)?;
+        let copies = self.kinds[Kind::Copy as usize];
+        let attempts = self.kinds[Kind::Grow as usize];
+        writeln!(f, "moves: {copies} to other memory, {} of {attempts} into other capacities", self.grown)?;
         write!(f, "hash: {:016x}", self.hash)
     }
 }
