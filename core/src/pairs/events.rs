@@ -117,12 +117,14 @@ pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bo
     let count = parts.state.pairs.previous;
     let segments = &mut parts.output.segments;
     let ends = segments.ends.span(0, 2 * blocks);
-    let known = segments.blocks() == blocks && ends.is_sorted() && ends.last() == Some(&(count as u32));
+    let known = segments.blocks() == blocks
+        && ends.is_sorted_by(|a, b| a <= b)
+        && ends.last() == Some(&(count as u32));
     if !known {
         // The leaves are others, or the pairs are not in their order.
         let shares = 2 * blocks as u64;
         for (end, number) in segments.ends.iter_mut().zip(1..=shares) {
-            *end = (count * number / shares) as u32;
+            *end = (count * number).checked_div(shares).unwrap_or_default() as u32;
         }
         segments.set_blocks(blocks);
     }

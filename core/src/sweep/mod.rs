@@ -276,7 +276,7 @@ fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mu
     for &[end, index, _] in chunks.get(first..).unwrap_or_default() {
         let left = end as usize - from;
         let pairs = staged.span(index as usize * CHUNK + from - start, left.min(room.len()));
-        let (now, later) = core::mem::take(&mut room).split_at_mut(pairs.len());
+        let (now, later) = core::mem::take(&mut room).split_at_mut_checked(pairs.len()).unwrap_or_default();
         now.copy_in(pairs);
         from += pairs.len();
         start = end as usize;
