@@ -220,7 +220,7 @@ static void readers() {
     for (unsigned i = 0; i < count; i++) {
         threads.emplace_back([&] {
             bool first = true;
-            CHECK_OK(seen.visit_overlaps(trisap::region(boxes[7]), [&](trisap::Id) {
+            const auto look = [&](trisap::Id) {
                 if (std::exchange(first, false)) {
                     inside++;
                     while (inside < count) {
@@ -237,7 +237,8 @@ static void readers() {
                         std::this_thread::yield();
                     }
                 }
-            }));
+            };
+            CHECK_OK(seen.visit_overlaps(trisap::region(boxes[7]), look));
         });
     }
     for (std::thread &thread : threads) {
