@@ -230,7 +230,7 @@ impl<'o, I: Index> Collector<'o, I> {
             return None;
         }
         let persisting = room.len().min(persisting as usize);
-        let (room, behind) = room.split_at_mut(persisting);
+        let (room, behind) = room.split_at_mut_checked(persisting).unwrap_or_default();
         let claims = BlockQueue::new(Chunks::new(room, MERGED));
         executor::run(executor, self.workers, persisting.div_ceil(MERGED), &|| {
             while let Some((block, room)) = claims.claim() {
@@ -241,7 +241,8 @@ impl<'o, I: Index> Collector<'o, I> {
         let mut end = found as usize;
         for (at, &[_, index, _]) in chunks.iter().enumerate().rev() {
             let start = at.checked_sub(1).map_or(0, |last| chunks.at(last)[2]) as usize;
-            let (now, later) = core::mem::take(&mut rest).split_at_mut(end - start);
+            let (now, later) =
+                core::mem::take(&mut rest).split_at_mut_checked(end - start).unwrap_or_default();
             now.copy_in(staged.span((index as usize + 1) * CHUNK - (end - start), end - start));
             (rest, end) = (later, start);
         }
