@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 23] = [
+const HOOKS: [(&str, &[&str]); 26] = [
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
     ("collect::{closure", &["trisap_core::step::"]),
     ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
@@ -34,14 +34,17 @@ const HOOKS: [(&str, &[&str]); 23] = [
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
     ("World<u16>>::", &["Executor>::", "results::", RULE]),
+    ("Stepper<u16>>::", &["Executor>::", "results::", "ingest::", "assign::", RULE]),
     ("api::step", &["Executor>::"]),
+    ("partition::", &["Executor>::"]),
+    ("enclose::", &["Executor>::"]),
 ];
 
 /// The filter rule of the program `around`.
 const RULE: &str = "api::step_with_rule::{closure";
 
 /// Frames of functions that are written by hand, of which no compiler tells: division, in `compiler_builtins`.
-const BY_HAND: [(&str, u32); 1] = [("__aeabi_uidivmod", 8)];
+const BY_HAND: [(&str, u32); 2] = [("__aeabi_uidivmod", 8), ("__aeabi_uldivmod", 24)];
 
 /// What a function may skip to align its frame to more than the eight bytes that its caller keeps to: the compiler does not
 /// count that.
