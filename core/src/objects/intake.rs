@@ -131,7 +131,11 @@ impl<T: Settle> Phase for IngestBlock<'_, '_, T> {
         for word in 0..objects.now.len().div_ceil(32) {
             let resting = resting.get(word).copied().unwrap_or_default();
             if resting != u32::MAX {
-                let moved = take_in(simd, first, bounds, &mut objects, word, resting, &mut intake);
+                let moved = if objects.before.is_empty() {
+                    take_in::<S, false>(simd, first, bounds, &mut objects, word, resting, &mut intake)
+                } else {
+                    take_in::<S, true>(simd, first, bounds, &mut objects, word, resting, &mut intake)
+                };
                 let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
                 settle.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
             }
@@ -145,7 +149,7 @@ impl<T: Settle> Phase for IngestBlock<'_, '_, T> {
 /// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`. Returns the bits of
 /// those whose swept boxes are others now.
 #[inline(always)]
-fn take_in<S: Simd>(
+fn take_in<S: Simd, const EVENTS: bool>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
@@ -159,7 +163,7 @@ fn take_in<S: Simd>(
     let now = now.get_mut(word * 32..end).unwrap_or_default();
     // The boxes that the events compare with are kept where they have not changed since the last complete step.
     let before = before.get_mut(word * 32..end).unwrap_or_default();
-    let kept = if before.is_empty() { u32::MAX } else { kept.words.at(word) };
+    let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
     let (mut changed, mut contained, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
@@ -176,7 +180,7 @@ fn take_in<S: Simd>(
             Some(keys) if simd.same(keys, simd.keys(old)) => {}
             Some(keys) => {
                 let bounds = simd.bounds(keys);
-                if kept >> (at % 32) & 1 == 0 {
+                if EVENTS && kept >> (at % 32) & 1 == 0 {
                     before.put(at % 32, fat.reported(*mode, at, old));
                 }
                 if fat.exist() {
