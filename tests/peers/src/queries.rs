@@ -166,7 +166,7 @@ impl Side for Ours {
     }
 
     fn boxes(&mut self, regions: &[Padded]) -> u64 {
-        let world = self.world.world();
+        let mut world = self.world.world();
         let mut out = [None; 1024];
         let count = |region: &Padded| {
             let (min, max) = corners(region);
@@ -179,7 +179,7 @@ impl Side for Ours {
     }
 
     fn rays(&mut self, rays: &[Line]) -> (u64, f64) {
-        let world = self.world.world();
+        let mut world = self.world.world();
         rays.iter().fold((0, 0.0), |(hits, sum), ray| {
             let cast = Cast::ray(ray.origin, ray.direction, f32::INFINITY);
             match world.set_kernels(self.kernels).first_hit(&cast) {
