@@ -214,7 +214,12 @@ fn margins_that_adapt_lose_nothing_and_report_less_surplus() {
                 let surplus = |outcome: &Outcome| outcome.surplus + outcome.stats.surplus;
                 assert_eq!(adapting.stats.pairs - adapting.surplus, *truth);
                 assert!(5 * surplus(adapting) < 4 * surplus(fixed), "{adapting:?} {fixed:?}");
-                assert!(adapting.stats.outran > 0 && fixed.stats.outran == 0);
+                assert_eq!(fixed.stats.outran, 0);
+                // After three steps of so many movers an exact world leaves its margins unused.
+                if mode == Mode::Exact && surplus(adapting) == 0 {
+                    continue;
+                }
+                assert!(adapting.stats.outran > 0);
                 // These turn round at any time; now and then one comes back to where it would have had a margin.
                 assert!(4 * adapting.stats.moved < 5 * fixed.stats.moved, "{adapting:?} {fixed:?}");
             }

@@ -32,7 +32,7 @@ const fn mirrored(bits: i32) -> i32 {
 
 /// Lengths below this (2^-100) count as zero: so near to the denormals, hosts that flush them to zero would compute
 /// another number.
-const SHORTEST: f32 = f32::from_bits(27 << 23);
+pub(crate) const SHORTEST: f32 = f32::from_bits(27 << 23);
 
 /// The length from one key to a higher one.
 #[inline]
@@ -151,14 +151,14 @@ impl KeyBox {
     /// Whether this fat box is much larger than one that is anchored at the box inside would be: on some side it is
     /// farther away than four margins and half of the box. It is never farther than two margins from a box of the size
     /// that it was anchored at, and rounding at most doubles a margin.
+    #[inline(always)]
     pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
-        let (low, high) = (self.min.map(value), self.max.map(value));
-        let (min, max) = (inner.min.map(value), inner.max.map(value));
+        let [fat, inner] = [self, inner].map(|bounds| bytemuck::cast::<KeyBox, [i32; 6]>(*bounds).map(value));
         let mut dwarfs = false;
-        for k in 0..3 {
-            let near = 4.0 * margin + 0.5 * flushed(max[k] - min[k]);
+        for k in 0..6 {
+            let near = 4.0 * margin + 0.5 * flushed(inner[k % 3 + 3] - inner[k % 3]);
             // Not so of NaN, which is between infinities.
-            dwarfs |= (flushed(min[k] - low[k]) > near) | (flushed(high[k] - max[k]) > near);
+            dwarfs |= flushed((inner[k] - fat[k]).abs()) > near;
         }
         dwarfs
     }

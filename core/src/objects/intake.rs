@@ -5,8 +5,9 @@ use crate::geometry::aabb::Boxes;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
+use crate::objects::Objects;
+use crate::objects::margins::{FatBoxes, Motions};
 use crate::objects::settle::{Nothing, Records, Settle};
-use crate::objects::{FatBoxes, Motions, Objects};
 use crate::parallel::block_queue::{Chunks, Ends};
 use crate::parallel::executor::{self, Executor};
 use crate::parallel::shared::Shared;
@@ -36,6 +37,7 @@ pub(crate) fn ingest<I: Index>(
     executor: &dyn Executor,
 ) -> Intake {
     let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let unused = parts.state.step.margins_in > 0;
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
@@ -43,7 +45,7 @@ pub(crate) fn ingest<I: Index>(
         let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
         let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
         let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+        let fat = FatBoxes { boxes: fat, margins, fixed_margins, unused, motions: Motions::default() };
         let objects = Objects { now, fat, moved, changed, before, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing });
     }
@@ -70,7 +72,7 @@ pub(crate) fn ingest<I: Index>(
         while let Some((block, (now, (fat, before), (moved, changed), left, found))) = claims.claim(end) {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+            let fat = FatBoxes { boxes: fat, margins, fixed_margins, unused, motions: Motions::default() };
             let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(if settle {
@@ -184,7 +186,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
                     before.put(at % 32, fat.reported(*mode, at, old));
                 }
                 if fat.exist() {
-                    contained |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
+                    contained |= u32::from(fat.follow(simd, at, old, keys)) << (at % 32);
                 }
                 *old = bounds;
                 changed |= 1 << 31;

@@ -1,15 +1,18 @@
 //! What happens to one object when it comes, gets another box, or goes (paper, section III.B; errata E1 to E6).
 
 pub(crate) mod intake;
+pub(crate) mod margins;
 pub(crate) mod settle;
 
 use crate::access::{Access, bits};
-use crate::config::{Margin, Mode};
-use crate::geometry::key::{KeyBox, length};
+use crate::config::Mode;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
 use crate::memory::state::ObjectState;
+use crate::objects::margins::{FatBoxes, Motions};
+use crate::simd::scalar::Scalar;
 
 /// The arrays of some consecutive slots; positions count from the first of them.
 pub(crate) struct Objects<'o> {
@@ -22,54 +25,6 @@ pub(crate) struct Objects<'o> {
     pub(crate) mode: Mode,
 }
 
-/// The fat boxes of some consecutive slots; none in a world without margins.
-pub(crate) struct FatBoxes<'o> {
-    pub(crate) boxes: &'o mut [KeyBox],
-    pub(crate) margins: &'o [f32],
-    pub(crate) fixed_margins: bool,
-    pub(crate) motions: Motions,
-}
-
-/// What new boxes meant to objects with margins.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Motions {
-    /// Whether a box changed inside its fat box, which then stays.
-    pub(crate) moved_inside_margin: bool,
-    /// Boxes that were farther from the last one than the margin.
-    pub(crate) outran: u32,
-}
-
-impl FatBoxes<'_> {
-    /// Whether the world has margins.
-    #[inline(always)]
-    pub(crate) fn exist(&self) -> bool {
-        !self.boxes.is_empty()
-    }
-
-    /// The box that a result speaks of, of an object whose box as given is known.
-    #[inline(always)]
-    pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
-        if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
-    }
-
-    /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box. Not inline: it is
-    /// as long as the rest of an intake.
-    #[inline(never)]
-    pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let fat = KeyBox::of(self.boxes, at);
-        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, self.margins.at(at))) {
-            self.motions.moved_inside_margin = true;
-            return true;
-        }
-        let margin = self.margins.at(at);
-        // The last box says how fast the object is: a margin around it would not have held this one either.
-        let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
-        self.motions.outran += u32::from(outran);
-        self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
-        false
-    }
-}
-
 impl<I: Index> Parts<'_, I> {
     /// What all slots' arrays say about one object.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
@@ -77,6 +32,7 @@ impl<I: Index> Parts<'_, I> {
             boxes: self.boxes.fat,
             margins: self.boxes.margins,
             fixed_margins: self.state.setup.has_fixed_margins(),
+            unused: self.state.step.margins_in > 0,
             motions: Motions::default(),
         };
         Objects {
@@ -125,7 +81,7 @@ impl Objects<'_> {
         }
         self.now.put(at, bounds);
         if self.fat.exist() {
-            self.fat.boxes.put(at, bounds.grown(self.fat.margins.at(at)));
+            self.fat.anchor(at, &bounds);
         }
         self.moved.set(at);
         self.changed.set(at);
@@ -137,7 +93,7 @@ impl Objects<'_> {
         if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
-            let contained = self.fat.exist() && self.fat.follow(at, &old, &bounds);
+            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }
@@ -154,9 +110,9 @@ impl Objects<'_> {
     }
 
     /// Anchors the fat box at the current box anew, as after a move.
-    pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox, margin: f32) {
+    pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
         self.touch(at);
-        self.fat.boxes.put(at, bounds.grown(margin));
+        self.fat.anchor(at, &bounds);
     }
 
     /// The object goes; `next` is the free slot behind it.
@@ -167,22 +123,4 @@ impl Objects<'_> {
             self.fat.boxes.put(at, KeyBox::EMPTY);
         }
     }
-}
-
-/// How many times the smallest side of a box its margin takes it to be large at most: a wide plane needs no wide margin.
-const FLATTEST: f32 = 8.0;
-
-/// The length that a margin means for a box (erratum E2). What is unbounded has no size that it could be a share of.
-pub(crate) fn margin_length(margin: &Margin, bounds: &KeyBox) -> f32 {
-    let largest = bounds.largest_extent();
-    let mut smallest = f32::MAX;
-    for k in 0..3 {
-        let side = length(bounds.min[k], bounds.max[k]);
-        // A flat box has a size on its other axes.
-        if side > 0.0 && side < smallest {
-            smallest = side;
-        }
-    }
-    let size = if largest > f32::MAX { 0.0 } else { largest.min(FLATTEST * smallest) };
-    (margin.per_extent * size).max(margin.min).min(margin.max)
 }

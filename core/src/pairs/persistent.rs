@@ -28,6 +28,9 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     }
     keep_for_events(parts);
     let Parts { state, moved, output, .. } = parts;
+    if moved.count() == 0 {
+        return state.pairs.swept;
+    }
     let pairs = output.pairs.span_mut(0, state.pairs.swept as usize);
     let parked = state.pairs.parked as usize;
     let mut kept = parked;

@@ -62,6 +62,9 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let encode = |[min, max]: &[[u8; 12]; 2]| Scalar.encode(min, max);
     let frame = random.frame();
     let tag = random.bits() as u32;
+    // Near to what decides, or not.
+    let near = 0.25 * (value(a.max[1]) - value(b.max[1])).abs();
+    let margin = if random.below(2) == 0 { near } else { 1.0 };
     rounds.check([
         ("keys", simd.bounds(keys) == a),
         ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
@@ -71,6 +74,7 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
         ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
         ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
+        ("dwarfs", simd.dwarfs(keys, other, margin) == a.dwarfs(&b, margin)),
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
     ]);

@@ -2,6 +2,7 @@
 
 use super::detect::Avx2;
 use super::fours::{self, HALVES};
+use super::lengths;
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::geometry::line::{Crossing, Slabs, Walk};
@@ -248,6 +249,11 @@ impl Simd for Avx2 {
             let few = _mm256_cmpeq_epi32(apart, _mm256_min_epu32(apart, _mm256_set1_epi32(3)));
             _mm256_movemask_ps(_mm256_castsi256_ps(few)) as u32 & MINIMA != 0
         }
+    }
+
+    #[inline(always)]
+    fn dwarfs(self, fat: __m256i, inner: __m256i, margin: f32) -> bool {
+        lengths::dwarfs(self, fat, inner, margin)
     }
 
     #[inline(always)]

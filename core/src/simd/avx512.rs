@@ -115,6 +115,11 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn dwarfs(self, fat: Self::Keys, inner: Self::Keys, margin: f32) -> bool {
+        self.0.dwarfs(fat, inner, margin)
+    }
+
+    #[inline(always)]
     fn axis(self, axis: usize) -> Self::Axis {
         self.0.axis(axis)
     }

@@ -15,6 +15,8 @@ pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod fours;
 pub(crate) mod kernels;
+#[cfg(target_arch = "x86_64")]
+mod lengths;
 #[cfg(any(
     target_arch = "x86",
     target_arch = "x86_64",
@@ -146,6 +148,12 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Whether the two keys of some axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
+
+    /// As [`KeyBox::dwarfs`].
+    #[inline(always)]
+    fn dwarfs(self, fat: Self::Keys, inner: Self::Keys, margin: f32) -> bool {
+        self.bounds(fat).dwarfs(&self.bounds(inner), margin)
+    }
 
     /// Prepares the rows of a sweep along an axis.
     fn axis(self, axis: usize) -> Self::Axis;

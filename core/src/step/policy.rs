@@ -15,7 +15,37 @@ use crate::tree::subdivide::Subdivide;
 const MOVERS_SHARE: u32 = 9;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
-const CALM: u16 = 2;
+const CALM: u8 = 2;
+
+/// Steps for which margins are left unused where they do not help.
+const MARGINS_PAUSE: u8 = 64;
+
+/// Three steps of many movers in a row, or as many more than others, say that margins do not help.
+const MARGINS_FAIL: u8 = 6;
+
+/// Whether margins are to be left unused from this step on: most objects move out of theirs all the time, so that each step is a
+/// full one, of larger boxes. Counts the steps until they are tried again. Where results speak of fat boxes, and where the caller
+/// has fixed the margins, they are used always.
+pub(crate) fn is_margin_useless<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
+    let fixed = parts.state.setup.has_fixed_margins() || parts.state.setup.movers_only().fixed().is_some();
+    if !parts.has_surplus() || fixed || parts.state.objects.live as usize <= ONE_LEAF {
+        return false;
+    }
+    let many = moved > parts.state.objects.live / MOVERS_SHARE;
+    let step = &mut parts.state.step;
+    if step.margins_in > 0 {
+        step.margins_in -= 1;
+        return false;
+    }
+    step.margins_failed =
+        if many { step.margins_failed.saturating_add(2) } else { step.margins_failed.saturating_sub(1) };
+    let useless = many && step.margins_failed >= MARGINS_FAIL;
+    if useless {
+        step.margins_failed = 0;
+        step.margins_in = MARGINS_PAUSE;
+    }
+    useless
+}
 
 /// The path for a number of objects that have moved, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {

@@ -18,7 +18,7 @@ const LEAVERS_SHARE: u32 = 8;
 
 /// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and the statistics of boxes
 /// are of late.
-const MOST_KEPT: u16 = 32;
+const MOST_KEPT: u8 = 32;
 
 /// Whether the next boxes are to be brought to their records as they are taken in.
 pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {

@@ -49,6 +49,8 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         "movement in margins that there are not",
         0,
     )?;
+    let can_fail = state.setup.mode() == Mode::Exact && sizes.fat > 0;
+    check(state.step.margins_in == 0 || can_fail, "margins that are not used where there are none", 0)?;
     check(state.step.is_known(), "a path that there is not", 0)
 }
 

@@ -25,6 +25,7 @@ use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Route, Stats};
 use crate::objects::intake::ingest;
+use crate::objects::margins;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{OneStep, Stage};
@@ -74,12 +75,16 @@ impl<I: Index> World<'_, I> {
     /// All pairs of the boxes as they are now, and which of them are new or gone.
     fn find(
         parts: &mut Parts<'_, I>,
-        settled: Option<u32>,
+        mut settled: Option<u32>,
         shared: bool,
         context: StepContext<'_>,
     ) -> Result<(), Error> {
         let moved = parts.moved.count();
-
+        if cfg!(feature = "large") && policy::is_margin_useless(parts, moved) {
+            margins::leave_unused(parts);
+            // The records are those of the fat boxes.
+            settled = None;
+        }
         let mut route = policy::choose(parts, moved);
         if cfg!(feature = "large") && parts.state.pairs.unproven != 0 {
             route = recount::prove(parts, route, moved, context);

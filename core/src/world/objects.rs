@@ -8,7 +8,7 @@ use crate::geometry::aabb::{Aabb, Boxes};
 use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
 use crate::lists::links;
-use crate::objects::margin_length;
+use crate::objects::margins::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
 impl<'m, I: Index> World<'m, I> {
@@ -43,7 +43,7 @@ impl<'m, I: Index> World<'m, I> {
         if let Some(margin) = self.parts.boxes.margins.get_mut(slot) {
             *margin = length;
             let bounds = self.parts.boxes.now.at(slot);
-            self.parts.objects().anchor(slot, bounds, length);
+            self.parts.objects().anchor(slot, bounds);
             self.parts.state.objects.dirty = 1;
         }
         Ok(())

@@ -73,7 +73,7 @@ impl State {
             setup: self.setup,
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
             pairs: PairState { swapped: self.pairs.swapped, ..other.pairs.reported_alone() },
-            step: StepState { calm: 0, kept: 0, ..other.step },
+            step: StepState { calm: 0, kept: 0, margins_in: 0, ..other.step },
             objects: other.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             faults: self.faults,

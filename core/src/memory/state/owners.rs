@@ -167,10 +167,14 @@ pub(crate) struct StepState {
     pub(super) leaves: u32,
     pub(super) rebalanced: u32,
     /// Steps in a row in which few objects have moved.
-    pub(crate) calm: u16,
+    pub(crate) calm: u8,
+    /// Steps until margins are used again; zero where they are.
+    pub(crate) margins_in: u8,
+    /// How much more often than not many objects have moved in spite of their margins lately.
+    pub(crate) margins_failed: u8,
     /// Zero where the next intake has no leaves to bring boxes to; else one more than the full steps that have kept the leaves since
     /// all of them were filled.
-    pub(crate) kept: u16,
+    pub(crate) kept: u8,
     /// The path, eight bits above it the reason, and above that whether the step was shared, and whether its resolution was
     /// coarse.
     pub(super) chosen: u32,

@@ -1,0 +1,104 @@
+//! Fat boxes: an object counts as moved when its box leaves the one that was anchored around it (paper, section III.B; erratum
+//! E2). In exact mode margins are left unused for a while where most objects move out of theirs all the time: then they only make
+//! the boxes that are swept larger.
+
+use crate::access::Access;
+use crate::config::{Margin, Mode};
+use crate::geometry::key::{KeyBox, length};
+use crate::id::Index;
+use crate::memory::slab::Parts;
+use crate::simd::{MAXIMA, MINIMA, Simd};
+
+/// The fat boxes of some consecutive slots; none in a world without margins.
+pub(crate) struct FatBoxes<'o> {
+    pub(crate) boxes: &'o mut [KeyBox],
+    pub(crate) margins: &'o [f32],
+    pub(crate) fixed_margins: bool,
+    /// Whether margins are left unused for now: fat boxes are the boxes then.
+    pub(crate) unused: bool,
+    pub(crate) motions: Motions,
+}
+
+/// What new boxes meant to objects with margins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Motions {
+    /// Whether a box changed inside its fat box, which then stays.
+    pub(crate) moved_inside_margin: bool,
+    /// Boxes that were farther from the last one than the margin.
+    pub(crate) outran: u32,
+}
+
+impl FatBoxes<'_> {
+    /// Whether the world has margins.
+    #[inline(always)]
+    pub(crate) fn exist(&self) -> bool {
+        !self.boxes.is_empty()
+    }
+
+    /// The box that a result speaks of, of an object whose box as given is known.
+    #[inline(always)]
+    pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
+        if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
+    }
+
+    /// Anchors the fat box of an object at its box.
+    pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
+        let margin = if self.unused { 0.0 } else { self.margins.at(at) };
+        self.boxes.put(at, bounds.grown(margin));
+    }
+
+    /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box.
+    #[inline(always)]
+    pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, keys: S::Keys) -> bool {
+        let fat = simd.keys(KeyBox::of(self.boxes, at));
+        let outside = simd.above(fat, keys) & MINIMA | simd.above(keys, fat) & MAXIMA;
+        let inside = outside == 0 && !self.unused;
+        if inside && (self.fixed_margins || !simd.dwarfs(fat, keys, self.margins.at(at))) {
+            self.motions.moved_inside_margin = true;
+            return true;
+        }
+        self.leave(at, old, &simd.bounds(keys));
+        false
+    }
+
+    /// Anchors a fat box anew that no longer holds its box, or is too large for it.
+    #[inline(never)]
+    fn leave(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
+        let margin = if self.unused { 0.0 } else { self.margins.at(at) };
+        // The last box says how fast the object is: a margin around it would not have held this one either.
+        let outran = !self.unused && !self.fixed_margins && !old.grown(margin).contains(bounds);
+        self.motions.outran += u32::from(outran);
+        self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
+    }
+}
+
+/// Makes all fat boxes those that they are anchored at. Who had another one counts as moved. O(slots).
+#[cold]
+#[inline(never)]
+pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
+    for slot in 0..parts.state.objects.slots as usize {
+        let now = parts.boxes.now.at(slot);
+        if !now.is_empty() && parts.boxes.fat.at(slot) != now {
+            parts.objects().touch(slot);
+            parts.boxes.fat.put(slot, now);
+        }
+    }
+}
+
+/// How many times the smallest side of a box its margin takes it to be large at most: a wide plane needs no wide margin.
+const FLATTEST: f32 = 8.0;
+
+/// The length that a margin means for a box (erratum E2). What is unbounded has no size that it could be a share of.
+pub(crate) fn margin_length(margin: &Margin, bounds: &KeyBox) -> f32 {
+    let largest = bounds.largest_extent();
+    let mut smallest = f32::MAX;
+    for k in 0..3 {
+        let side = length(bounds.min[k], bounds.max[k]);
+        // A flat box has a size on its other axes.
+        if side > 0.0 && side < smallest {
+            smallest = side;
+        }
+    }
+    let size = if largest > f32::MAX { 0.0 } else { largest.min(FLATTEST * smallest) };
+    (margin.per_extent * size).max(margin.min).min(margin.max)
+}
