@@ -11,6 +11,7 @@ a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as
 for one of those of games, as in town:28000 (`trisap run --help` lists them)
   --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
+  --margin SHARE        the margin of trisap's objects as a share of their extent, in exact mode; by default none
   --movers N            only N objects move, and only their boxes are handed over, to peers that can be told of few
   --threads 1|2         threads for trisap and for the peers; peers without threads are left out at 2
   --peers A,B           only peers whose names contain one of these
@@ -36,6 +37,8 @@ pub(crate) struct Options {
     /// `None`: the best of this CPU.
     pub(crate) kernels: Option<String>,
     pub(crate) events: Events,
+    /// Of the objects of trisap, a share of their extent.
+    pub(crate) margin: Option<f32>,
     /// How many objects move; `None`: all.
     pub(crate) movers: Option<usize>,
     pub(crate) threads: u32,
@@ -55,6 +58,7 @@ impl Options {
             scenes: Vec::new(),
             kernels: None,
             events: Events::Auto,
+            margin: None,
             movers: None,
             threads: 1,
             table: false,
@@ -76,6 +80,11 @@ impl Options {
                         "off" => Events::Off,
                         other => return Err(format!("--events {other}: auto, on or off")),
                     }
+                }
+                "--margin" => {
+                    let share = value()?;
+                    options.margin =
+                        Some(share.parse().map_err(|_| format!("--margin {share}: a share of the extent"))?);
                 }
                 "--threads" => {
                     options.threads = match value()?.as_str() {

@@ -6,7 +6,9 @@ use crate::{
     recording::Padded,
 };
 use rayon::ThreadPoolBuilder;
-use trisap::{Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, OwnedWorld, Rayon, Serial};
+use trisap::{
+    Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, Margin, OwnedWorld, Rayon, Serial,
+};
 
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
 pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
@@ -59,6 +61,11 @@ impl<I: Index> Ours<I> {
         let mut config = Config::new(capacity).with_workers(options.threads);
         if events {
             config = config.with_events();
+        }
+        if let Some(share) = options.margin {
+            // The surplus needs room as well.
+            config.capacity = capacity.with_pairs(capacity.pairs.saturating_mul(2));
+            config = config.with_margin(Margin::share(share));
         }
         let boxes: Vec<Aabb> = boxes.iter().map(aabb).collect();
         let build = || {
