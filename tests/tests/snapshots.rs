@@ -1,11 +1,11 @@
 //! Snapshots: a world that is loaded goes on as the one that was saved, byte for byte; and bytes that
 //! are no snapshot are refused. What is forged with care is in `forged`.
 
-use trisap_core::{Boxes, Capacity, Config, Error, Field, Index, Margin, Mode, World};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Field, Index, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
-use trisap_tests::scenes::{self, Brownian, Rng};
+use trisap_tests::scenes::{self, Brownian, Rng, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 /// At any point of a life: a snapshot goes to a world that has lived otherwise, with other workers, and both go on alike;
@@ -207,4 +207,49 @@ fn a_snapshot_is_small() {
         println!("{name}: {sizes:?}, {:.1} bytes an object when settled", sizes[7] as f64 / COUNT as f64);
         assert!(name != "plain" || sizes[7] <= 64 * COUNT, "{sizes:?}");
     }
+}
+
+/// While a world leaves its margins unused it is saved, loaded, changed one by one, shifted and moved as any: all steps are
+/// checked, also those after it uses them again.
+#[test]
+fn margins_that_are_left_unused_are_no_special_case() {
+    const COUNT: usize = 700;
+    let config = Config::new(ample(COUNT + 50, 40 * COUNT)).with_margin(Margin::length(0.1)).with_events();
+    let mut larger = config;
+    larger.capacity = ample(2 * COUNT, 80 * COUNT);
+    let (mut slab, mut other) = (Slab::new::<u32>(&config), Slab::new::<u32>(&larger));
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    let boxes = uniform(COUNT, 4);
+    let mut ids = checked.insert_many(&boxes);
+    let mut along = 0.0;
+    let mut steps = |checked: &mut Checked<'_, u32>, count: usize, speed: f32| {
+        for _ in 0..count {
+            along += speed;
+            let frame: Vec<Aabb> = boxes.iter().map(|b| shifted(b, [along, 0.0, 0.0])).collect();
+            checked.step_over(&frame, Setup::REFERENCE);
+        }
+        along
+    };
+    steps(&mut checked, 10, 0.2);
+    assert_eq!(checked.world().stats().surplus, 0, "margins are not used");
+    let saved = checked.save();
+    steps(&mut checked, 3, 0.2);
+    let expected = checked.world().stats();
+    checked.load(&saved);
+    checked.remove(ids[3]);
+    ids[3] = checked.insert(boxes[3]);
+    checked.set_margin(ids[5], 0.3);
+    steps(&mut checked, 3, 0.2);
+    assert_eq!(checked.world().stats().pairs, expected.pairs);
+    checked.world_mut().validate().expect("a good world");
+    // To a larger world, where margins are used from the start.
+    let model = checked.model().clone();
+    let world = checked.world().move_into(other.bytes_mut(), &larger).expect("room");
+    let mut moved = Checked::resume(world, model);
+    steps(&mut moved, 2, 0.001);
+    assert!(moved.world().stats().surplus > 0, "margins are used");
+    // And in the old one after some time.
+    steps(&mut checked, 70, 0.001);
+    assert!(checked.world().stats().surplus > 0, "margins are used again");
+    checked.world_mut().validate().expect("a good world");
 }

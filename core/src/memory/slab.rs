@@ -60,7 +60,8 @@ pub(crate) struct BoxParts<'m> {
     /// With events: the boxes that the last complete step reported, of those who have [changed](Parts::changed) since; empty for
     /// objects that are new since. Of others what the step reports now, unless they are [outdated](Parts::outdated).
     pub(crate) before: &'m mut [KeyBox],
-    /// Whether a step sweeps the boxes as given though there are fat ones.
+    /// Whether the boxes as given are swept though there are fat ones, which mean nothing then: in a step, or as long as margins are
+    /// left unused.
     pub(crate) tight: bool,
 }
 
@@ -226,6 +227,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
         let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
         let (swapped, blocks) = (state.pairs.swapped != 0, sizes.event_blocks);
+        let unused = state.step.margins_in > 0;
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
         // A struct's fields are evaluated in the order in which they are written here.
         let tree = TreeParts {
@@ -250,7 +252,7 @@ impl<'m, I: Index> Parts<'m, I> {
         }
         Some(Self {
             state,
-            boxes: BoxParts { now, fat, margins, before, tight: false },
+            boxes: BoxParts { now, fat, margins, before, tight: unused },
             former,
             filters,
             generations,
@@ -355,7 +357,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Whether steps find overlaps of fat boxes that are no pairs.
     pub(crate) fn has_surplus(&self) -> bool {
-        self.mode() == Mode::Exact && !self.boxes.fat.is_empty()
+        self.mode() == Mode::Exact && !self.boxes.fat.is_empty() && !self.boxes.tight
     }
 }
 

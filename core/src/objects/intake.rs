@@ -37,15 +37,15 @@ pub(crate) fn ingest<I: Index>(
     executor: &dyn Executor,
 ) -> Intake {
     let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
-    let unused = parts.state.step.margins_in > 0;
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     if parts.sizes.is_small() {
         let now = parts.boxes.now.span_mut(0, slots);
-        let (fat, margins) = (&mut *parts.boxes.fat, &*parts.boxes.margins);
+        let margins = &*parts.boxes.margins;
         let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
         let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, fixed_margins, unused, motions: Motions::default() };
+        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
         let objects = Objects { now, fat, moved, changed, before, mode };
         return kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing });
     }
@@ -62,7 +62,7 @@ pub(crate) fn ingest<I: Index>(
     // Records of neighbouring blocks stand side by side in the leaves.
     let claims = Ends::new((
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
-        (Chunks::optional(parts.boxes.fat, len), Chunks::optional(parts.boxes.before, len)),
+        (Chunks::optional(fat, len), Chunks::optional(parts.boxes.before, len)),
         (parts.moved.blocks(len), parts.changed.blocks(len)),
         Chunks::new(parts.order[1].span_mut(0, slots), len),
         Chunks::new(&mut found, 1),
@@ -72,7 +72,7 @@ pub(crate) fn ingest<I: Index>(
         while let Some((block, (now, (fat, before), (moved, changed), left, found))) = claims.claim(end) {
             let first = block * len;
             let margins = margins.get(first..).unwrap_or_default();
-            let fat = FatBoxes { boxes: fat, margins, fixed_margins, unused, motions: Motions::default() };
+            let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
             let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
             let resting = resting.get(first / 32..).unwrap_or_default();
             found.fill(if settle {

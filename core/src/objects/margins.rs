@@ -9,13 +9,11 @@ use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::{MAXIMA, MINIMA, Simd};
 
-/// The fat boxes of some consecutive slots; none in a world without margins.
+/// The fat boxes of some consecutive slots; none in a world without margins, or that leaves them unused.
 pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
     pub(crate) margins: &'o [f32],
     pub(crate) fixed_margins: bool,
-    /// Whether margins are left unused for now: fat boxes are the boxes then.
-    pub(crate) unused: bool,
     pub(crate) motions: Motions,
 }
 
@@ -43,8 +41,7 @@ impl FatBoxes<'_> {
 
     /// Anchors the fat box of an object at its box.
     pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
-        let margin = if self.unused { 0.0 } else { self.margins.at(at) };
-        self.boxes.put(at, bounds.grown(margin));
+        self.boxes.put(at, bounds.grown(self.margins.at(at)));
     }
 
     /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box.
@@ -52,8 +49,7 @@ impl FatBoxes<'_> {
     pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, keys: S::Keys) -> bool {
         let fat = simd.keys(KeyBox::of(self.boxes, at));
         let outside = simd.above(fat, keys) & MINIMA | simd.above(keys, fat) & MAXIMA;
-        let inside = outside == 0 && !self.unused;
-        if inside && (self.fixed_margins || !simd.dwarfs(fat, keys, self.margins.at(at))) {
+        if outside == 0 && (self.fixed_margins || !simd.dwarfs(fat, keys, self.margins.at(at))) {
             self.motions.moved_inside_margin = true;
             return true;
         }
@@ -64,15 +60,15 @@ impl FatBoxes<'_> {
     /// Anchors a fat box anew that no longer holds its box, or is too large for it.
     #[inline(never)]
     fn leave(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
-        let margin = if self.unused { 0.0 } else { self.margins.at(at) };
+        let margin = self.margins.at(at);
         // The last box says how fast the object is: a margin around it would not have held this one either.
-        let outran = !self.unused && !self.fixed_margins && !old.grown(margin).contains(bounds);
+        let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
         self.motions.outran += u32::from(outran);
         self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
     }
 }
 
-/// Makes all fat boxes those that they are anchored at. Who had another one counts as moved. O(slots).
+/// Leaves margins unused from now on. Who had one counts as moved. O(slots).
 #[cold]
 #[inline(never)]
 pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
@@ -80,9 +76,20 @@ pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
         let now = parts.boxes.now.at(slot);
         if !now.is_empty() && parts.boxes.fat.at(slot) != now {
             parts.objects().touch(slot);
-            parts.boxes.fat.put(slot, now);
         }
     }
+    parts.boxes.tight = true;
+}
+
+/// Uses margins again: objects have one from their next box on. O(slots).
+#[cold]
+#[inline(never)]
+pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
+    let slots = parts.state.objects.slots as usize;
+    for (fat, now) in parts.boxes.fat.iter_mut().zip(parts.boxes.now.span(0, slots)) {
+        *fat = if now.is_empty() { KeyBox::EMPTY } else { *now };
+    }
+    parts.boxes.tight = false;
 }
 
 /// How many times the smallest side of a box its margin takes it to be large at most: a wide plane needs no wide margin.

@@ -29,10 +29,9 @@ impl<I: Index> Parts<'_, I> {
     /// What all slots' arrays say about one object.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
         let fat = FatBoxes {
-            boxes: self.boxes.fat,
+            boxes: if self.boxes.tight { &mut [] } else { self.boxes.fat },
             margins: self.boxes.margins,
             fixed_margins: self.state.setup.has_fixed_margins(),
-            unused: self.state.step.margins_in > 0,
             motions: Motions::default(),
         };
         Objects {
@@ -112,7 +111,9 @@ impl Objects<'_> {
     /// Anchors the fat box at the current box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
         self.touch(at);
-        self.fat.anchor(at, &bounds);
+        if self.fat.exist() {
+            self.fat.anchor(at, &bounds);
+        }
     }
 
     /// The object goes; `next` is the free slot behind it.

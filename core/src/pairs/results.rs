@@ -38,13 +38,12 @@ pub(crate) fn sort_out<I: Index>(
     if events {
         parts.output.segments.forget();
     }
+    let has_surplus = parts.has_surplus();
     let mode = parts.state.setup.mode();
     let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
     let parked = parts.state.pairs.parked as usize;
     let pairs = parts.output.pairs.span_mut(parked, swept - parked);
-    let margins = !parts.boxes.fat.is_empty() && parts.state.step.margins_in == 0;
-    let result =
-        if mode == Mode::Exact && margins { partition(context, pairs, Overlap(now)) } else { pairs.len() };
+    let result = if has_surplus { partition(context, pairs, Overlap(now)) } else { pairs.len() };
     let mut persisting = result;
     parts.state.pairs.lost = 0;
     if events {

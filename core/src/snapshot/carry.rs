@@ -3,6 +3,7 @@
 use crate::access::{Access, bits};
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
+use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
@@ -86,6 +87,7 @@ fn of_the_step_before(state: &State) -> u64 {
 pub(super) fn carry<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let state = from.state();
     *to.state = to.state.with_objects_of(state);
+    to.boxes.tight = false;
     objects(from, to);
     sets(from, to);
     pairs(from, to);
@@ -112,7 +114,8 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         to.boxes.now.put(slot, from.now(slot));
         to.generations.put(slot, from.generation(slot));
         if !to.boxes.fat.is_empty() {
-            to.boxes.fat.put(slot, from.fat(slot));
+            let fat = from.fat(slot);
+            to.boxes.fat.put(slot, if fat.is_empty() { KeyBox::EMPTY } else { fat });
             to.boxes.margins.put(slot, from.margin(slot));
         }
         if !to.filters.of.is_empty() {

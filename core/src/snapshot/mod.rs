@@ -194,7 +194,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     let kept = |room: usize, count: usize| if room > 0 { count } else { 0 };
     to.section(&[state.portable()]);
     to.section(parts.boxes.now.span(0, slots));
-    to.section(parts.boxes.fat.span(0, kept(sizes.fat, slots)));
+    to.section(parts.boxes.swept().span(0, kept(sizes.fat, slots)));
     to.section(parts.boxes.margins.span(0, kept(sizes.fat, slots)));
     to.section(parts.filters.of.span(0, kept(sizes.filters, slots)));
     to.section(parts.filters.classes);

@@ -20,6 +20,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     state.adopt(parts.state);
     state.pairs.unproven = 1;
     *parts.state = state;
+    parts.boxes.tight = state.step.margins_in > 0;
     stored.now.copy_to(parts.boxes.now, KeyBox::EMPTY);
     stored.fat.copy_to(parts.boxes.fat, KeyBox::EMPTY);
     stored.margins.copy_to(parts.boxes.margins, 0.0);

@@ -6,6 +6,7 @@ use crate::id::Index;
 use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Reason, Route};
+use crate::objects::margins;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::tree::balance;
@@ -23,26 +24,31 @@ const MARGINS_PAUSE: u8 = 64;
 /// Three steps of many movers in a row, or as many more than others, say that margins do not help.
 const MARGINS_FAIL: u8 = 6;
 
-/// Whether margins are to be left unused from this step on: most objects move out of theirs all the time, so that each step is a
-/// full one, of larger boxes. Counts the steps until they are tried again. Where results speak of fat boxes, and where the caller
-/// has fixed the margins, they are used always.
-pub(crate) fn is_margin_useless<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
+/// Leaves margins unused from this step on where most objects move out of theirs all the time, so that each step is a full one, of
+/// larger boxes; and uses them again after some steps. Returns whether other boxes are swept now than objects were placed by. Where
+/// results speak of fat boxes, and where the caller has fixed the margins, they are used always.
+pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
+    let step = &mut parts.state.step;
+    if step.margins_in > 0 {
+        step.margins_in -= 1;
+        if step.margins_in == 0 {
+            margins::use_again(parts);
+        }
+        return false;
+    }
     let fixed = parts.state.setup.has_fixed_margins() || parts.state.setup.movers_only().fixed().is_some();
     if !parts.has_surplus() || fixed || parts.state.objects.live as usize <= ONE_LEAF {
         return false;
     }
     let many = moved > parts.state.objects.live / MOVERS_SHARE;
     let step = &mut parts.state.step;
-    if step.margins_in > 0 {
-        step.margins_in -= 1;
-        return false;
-    }
-    step.margins_failed =
+    let failed =
         if many { step.margins_failed.saturating_add(2) } else { step.margins_failed.saturating_sub(1) };
-    let useless = many && step.margins_failed >= MARGINS_FAIL;
+    let useless = many && failed >= MARGINS_FAIL;
+    step.margins_failed = if useless { 0 } else { failed };
     if useless {
-        step.margins_failed = 0;
         step.margins_in = MARGINS_PAUSE;
+        margins::leave_unused(parts);
     }
     useless
 }

@@ -74,7 +74,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let node = (1usize << parts.state.tree.depth) + whole;
     let first = whole * SUB_LEAVES;
     let leaf = parts.tree.leaves.at(first);
-    let boxes = if parts.boxes.fat.is_empty() { &*parts.boxes.now } else { &*parts.boxes.fat };
+    let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
     divide(tree.planes, node, SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
     let frame = tree.frames.at(whole);

@@ -114,7 +114,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 
     #[inline(always)]
     fn fat(&self, slot: usize) -> KeyBox {
-        self.0.boxes.fat.at(slot)
+        self.0.boxes.swept().at(slot)
     }
 
     fn margin(&self, slot: usize) -> f32 {

@@ -27,11 +27,14 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
         }
         if content.sizes().fat > 0 {
             let fat = content.fat(slot);
-            let fine =
-                if now.is_empty() { fat == KeyBox::EMPTY } else { fat.is_valid() && fat.contains(&now) };
+            let fine = if state.step.margins_in > 0 {
+                fat == now
+            } else if now.is_empty() {
+                fat == KeyBox::EMPTY
+            } else {
+                fat.is_valid() && fat.contains(&now)
+            };
             check(fine, "a fat box does not hold its box", slot)?;
-            let used = state.step.margins_in == 0;
-            check(used || now.is_empty() || fat == now, "a margin that is not used", slot)?;
             check(Margin::length(content.margin(slot)).is_valid(), "a margin is none", slot)?;
         }
         if content.sizes().filters > 0 {

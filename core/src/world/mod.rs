@@ -25,7 +25,6 @@ use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Route, Stats};
 use crate::objects::intake::ingest;
-use crate::objects::margins;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{OneStep, Stage};
@@ -80,9 +79,7 @@ impl<I: Index> World<'_, I> {
         context: StepContext<'_>,
     ) -> Result<(), Error> {
         let moved = parts.moved.count();
-        if cfg!(feature = "large") && policy::is_margin_useless(parts, moved) {
-            margins::leave_unused(parts);
-            // The records are those of the fat boxes.
+        if cfg!(feature = "large") && policy::weigh_margins(parts, moved) {
             settled = None;
         }
         let mut route = policy::choose(parts, moved);

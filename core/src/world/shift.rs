@@ -61,7 +61,8 @@ impl<I: Index> World<'_, I> {
             let (now, exact) = shifted(now, by);
             parts.boxes.now.put(slot, now);
             // Rounding keeps the order of numbers, so that the fat box still holds the box.
-            if let Some(fat) = parts.boxes.fat.get_mut(slot) {
+            let fat = if parts.boxes.tight { None } else { parts.boxes.fat.get_mut(slot) };
+            if let Some(fat) = fat {
                 (*fat, _) = shifted(*fat, by);
             }
             rounded += u32::from(!exact);
