@@ -243,7 +243,7 @@ typedef struct trisap_config {
     /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
     uint32_t fixed_margins;
     /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
-    /// most one in nine has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
+    /// most one in sixteen has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
     /// anew, also where nothing has moved.
     uint32_t movers_only;
     /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second

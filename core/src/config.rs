@@ -164,7 +164,7 @@ pub struct Config {
     /// one needs a buffer to merge their pairs.
     pub workers: u32,
     /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most
-    /// one in nine has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
+    /// one in sixteen has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
     /// anew, also where nothing has moved, so that the number of movers makes no difference. Up to 512 objects are all swept
     /// where one has moved.
     pub movers_only: Choice,

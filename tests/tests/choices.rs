@@ -90,8 +90,8 @@ fn other_reasons_have_their_names() {
         crowded[..count].fill(boxes[3990]);
         route(world.step_over(&crowded, setup))
     };
-    assert_eq!([200, 500].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);
-    assert_eq!(crowd(900), (Path::Full, Reason::NoRoom));
+    assert_eq!([200, 440].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);
+    assert_eq!(crowd(680), (Path::Full, Reason::NoRoom));
 }
 
 #[test]

@@ -175,7 +175,8 @@ fn boxes_around_members_become_tight_again() {
     for kernels in Kernels::all() {
         for fine in [Choice::Always, Choice::Never] {
             let setup = Setup { kernels, jobs: Jobs::Serial };
-            let config = Config::new(ample(count, 40 * count)).with_fine_leaves(fine);
+            let config =
+                Config::new(ample(count, 40 * count)).with_fine_leaves(fine).with_movers_only(Choice::Always);
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let scene = scenes::uniform(count, 6);

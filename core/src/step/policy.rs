@@ -13,7 +13,7 @@ use crate::tree::balance;
 use crate::tree::subdivide::Subdivide;
 
 /// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
-const MOVERS_SHARE: u32 = 9;
+const MOVERS_SHARE: u32 = 16;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u8 = 2;
