@@ -1,8 +1,8 @@
 //! Carries pairs over from one step to the next, and sets those of resting objects aside, so that a step with few movers does
 //! not touch them (paper, section III.B; erratum E6).
 //!
-//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *awake*; as long
-//! as only awake objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
+//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *active*; as long
+//! as only active objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
 //! another object gets one, the pairs that are parked are looked through for its own, and it is active until far fewer
 //! objects get other boxes than are active.
 //!
@@ -14,7 +14,7 @@ use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
 
-/// So many times as many objects may be awake as have another box, before the others are taken for resting again.
+/// So many times as many objects may be active as have another box, before the others are taken for resting again.
 const ACTIVE_FOR_EACH: u32 = 8;
 
 /// Whether any world parks pairs: a small one does not, and a program for a microcontroller has no other.

@@ -267,7 +267,7 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
             Set::Moved => &self.stored.moved,
             Set::Resting => &self.stored.resting,
             Set::Changed => &self.stored.changed,
-            Set::Awake => &self.stored.active,
+            Set::Active => &self.stored.active,
             Set::Refiltered => &self.stored.refiltered,
             Set::Reused => &self.stored.reused,
         }

@@ -81,13 +81,13 @@ fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let end = surplus_parked.saturating_add(state.pairs.reported);
     let swept = state.pairs.swept;
     check(swept <= sizes.pairs as u64, "more pairs than room", swept as usize)?;
-    check(end <= swept, "more pairs are exact, or surplus and set aside, than swept", swept as usize)?;
+    check(end <= swept, "more pairs are exact, or surplus and parked, than swept", swept as usize)?;
     check(
         surplus_parked <= parked && parked <= end,
-        "more pairs are set aside than there are, or fewer than their surplus",
+        "more pairs are parked than there are, or fewer than their surplus",
         state.pairs.parked as usize,
     )?;
-    check(parked == 0 || sizes.tree > 0, "pairs are set aside without a tree", state.pairs.parked as usize)?;
+    check(parked == 0 || sizes.tree > 0, "pairs are parked without a tree", state.pairs.parked as usize)?;
     let has_surplus = state.setup.mode() == Mode::Exact && sizes.fat > 0;
     check(has_surplus || surplus_parked == 0 && end == swept, "surplus without margins", swept as usize)?;
     check(

@@ -68,7 +68,7 @@ fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid
 fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.objects.slots as usize;
-    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered, Set::Reused] {
+    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Active, Set::Refiltered, Set::Reused] {
         if !slots.is_multiple_of(32) {
             let last = content.word(set, slots / 32).unwrap_or(0);
             check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
