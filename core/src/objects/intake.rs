@@ -62,7 +62,7 @@ pub(crate) fn ingest<I: Index>(
     if settle {
         parts.state.lists.stale = 1;
         for slot in pending_list.span(0, pending) {
-            // Where so many have left that there is no room, nobody looks.
+            // Where so many have left that there is no room, the list is not read.
             if let Some(to) = left.get_mut(end) {
                 *to = *slot;
             }

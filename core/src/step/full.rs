@@ -62,7 +62,7 @@ pub(super) fn full<I: Index>(
     executor.enter(Stage::Sweep);
     let Swept { pairs, work, found, leaves } = sweep(parts, context);
     balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    // Where no leaves were filled nobody can tell who has left one.
+    // Where no leaves were filled, no object can have left one.
     let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
     keep::plan(parts.state, work.tied, left);
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
@@ -73,7 +73,7 @@ pub(super) fn full<I: Index>(
 struct Swept {
     pairs: u64,
     work: Work,
-    /// Of these pairs, where events are told block by block.
+    /// How many of these pairs are found, where the events are those of each block.
     found: Option<u64>,
     leaves: u32,
 }

@@ -7,7 +7,7 @@ use crate::filter::meet;
 use crate::id::{Index, Pair};
 use crate::memory::state::State;
 
-/// Checks each pair by itself: it is one of two slots in order; nobody is active if it is parked; and if nothing has changed
+/// Checks each pair by itself: it is one of two slots in order; neither object is active if it is parked; and if nothing has changed
 /// since, the boxes overlap and the filters agree. O(pairs).
 pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();

@@ -42,7 +42,7 @@ pub struct World<'m, I: Index = u32> {
     pub(crate) kernels: Kernels,
 }
 
-/// From this many objects on a step is shared between workers, where nobody has chosen: below, to hand out the work takes
+/// From this many objects on a step is shared between workers, where no hook decides: below, to hand out the work takes
 /// longer than to do it. Miri is too slow for that many.
 const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 

@@ -81,7 +81,7 @@ impl Setup {
         })
     }
 
-    /// Each by itself, so that nobody reads those that are not asked for. Of no choice, which no world has, the automatic one.
+    /// Each by itself, so that only what is asked for is read. Of no choice, which no world has, the automatic one.
     #[inline(always)]
     pub(crate) fn hooks(&self) -> Hooks {
         let choice = |bits: u32| Choice::from_bits(bits).unwrap_or_default();
