@@ -36,7 +36,8 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
         }
         return false;
     }
-    let fixed = parts.state.setup.has_fixed_margins() || parts.state.setup.movers_only().fixed().is_some();
+    let fixed =
+        parts.state.setup.has_fixed_margins() || parts.state.setup.hooks().movers_only.fixed().is_some();
     if !parts.has_surplus() || fixed || parts.state.objects.live as usize <= ONE_LEAF {
         return false;
     }
