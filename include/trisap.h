@@ -11,6 +11,15 @@
 // - Ids are those of this world: the ids of another one are not told apart from them.
 // - Nobody else writes to the memory of a world.
 // - Callbacks return by no other way than returning: no exception, no longjmp.
+//
+// Any function that returns a status may refuse its arguments: TRISAP_STATUS_NULL_POINTER, _MISALIGNED, _OVERLAP,
+// _INVALID_ARGUMENT for an array that no memory can hold, and _STRUCT_SIZE for a struct that begins with its size. Any that takes
+// a world may refuse that: _NOT_A_WORLD, _BUSY, _CORRUPT. What a function says under "Errors" comes besides.
+//
+// Times are for n living objects.
+//
+// The order is that of use: a configuration, its size, a world, objects, filters, rest, steps and their results, queries, the tree
+// to look at, other origins, other memory, snapshots.
 
 #ifndef TRISAP_H
 #define TRISAP_H
@@ -49,16 +58,6 @@
 /// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
 #define TRISAP_MODE_FAT 1
 
-/// As the counts of a step have it, so that equal calls choose equally on any machine: for `trisap_config::movers_only`,
-/// `fine_leaves` and `sharing`, none of which changes a pair.
-#define TRISAP_CHOICE_AUTOMATIC 0
-
-/// Not at all: for the same.
-#define TRISAP_CHOICE_NEVER 1
-
-/// Wherever it is possible: for the same.
-#define TRISAP_CHOICE_ALWAYS 2
-
 /// Nothing had moved: the pairs stayed.
 #define TRISAP_PATH_UNCHANGED 0
 
@@ -80,13 +79,13 @@
 /// Lists: there were too few objects for a tree.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
-/// Movers: few objects had moved; see `trisap_config`.
+/// Movers: at most one object in nine had moved.
 #define TRISAP_REASON_FEW_MOVERS 2
 
 /// Full: more had moved.
 #define TRISAP_REASON_MANY_MOVERS 3
 
-/// Movers or full: `trisap_config::movers_only` says so.
+/// Movers or full: a test has it so.
 #define TRISAP_REASON_FIXED 4
 
 /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
@@ -242,17 +241,17 @@ typedef struct trisap_config {
     /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
     /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
     uint32_t fixed_margins;
-    /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
-    /// most one in sixteen has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
-    /// anew, also where nothing has moved.
-    uint32_t movers_only;
-    /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
-    /// in a row on, while as few have moved. Always: from the first on.
-    uint32_t fine_leaves;
-    /// Whether steps are shared between workers: one of `TRISAP_CHOICE_...`. Automatic, the default: where there are 4,096
-    /// objects or more. Worlds that are swept box by box never are.
-    uint32_t sharing;
+    /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
+    uint32_t test_hooks;
 } trisap_config;
+
+/// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
+/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, and answers
+/// are not: `trisap_world_contains` is never reported.
+///
+/// If trisap finds a mistake of its own, it is called with `TRISAP_STATUS_OTHER` and a text that names the place in its source, and
+/// then the program is aborted.
+typedef void (*trisap_report)(void *user, trisap_status status, uint64_t detail, const char *text);
 
 /// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
 /// places in items of a fixed size. Filled by `trisap_default_boxes`.
@@ -269,6 +268,21 @@ typedef struct trisap_boxes {
     /// How many items there are.
     size_t count;
 } trisap_boxes;
+
+/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// when its slot is used again.
+typedef uint64_t trisap_id;
+
+/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
+/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+typedef struct trisap_filter {
+    /// The groups that the object is in, one bit each. By default all.
+    uint32_t group;
+    /// The groups that it meets. By default all.
+    uint32_t mask;
+    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    uint32_t object_class;
+} trisap_filter;
 
 /// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
 typedef struct trisap_jobs {
@@ -295,10 +309,6 @@ typedef struct trisap_jobs {
     /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
     void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
 } trisap_jobs;
-
-/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
-/// when its slot is used again.
-typedef uint64_t trisap_id;
 
 /// Two overlapping objects by slot.
 typedef struct trisap_pair {
@@ -338,6 +348,21 @@ typedef struct trisap_result {
     /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
     uint64_t pairs_needed;
 } trisap_result;
+
+/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+///
+/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
+/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
+
+/// Two objects by id.
+typedef struct trisap_id_pair {
+    /// The object in the lower slot.
+    trisap_id a;
+    /// The object in the higher slot.
+    trisap_id b;
+} trisap_id_pair;
 
 /// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
 /// Made by `trisap_default_stats`.
@@ -389,60 +414,6 @@ typedef struct trisap_stats {
     uint64_t surplus;
 } trisap_stats;
 
-/// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
-/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, and answers
-/// are not: `trisap_world_contains` is never reported.
-///
-/// If trisap finds a mistake of its own, it is called with `TRISAP_STATUS_OTHER` and a text that names the place in its source, and
-/// then the program is aborted.
-typedef void (*trisap_report)(void *user, trisap_status status, uint64_t detail, const char *text);
-
-/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
-/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
-typedef struct trisap_filter {
-    /// The groups that the object is in, one bit each. By default all.
-    uint32_t group;
-    /// The groups that it meets. By default all.
-    uint32_t mask;
-    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
-    uint32_t object_class;
-} trisap_filter;
-
-/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
-///
-/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
-/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
-typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
-
-/// Two objects by id.
-typedef struct trisap_id_pair {
-    /// The object in the lower slot.
-    trisap_id a;
-    /// The object in the higher slot.
-    trisap_id b;
-} trisap_id_pair;
-
-/// A leaf of the tree.
-typedef struct trisap_leaf {
-    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
-    struct trisap_aabb cell;
-    /// The objects that were in it at the last step.
-    uint32_t objects;
-} trisap_leaf;
-
-/// A plane of the tree.
-typedef struct trisap_plane {
-    /// The part of space that it divides; infinite at the rim.
-    struct trisap_aabb cell;
-    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
-    uint32_t axis;
-    /// Where it stands on that axis.
-    float position;
-    /// How many planes are above it.
-    uint32_t depth;
-} trisap_plane;
-
 /// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
 /// `trisap_region_point` or `trisap_region_sphere`.
 typedef struct trisap_region {
@@ -482,6 +453,26 @@ typedef struct trisap_hit {
 /// less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
+/// A leaf of the tree.
+typedef struct trisap_leaf {
+    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    struct trisap_aabb cell;
+    /// The objects that were in it at the last step.
+    uint32_t objects;
+} trisap_leaf;
+
+/// A plane of the tree.
+typedef struct trisap_plane {
+    /// The part of space that it divides; infinite at the rim.
+    struct trisap_aabb cell;
+    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    uint32_t axis;
+    /// Where it stands on that axis.
+    float position;
+    /// How many planes are above it.
+    uint32_t depth;
+} trisap_plane;
+
 /// The id of no object.
 #define TRISAP_NULL_ID 0
 
@@ -489,82 +480,81 @@ typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 extern "C" {
 #endif // __cplusplus
 
-/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else.
-TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
+/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_abi_version(void)
+TRISAP_NOEXCEPT;
 
-/// The version of the linked library, as "1.2.3".
+/// The version of the linked library, as "1.2.3". O(1).
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512". It changes the speed and nothing else.
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. It
+/// changes the speed and nothing else. O(1).
 TRISAP_NODISCARD
 const char *trisap_instruction_set(void)
 TRISAP_NOEXCEPT;
 
-/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
-TRISAP_NODISCARD const char *trisap_status_text(int32_t status) TRISAP_NOEXCEPT;
+/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status. O(1).
+TRISAP_NODISCARD
+const char *trisap_status_text(int32_t status)
+TRISAP_NOEXCEPT;
 
-/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
-/// numbers; of null, a box that is refused.
+/// The least box in `f32` that holds a box in `f64`, seen from `origin`. Minima are rounded down and maxima up, so
+/// boxes that overlap in `f64` overlap in `f32` too; nearest rounding would lose pairs far from the origin. All three
+/// arguments are three numbers. O(1).
 ///
-/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
-/// the `f64` box, so that the rounding comes after it.
+/// Keep `origin` near the objects: far from it precision is lost, never a pair. Add a margin of your own to the `f64`
+/// box, so that the rounding comes after it.
+///
+/// Where an argument is null, or a number is NaN, the result is a box that every function refuses.
 TRISAP_NODISCARD
 struct trisap_aabb trisap_aabb_from_f64(const double *min,
                                         const double *max,
                                         const double *origin)
 TRISAP_NOEXCEPT;
 
-/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
-/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
-/// 126 fraction bits, a box that is refused.
+/// The least box that holds a box in fixed point: integers that count `2^-fraction_bits` each. It takes integer
+/// operations alone, and is exact where 24 significant bits suffice, rounded outward beyond. Both corners are three
+/// numbers. O(1).
+///
+/// Where an argument is null, or there are more than 126 fraction bits, the result is a box that every function
+/// refuses.
 TRISAP_NODISCARD
 struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
                                           const int32_t *max,
                                           uint32_t fraction_bits)
 TRISAP_NOEXCEPT;
 
-/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
-/// no margin, one worker.
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no
+/// filters, no margin, one worker. O(1).
 TRISAP_NODISCARD
 struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
 
-/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
-/// `max_offset`.
-TRISAP_NODISCARD
-struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
-                                         size_t count)
-TRISAP_NOEXCEPT;
-
-/// A job system of one worker, to be filled in.
-TRISAP_NODISCARD struct trisap_jobs trisap_default_jobs(void) TRISAP_NOEXCEPT;
-
-/// An empty result.
-TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEPT;
-
-/// Statistics of no step.
-TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
-
-/// Has a function called with every refusal, of all worlds; `user` is handed to it. Null ends that. To be set before other threads
-/// call trisap.
+/// Has a function called with every refusal, of all worlds. `user` is handed to it; null ends the reports. Set it
+/// before other threads call trisap. O(1).
 void trisap_set_report(trisap_report report,
                        void *user)
 TRISAP_NOEXCEPT;
 
-/// The bytes of memory that a world of this configuration needs, or 0 where there can be none: `trisap_world_init` then
-/// says why. Grows linearly with objects, leaf references and pairs.
+/// The bytes of memory that a world of this configuration needs. They grow linearly with objects, leaf references and
+/// pairs. O(1).
+///
+/// 0 where there can be no such world: `trisap_world_init` says why.
 TRISAP_NODISCARD
 size_t trisap_world_size(const struct trisap_config *config)
 TRISAP_NOEXCEPT;
 
-/// The boundary that the memory of a world starts on: 64 bytes.
+/// The boundary that the memory of a world starts on: 64 bytes. O(1).
 TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
 
-/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`.
+/// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`. O(bytes).
 ///
-/// What was in the memory does not matter: so a world is cleared, too. What is beyond `trisap_world_size()` is not
-/// touched. Nothing is allocated, neither here nor later. O(bytes).
+/// What was in the memory does not matter, so this clears a world, too. What is beyond `trisap_world_size()` is not
+/// touched. Nothing is allocated, neither here nor later.
+///
+/// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_INVALID_ARGUMENT`, `TRISAP_STATUS_CAPACITY_TOO_LARGE`,
+/// `TRISAP_STATUS_BAD_MARGIN`. Nothing is written then.
 TRISAP_NODISCARD
 trisap_status trisap_world_init(void *memory,
                                 size_t bytes,
@@ -572,64 +562,29 @@ trisap_status trisap_world_init(void *memory,
                                 struct trisap_world **world)
 TRISAP_NOEXCEPT;
 
-/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is, which is
-/// `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
-///
-/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found and
-/// lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and a step there tells the
-/// events as if there had been room from the beginning. Capacities, workers, the margin of new objects and all choices about speed
-/// may change; mode, events, filters and whether there are margins may not: `TRISAP_STATUS_OTHER_CONFIG`.
-///
-/// Where the world does not fit, the status is `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, and the detail of `from`
-/// says how many would have to fit. After each status but `TRISAP_STATUS_OK` nothing has been written to the memory.
-TRISAP_NODISCARD
-trisap_status trisap_world_move(const struct trisap_world *from,
-                                void *memory,
-                                size_t bytes,
-                                const struct trisap_config *config,
-                                struct trisap_world **world)
-TRISAP_NOEXCEPT;
-
-/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
-///
-/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller, and
-/// checked when they come back, are the snapshots of `trisap_world_save`.
-TRISAP_NODISCARD
-trisap_status trisap_world_open(void *memory,
-                                size_t bytes,
-                                struct trisap_world **world)
-TRISAP_NOEXCEPT;
-
-/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world.
+/// What the status of the last refused call was about: see `trisap_status`. 0 for a null or busy world. O(1).
 TRISAP_NODISCARD uint64_t trisap_world_error_detail(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// The bytes that the world takes of its memory: what a copy for
-/// `trisap_world_open` has to copy. 0 for misuse.
-TRISAP_NODISCARD size_t trisap_world_bytes(const struct trisap_world *world) TRISAP_NOEXCEPT;
-
-/// Writes what the world was made for to `config`.
+/// Writes what the world was made for to `config`, which has to have its `struct_size`. O(1).
 TRISAP_NODISCARD
 trisap_status trisap_world_config(const struct trisap_world *world,
                                   struct trisap_config *config)
 TRISAP_NOEXCEPT;
 
-/// Writes what the last step did to `stats`.
+/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// `max_offset`. O(1).
 TRISAP_NODISCARD
-trisap_status trisap_world_stats(const struct trisap_world *world,
-                                 struct trisap_stats *stats)
+struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
+                                         size_t count)
 TRISAP_NOEXCEPT;
 
-/// Checks every invariant of the world, for debugging what else writes to its memory: `TRISAP_STATUS_CORRUPT` where one
-/// is broken. O(n log n).
-TRISAP_NODISCARD
-trisap_status trisap_world_validate(const struct trisap_world *world)
-TRISAP_NOEXCEPT;
-
-/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
+/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`. O(1).
 TRISAP_NODISCARD uint32_t trisap_id_slot(trisap_id id) TRISAP_NOEXCEPT;
 
 /// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
 /// order from 0. O(1).
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`.
 TRISAP_NODISCARD
 trisap_status trisap_world_insert(struct trisap_world *world,
                                   const struct trisap_aabb *aabb,
@@ -637,6 +592,8 @@ trisap_status trisap_world_insert(struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Gives an object another box. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`. The object keeps its box then.
 TRISAP_NODISCARD
 trisap_status trisap_world_update(struct trisap_world *world,
                                   trisap_id id,
@@ -644,32 +601,43 @@ trisap_status trisap_world_update(struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD trisap_status trisap_world_remove(struct trisap_world *world, trisap_id id) TRISAP_NOEXCEPT;
 
 /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
 /// Does nothing in a world without margins. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_margin(struct trisap_world *world,
                                       trisap_id id,
                                       float length)
 TRISAP_NOEXCEPT;
 
-/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. Where it adds none for the sake of a box or
-/// of the capacity, the ids are null. O(n).
+/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. O(boxes).
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is
+/// about the stride. After the first two the ids are null.
 TRISAP_NODISCARD
 trisap_status trisap_world_insert_many(struct trisap_world *world,
                                        const struct trisap_boxes *boxes,
                                        trisap_id *ids)
 TRISAP_NOEXCEPT;
 
-/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(n).
+/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(boxes).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is about
+/// the stride.
 TRISAP_NODISCARD
 trisap_status trisap_world_update_many(struct trisap_world *world,
                                        const trisap_id *ids,
                                        const struct trisap_boxes *boxes)
 TRISAP_NOEXCEPT;
 
-/// Removes objects, all or none. O(n).
+/// Removes objects, all or none. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`. It is also the status of an id that comes twice.
 TRISAP_NODISCARD
 trisap_status trisap_world_remove_many(struct trisap_world *world,
                                        const trisap_id *ids,
@@ -683,13 +651,15 @@ trisap_status trisap_world_contains(const struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Writes the box of an object, as it was given last, to `aabb`. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD
 trisap_status trisap_world_aabb(const struct trisap_world *world,
                                 trisap_id id,
                                 struct trisap_aabb *aabb)
 TRISAP_NOEXCEPT;
 
-/// The object that lives in `slot`, or `TRISAP_NULL_ID`. O(1).
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer to misuse. O(1).
 TRISAP_NODISCARD
 trisap_id trisap_world_id_at(const struct trisap_world *world,
                              uint32_t slot)
@@ -698,18 +668,23 @@ TRISAP_NOEXCEPT;
 /// Living objects; 0 for misuse. O(1).
 TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// What a new object has: in all groups, meets all groups, class 0.
+/// The filter of a new object: in all groups, meets all groups, class 0. O(1).
 TRISAP_NODISCARD struct trisap_filter trisap_default_filter(void) TRISAP_NOEXCEPT;
 
 /// Sets whom an object meets. Its pairs follow at the next step. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`, `TRISAP_STATUS_BAD_CLASS`.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_filter(struct trisap_world *world,
                                       trisap_id id,
                                       const struct trisap_filter *filter)
 TRISAP_NOEXCEPT;
 
-/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
-/// stride of 0 all get the same one. O(n).
+/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With
+/// a stride of 0 all get the same one. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`, `TRISAP_STATUS_BAD_CLASS`,
+/// `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is about a stride that is not 0 and shorter than a filter.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_filter_many(struct trisap_world *world,
                                            const trisap_id *ids,
@@ -719,36 +694,46 @@ trisap_status trisap_world_set_filter_many(struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Writes whom an object meets to `filter`. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
 trisap_status trisap_world_filter(const struct trisap_world *world,
                                   trisap_id id,
                                   struct trisap_filter *filter)
 TRISAP_NOEXCEPT;
 
-/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
-/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a`
+/// of `meets[b]` says so too; both have to be set. All classes meet at first. The next step looks for all pairs anew.
 /// O(n).
+///
+/// Errors: `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_classes(struct trisap_world *world,
                                        const uint32_t *meets)
 TRISAP_NOEXCEPT;
 
 /// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
 trisap_status trisap_world_refilter(struct trisap_world *world,
                                     trisap_id id)
 TRISAP_NOEXCEPT;
 
-/// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
-/// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
-/// `trisap_world_update_many` wakes. O(n).
+/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps do not look at what
+/// the boxes of `trisap_world_step_over` have for them. `trisap_world_update` and `trisap_world_update_many` wake an
+/// object. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_resting(struct trisap_world *world,
                                        const trisap_id *ids,
                                        size_t count)
 TRISAP_NOEXCEPT;
 
-/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(n).
+/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD
 trisap_status trisap_world_wake(struct trisap_world *world,
                                 const trisap_id *ids,
@@ -761,35 +746,31 @@ uint32_t trisap_world_is_resting(const struct trisap_world *world,
                                  trisap_id id)
 TRISAP_NOEXCEPT;
 
-/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
-/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
-///
-/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
-/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
-/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
-TRISAP_NODISCARD
-trisap_status trisap_world_shift_origin(struct trisap_world *world,
-                                        const double *by,
-                                        uint32_t *rounded)
-TRISAP_NOEXCEPT;
+/// A job system of one worker, to be filled in. O(1).
+TRISAP_NODISCARD struct trisap_jobs trisap_default_jobs(void) TRISAP_NOEXCEPT;
+
+/// An empty result. O(1).
+TRISAP_NODISCARD struct trisap_result trisap_default_result(void) TRISAP_NOEXCEPT;
 
 /// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
-/// everything happens on the calling thread.
+/// everything happens on the calling thread. Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
 ///
-/// Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
-///
-/// After `TRISAP_STATUS_PAIRS_FULL` the result is filled, too.
+/// Errors: `TRISAP_STATUS_PAIRS_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the step has happened, and
+/// the result is filled, too. The second one is about a `worker_count` of 0.
 TRISAP_NODISCARD
 trisap_status trisap_world_step(struct trisap_world *world,
                                 const struct trisap_jobs *jobs,
                                 struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own array:
-/// one pass over it, no copy, no ids. The fastest way where most objects move.
+/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own
+/// array: one pass over it, no copy, no ids. The fastest way where most objects move.
 ///
-/// What stands at the slots of no object does not matter; objects beyond the end of the boxes keep theirs, and so do
+/// What stands at the slots of no object does not matter. Objects beyond the end of the boxes keep theirs, and so do
 /// those whose new box is refused: see `trisap_result::rejected_count`.
+///
+/// Errors: those of `trisap_world_step`; `TRISAP_STATUS_INVALID_ARGUMENT` also for a stride or an offset that boxes
+/// cannot have.
 TRISAP_NODISCARD
 trisap_status trisap_world_step_over(struct trisap_world *world,
                                      const struct trisap_boxes *boxes,
@@ -797,9 +778,11 @@ trisap_status trisap_world_step_over(struct trisap_world *world,
                                      struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
-/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
-/// `trisap_config::filters`.
+/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the
+/// pairs that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in
+/// all.
+///
+/// Errors: those of `trisap_world_step_over`, and `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
 trisap_status trisap_world_step_with_rule(struct trisap_world *world,
                                           const struct trisap_boxes *boxes,
@@ -810,18 +793,21 @@ trisap_status trisap_world_step_with_rule(struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
-/// instance. `rejected_count` is zero.
+/// instance. `rejected_count` is zero. O(1).
 TRISAP_NODISCARD
 trisap_status trisap_world_result(struct trisap_world *world,
                                   struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; what is one of
-/// `TRISAP_PAIRS_...`. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit.
+/// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; `what`
+/// is one of `TRISAP_PAIRS_...`. O(pairs).
 ///
-/// To be asked after a step, before objects come or go: then the pairs are in the order of `trisap_result`, and those that are lost
-/// have the ids of the objects that were the pair, also where they are no more and others have their slots. Pairs of which an object
-/// has been removed since the step are left out, but for the lost ones. O(pairs).
+/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have the
+/// ids of the objects that were the pair, also where these are gone and others have their slots. Other pairs of which
+/// an object has been removed since the step are left out.
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the number is right, and
+/// the room holds as many as fit.
 TRISAP_NODISCARD
 trisap_status trisap_world_pair_ids(const struct trisap_world *world,
                                     uint32_t what,
@@ -830,58 +816,49 @@ trisap_status trisap_world_pair_ids(const struct trisap_world *world,
                                     size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
-/// O(leaves).
+/// Statistics of no step. O(1).
+TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
+
+/// Writes what the last step did to `stats`, which has to have its `struct_size`. O(1).
 TRISAP_NODISCARD
-trisap_status trisap_world_leaves(const struct trisap_world *world,
-                                  struct trisap_leaf *leaves,
-                                  size_t room,
-                                  size_t *count)
+trisap_status trisap_world_stats(const struct trisap_world *world,
+                                 struct trisap_stats *stats)
 TRISAP_NOEXCEPT;
 
-/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
-/// O(leaves log leaves).
-TRISAP_NODISCARD
-trisap_status trisap_world_planes(const struct trisap_world *world,
-                                  struct trisap_plane *planes,
-                                  size_t room,
-                                  size_t *count)
-TRISAP_NOEXCEPT;
+/// Checks every invariant of the world: for debugging what else writes to its memory. O(n log n + pairs).
+///
+/// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
+TRISAP_NODISCARD trisap_status trisap_world_validate(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
-/// and their number to `count`. O(large objects).
-TRISAP_NODISCARD
-trisap_status trisap_world_large(const struct trisap_world *world,
-                                 trisap_id *ids,
-                                 size_t room,
-                                 size_t *count)
-TRISAP_NOEXCEPT;
-
-/// A box to look in. Of null, a region that is refused.
+/// A box to look in. Of null, a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_aabb(const struct trisap_aabb *aabb) TRISAP_NOEXCEPT;
 
-/// A point to look at, of three numbers. Of null, a region that is refused.
+/// A point to look at, of three numbers. Of null, a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_point(const float *position) TRISAP_NOEXCEPT;
 
-/// A ball to look in; its centre is three numbers. Of null, a region that is refused.
+/// A ball to look in; its centre is three numbers. Of null, a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_sphere(const float *center, float radius) TRISAP_NOEXCEPT;
 
-/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is refused.
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is
+/// refused. O(1).
 TRISAP_NODISCARD
 struct trisap_cast trisap_cast_ray(const float *origin,
                                    const float *direction,
                                    float distance)
 TRISAP_NOEXCEPT;
 
-/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused.
+/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused. O(1).
 TRISAP_NODISCARD
 struct trisap_cast trisap_cast_swept(const struct trisap_aabb *start,
                                      const float *direction)
 TRISAP_NOEXCEPT;
 
-/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and their
-/// number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `ids` holds some of them.
-/// O(log n + answers + movers since the last step).
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and
+/// their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) where
+/// the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `ids`
+/// holds some of them.
 TRISAP_NODISCARD
 trisap_status trisap_world_overlaps(const struct trisap_world *world,
                                     const struct trisap_region *region,
@@ -890,8 +867,11 @@ trisap_status trisap_world_overlaps(const struct trisap_world *world,
                                     size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for the
-/// same calls. `user` is handed to the visitor.
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for
+/// the same calls. `user` is handed to the visitor. Expected O(log n + answers + movers since the last step); O(n)
+/// where the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
 trisap_status trisap_world_visit_overlaps(const struct trisap_world *world,
                                           const struct trisap_region *region,
@@ -899,17 +879,22 @@ trisap_status trisap_world_visit_overlaps(const struct trisap_world *world,
                                           void *user)
 TRISAP_NOEXCEPT;
 
-/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where it meets
-/// none, `TRISAP_NULL_ID`.
+/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where
+/// it meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
+/// where the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
 trisap_status trisap_world_first_hit(const struct trisap_world *world,
                                      const struct trisap_cast *cast,
                                      struct trisap_hit *hit)
 TRISAP_NOEXCEPT;
 
-/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near ones by
-/// ascending slot, and their number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `hits` holds some
-/// of them.
+/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near
+/// ones by ascending slot, and their number to `count`. Expected as `trisap_world_first_hit`, and the sort of the hits.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `hits`
+/// holds some of them.
 TRISAP_NODISCARD
 trisap_status trisap_world_hits(const struct trisap_world *world,
                                 const struct trisap_cast *cast,
@@ -918,8 +903,10 @@ trisap_status trisap_world_hits(const struct trisap_world *world,
                                 size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to the
-/// visitor.
+/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to
+/// the visitor. Expected as `trisap_world_first_hit`.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
 trisap_status trisap_world_visit_hits(const struct trisap_world *world,
                                       const struct trisap_cast *cast,
@@ -927,9 +914,12 @@ trisap_status trisap_world_visit_hits(const struct trisap_world *world,
                                       void *user)
 TRISAP_NOEXCEPT;
 
-/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the nearest
-/// first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are no more
-/// objects.
+/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the
+/// nearest first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are
+/// no more objects. Expected O(log n + room log room + movers since the last step); O(n log room) where the last step
+/// had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
 trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    const float *position,
@@ -938,8 +928,11 @@ trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    size_t *count)
 TRISAP_NOEXCEPT;
 
-/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
-/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
+/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
+/// `jobs` may be null. The time is that of the single queries, divided by the workers.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_INVALID_ARGUMENT`. The second one is about a stride or a
+/// `worker_count`. The hits, if anything was written to them, are null then.
 TRISAP_NODISCARD
 trisap_status trisap_world_first_hits(const struct trisap_world *world,
                                       const struct trisap_cast *casts,
@@ -949,13 +942,13 @@ trisap_status trisap_world_first_hits(const struct trisap_world *world,
                                       struct trisap_hit *hits)
 TRISAP_NOEXCEPT;
 
-/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
-/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
-/// null.
+/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
+/// room for `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there
+/// are. `jobs` may be null. The time is that of the single queries, divided by the workers.
 ///
-/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
-/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
-/// written to them.
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the second
+/// one the counts are right, so are the ids of the regions for which `room` was enough, and the detail says how much
+/// room the others need. After the other two the ids are null and the counts zero, if anything was written to them.
 TRISAP_NODISCARD
 trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
                                          const struct trisap_region *regions,
@@ -967,14 +960,99 @@ trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
                                          uint32_t *counts)
 TRISAP_NOEXCEPT;
 
+/// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
+/// O(leaves).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
+TRISAP_NODISCARD
+trisap_status trisap_world_leaves(const struct trisap_world *world,
+                                  struct trisap_leaf *leaves,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
+/// O(leaves log leaves).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
+TRISAP_NODISCARD
+trisap_status trisap_world_planes(const struct trisap_world *world,
+                                  struct trisap_plane *planes,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of
+/// them, and their number to `count`. O(large objects).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
+TRISAP_NODISCARD
+trisap_status trisap_world_large(const struct trisap_world *world,
+                                 trisap_id *ids,
+                                 size_t room,
+                                 size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative
+/// to the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+///
+/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to
+/// overlap. `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of
+/// all coordinates give zero.
+///
+/// Errors: `TRISAP_STATUS_BAD_SHIFT`.
+TRISAP_NODISCARD
+trisap_status trisap_world_shift_origin(struct trisap_world *world,
+                                        const double *by,
+                                        uint32_t *rounded)
+TRISAP_NOEXCEPT;
+
+/// The bytes that the world takes of its memory: what a copy for `trisap_world_open` has to copy. 0 for misuse. O(1).
+TRISAP_NODISCARD
+size_t trisap_world_bytes(const struct trisap_world *world)
+TRISAP_NOEXCEPT;
+
+/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+///
+/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller,
+/// and checked when they come back, are the snapshots of `trisap_world_save`.
+///
+/// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_NOT_A_WORLD`.
+TRISAP_NODISCARD
+trisap_status trisap_world_open(void *memory,
+                                size_t bytes,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
+/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is,
+/// which is `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+///
+/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what
+/// is found and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and
+/// a step there tells the events as if there had been room from the beginning. Capacities, workers and the margin of
+/// new objects may change; mode, events, filters and whether there are margins may not.
+///
+/// Errors: those of `trisap_world_init`, `TRISAP_STATUS_OTHER_CONFIG`, and `TRISAP_STATUS_OBJECTS_FULL` or
+/// `TRISAP_STATUS_PAIRS_FULL` where the world does not fit; the detail of `from` then says how many would have to.
+/// Nothing has been written to the memory then.
+TRISAP_NODISCARD
+trisap_status trisap_world_move(const struct trisap_world *from,
+                                void *memory,
+                                size_t bytes,
+                                const struct trisap_config *config,
+                                struct trisap_world **world)
+TRISAP_NOEXCEPT;
+
 /// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
 TRISAP_NODISCARD size_t trisap_world_snapshot_size(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. After
-/// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. No
+/// alignment is asked for. O(n + pairs).
 ///
-/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
-/// world that has room for it, in any program of the same version, on any machine of the same byte order.
+/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into
+/// any world that has room for it, in any program of the same version, on any machine of the same byte order.
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. Only the length is written then.
 TRISAP_NODISCARD
 trisap_status trisap_world_save(const struct trisap_world *world,
                                 void *snapshot,
@@ -982,14 +1060,17 @@ trisap_status trisap_world_save(const struct trisap_world *world,
                                 size_t *bytes)
 TRISAP_NOEXCEPT;
 
-/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the number of
-/// workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the configuration that it has, or the
-/// status is one of that function. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
-/// any more. O(n + pairs).
+/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the
+/// number of workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the
+/// configuration that it has. The result of its last step comes with it: see `trisap_world_result`. What older results
+/// point to has no meaning any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes: after each status but `TRISAP_STATUS_OK` the world is as it was before,
-/// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
-/// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
+/// All that can be refused is refused before anything changes, also where bytes were forged with a right checksum. What
+/// is loaded is valid, and its steps find all pairs. The first step that would keep pairs without looking at them looks
+/// once whether they are all, which takes several times as long as to find them anew.
+///
+/// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
+/// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.
 TRISAP_NODISCARD
 trisap_status trisap_world_load(struct trisap_world *world,
                                 const void *snapshot,
@@ -1011,7 +1092,7 @@ TRISAP_NOEXCEPT;
 TRISAP_SIZE(trisap_status, 4);
 TRISAP_SIZE(trisap_aabb, 24);
 TRISAP_SIZE(trisap_pair, 8);
-TRISAP_SIZE(trisap_config, 68);
+TRISAP_SIZE(trisap_config, 60);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));

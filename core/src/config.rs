@@ -54,7 +54,7 @@ pub enum Mode {
     Fat,
 }
 
-/// Whether steps do something: as their counts have it, or as the caller has it. Changes no pair, only the time.
+/// Whether something is done: as counts have it, or as the caller has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Choice {
@@ -77,17 +77,54 @@ impl Choice {
         }
     }
 
-    /// What [`from_bits`](Self::from_bits) knows again.
-    pub(crate) const fn bits(self) -> u32 {
-        self as u32
-    }
-
     /// `None` of bits of no choice. Looks at the lowest two.
     pub(crate) const fn from_bits(bits: u32) -> Option<Self> {
         match bits & 3 {
             0 => Some(Self::Automatic),
             1 => Some(Self::Never),
             2 => Some(Self::Always),
+            _ => None,
+        }
+    }
+}
+
+/// What steps otherwise choose by their counts. For tests and measurements: no choice changes a pair. Snapshots do not have it.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hooks {
+    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most one in
+    /// nine has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
+    /// where nothing has moved. Up to 512 objects are all swept where one has moved.
+    pub movers_only: Choice,
+    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while at most one in sixteen has
+    /// moved. Always: from the first one on.
+    pub fine_leaves: Choice,
+    /// Whether steps are shared between the workers of the executor. Automatic: from 4,096 objects on. Worlds that are swept
+    /// box by box never are.
+    pub sharing: Choice,
+}
+
+impl Hooks {
+    /// Steps choose.
+    pub const AUTOMATIC: Self =
+        Self { movers_only: Choice::Automatic, fine_leaves: Choice::Automatic, sharing: Choice::Automatic };
+    /// The bits that [`bits`](Self::bits) uses.
+    pub(crate) const MASK: u32 = 0x3f;
+
+    /// Two bits each, the first ones lowest.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.movers_only as u32 | (self.fine_leaves as u32) << 2 | (self.sharing as u32) << 4
+    }
+
+    /// `None` of bits that [`bits`](Self::bits) does not give.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Option<Self> {
+        let choices = [Choice::from_bits(bits), Choice::from_bits(bits >> 2), Choice::from_bits(bits >> 4)];
+        match choices {
+            [Some(movers_only), Some(fine_leaves), Some(sharing)] if bits <= Self::MASK => {
+                Some(Self { movers_only, fine_leaves, sharing })
+            }
             _ => None,
         }
     }
@@ -163,23 +200,15 @@ pub struct Config {
     /// The most workers that a step may use at once (1 to 32); each has its own scratch memory, and more than
     /// one needs a buffer to merge their pairs.
     pub workers: u32,
-    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most
-    /// one in sixteen has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
-    /// anew, also where nothing has moved, so that the number of movers makes no difference. Up to 512 objects are all swept
-    /// where one has moved.
-    pub movers_only: Choice,
-    /// Whether the leaves become smaller, an eighth, in steps that test only the objects that have moved: such steps and
-    /// queries are faster then, but the next step that finds all pairs anew has to fill the leaves again. Automatic: from
-    /// the second such step in a row on, while as few have moved. Always: from the first one on.
-    pub fine_leaves: Choice,
-    /// Whether steps are shared between the workers of the executor. Automatic: where there are 4,096 objects or more;
-    /// below, to hand out the work takes longer than to do it. Worlds that are swept box by box never are.
-    pub sharing: Choice,
     /// Whether objects have their margin however they move. Otherwise an object that goes farther than its margin from one
     /// of its boxes to the next has none until it is slower, since it would leave its fat box in every step; and one that
     /// has become much smaller gets a smaller fat box. And in exact mode no object has one for 64 steps where steps of many
     /// movers are the rule in spite of all margins: then they only make the boxes larger that are swept.
     pub fixed_margins: bool,
+    /// For tests.
+    #[doc(hidden)]
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub hooks: Hooks,
 }
 
 impl Default for Config {
@@ -190,7 +219,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Exact pairs, no margin, no events, no filters, one worker; all that can be chosen by counts is.
+    /// Exact pairs, no margin, no events, no filters, one worker.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
         Self {
@@ -201,10 +230,8 @@ impl Config {
             filters: false,
             lean: false,
             workers: 1,
-            movers_only: Choice::Automatic,
-            fine_leaves: Choice::Automatic,
-            sharing: Choice::Automatic,
             fixed_margins: false,
+            hooks: Hooks::AUTOMATIC,
         }
     }
 
@@ -257,31 +284,42 @@ impl Config {
         self
     }
 
-    /// The same with another choice about [`movers_only`](Self::movers_only).
-    #[must_use]
-    pub const fn with_movers_only(mut self, choice: Choice) -> Self {
-        self.movers_only = choice;
-        self
-    }
-
-    /// The same with another choice about [`fine_leaves`](Self::fine_leaves).
-    #[must_use]
-    pub const fn with_fine_leaves(mut self, choice: Choice) -> Self {
-        self.fine_leaves = choice;
-        self
-    }
-
-    /// The same with another choice about [`sharing`](Self::sharing).
-    #[must_use]
-    pub const fn with_sharing(mut self, choice: Choice) -> Self {
-        self.sharing = choice;
-        self
-    }
-
     /// The same with margins that objects keep however they move: see [`fixed_margins`](Self::fixed_margins).
     #[must_use]
     pub const fn with_fixed_margins(mut self) -> Self {
         self.fixed_margins = true;
+        self
+    }
+
+    /// The same with other [`Hooks`].
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn with_hooks(mut self, hooks: Hooks) -> Self {
+        self.hooks = hooks;
+        self
+    }
+
+    /// The same with another [`Hooks::movers_only`].
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn with_movers_only(mut self, choice: Choice) -> Self {
+        self.hooks.movers_only = choice;
+        self
+    }
+
+    /// The same with another [`Hooks::fine_leaves`].
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn with_fine_leaves(mut self, choice: Choice) -> Self {
+        self.hooks.fine_leaves = choice;
+        self
+    }
+
+    /// The same with another [`Hooks::sharing`].
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn with_sharing(mut self, choice: Choice) -> Self {
+        self.hooks.sharing = choice;
         self
     }
 }

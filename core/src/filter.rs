@@ -1,4 +1,4 @@
-//! Whom an object meets: asked before a pair is written, so that a pair that nobody wants costs no room.
+//! Whom an object meets: asked before a pair is written, so that a pair that is not wanted takes no room.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -28,6 +28,8 @@ mod tree;
 mod validate;
 mod world;
 
+#[doc(hidden)]
+pub use config::Hooks;
 pub use config::{Capacity, Choice, Config, Margin, Mode};
 pub use error::{Error, Field, Rejected};
 pub use filter::{Filter, Rule};

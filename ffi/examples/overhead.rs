@@ -14,13 +14,10 @@ use std::process::ExitCode;
 use std::ptr::null;
 use std::time::Instant;
 use trisap_core::{Boxes, Capacity, Config, Error, Id, World, layout};
-use trisap_ffi::objects::{trisap_world_insert_many, trisap_world_update_many};
+use trisap_ffi::objects::{trisap_default_boxes, trisap_world_insert_many, trisap_world_update_many};
 use trisap_ffi::status::trisap_status;
-use trisap_ffi::step::trisap_world_step;
-use trisap_ffi::structs::{
-    trisap_boxes, trisap_config, trisap_default_boxes, trisap_default_config, trisap_default_result,
-    trisap_id,
-};
+use trisap_ffi::step::{trisap_default_result, trisap_world_step};
+use trisap_ffi::structs::{trisap_boxes, trisap_config, trisap_default_config, trisap_id};
 use trisap_ffi::world::{trisap_world, trisap_world_init, trisap_world_size};
 
 const OBJECTS: usize = 8000;

@@ -25,12 +25,14 @@ impl From<Aabb> for trisap_aabb {
     }
 }
 
-/// The least box in `f32` that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-/// that overlap in `f64` overlap in `f32` too. Nearest rounding would lose pairs far from the origin. All three are three
-/// numbers; of null, a box that is refused.
+/// The least box in `f32` that holds a box in `f64`, seen from `origin`. Minima are rounded down and maxima up, so
+/// boxes that overlap in `f64` overlap in `f32` too; nearest rounding would lose pairs far from the origin. All three
+/// arguments are three numbers. O(1).
 ///
-/// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds belongs into
-/// the `f64` box, so that the rounding comes after it.
+/// Keep `origin` near the objects: far from it precision is lost, never a pair. Add a margin of your own to the `f64`
+/// box, so that the rounding comes after it.
+///
+/// Where an argument is null, or a number is NaN, the result is a box that every function refuses.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_aabb_from_f64(
@@ -44,9 +46,12 @@ pub unsafe extern "C" fn trisap_aabb_from_f64(
     Aabb::from_f64(min, max, origin).into()
 }
 
-/// The least box that holds a box in fixed point: integers of which each counts `2^-fraction_bits`. By integer operations
-/// alone; exact where 24 significant bits suffice, rounded outward beyond. Both are three numbers; of null, and of more than
-/// 126 fraction bits, a box that is refused.
+/// The least box that holds a box in fixed point: integers that count `2^-fraction_bits` each. It takes integer
+/// operations alone, and is exact where 24 significant bits suffice, rounded outward beyond. Both corners are three
+/// numbers. O(1).
+///
+/// Where an argument is null, or there are more than 126 fraction bits, the result is a box that every function
+/// refuses.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_aabb_from_fixed(

@@ -14,8 +14,11 @@ const NAME: &CStr = c"trisap queries";
 /// Queries that are handed out at once. They are copied to the stack in the core's form.
 const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 128 };
 
-/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits. `jobs`
-/// may be null. After a status other than `TRISAP_STATUS_OK` the hits, if anything was written to them, are null.
+/// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
+/// `jobs` may be null. The time is that of the single queries, divided by the workers.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_INVALID_ARGUMENT`. The second one is about a stride or a
+/// `worker_count`. The hits, if anything was written to them, are null then.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_first_hits(
@@ -56,13 +59,13 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     unsafe { look(world, ask) }
 }
 
-/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has room for
-/// `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there are. `jobs` may be
-/// null.
+/// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
+/// room for `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there
+/// are. `jobs` may be null. The time is that of the single queries, divided by the workers.
 ///
-/// After `TRISAP_STATUS_OUTPUT_FULL` the counts are right, so are the ids of the regions for which `room` was enough, and the
-/// detail says how much room the others need. After another refusal the ids are null and the counts zero, if anything was
-/// written to them.
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the second
+/// one the counts are right, so are the ids of the regions for which `room` was enough, and the detail says how much
+/// room the others need. After the other two the ids are null and the counts zero, if anything was written to them.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_overlaps_many(

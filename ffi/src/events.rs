@@ -23,12 +23,15 @@ pub struct trisap_id_pair {
     pub b: trisap_id,
 }
 
-/// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; what is one of
-/// `TRISAP_PAIRS_...`. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit.
+/// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; `what`
+/// is one of `TRISAP_PAIRS_...`. O(pairs).
 ///
-/// To be asked after a step, before objects come or go: then the pairs are in the order of `trisap_result`, and those that are lost
-/// have the ids of the objects that were the pair, also where they are no more and others have their slots. Pairs of which an object
-/// has been removed since the step are left out, but for the lost ones. O(pairs).
+/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have the
+/// ids of the objects that were the pair, also where these are gone and others have their slots. Other pairs of which
+/// an object has been removed since the step are left out.
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the number is right, and
+/// the room holds as many as fit.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_pair_ids(

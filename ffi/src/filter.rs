@@ -32,7 +32,7 @@ impl From<Filter> for trisap_filter {
     }
 }
 
-/// What a new object has: in all groups, meets all groups, class 0.
+/// The filter of a new object: in all groups, meets all groups, class 0. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_default_filter() -> trisap_filter {
@@ -40,6 +40,8 @@ pub extern "C" fn trisap_default_filter() -> trisap_filter {
 }
 
 /// Sets whom an object meets. Its pairs follow at the next step. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`, `TRISAP_STATUS_BAD_CLASS`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_filter(
@@ -57,8 +59,11 @@ pub unsafe extern "C" fn trisap_world_set_filter(
     unsafe { with(world, set) }
 }
 
-/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With a
-/// stride of 0 all get the same one. O(n).
+/// Sets whom objects meet, all or none: the filter of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. With
+/// a stride of 0 all get the same one. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`, `TRISAP_STATUS_BAD_CLASS`,
+/// `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is about a stride that is not 0 and shorter than a filter.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_filter_many(
@@ -95,6 +100,8 @@ pub unsafe extern "C" fn trisap_world_set_filter_many(
 }
 
 /// Writes whom an object meets to `filter`. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_filter(
@@ -120,9 +127,11 @@ pub unsafe extern "C" fn trisap_world_filter(
 pub const TRISAP_CLASSES: u32 = 32;
 const CLASSES: u32 = TRISAP_CLASSES;
 
-/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a` of
-/// `meets[b]` says so too; both have to be set. All classes meet at first. All pairs are looked for anew at the next step.
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a`
+/// of `meets[b]` says so too; both have to be set. All classes meet at first. The next step looks for all pairs anew.
 /// O(n).
+///
+/// Errors: `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_classes(
@@ -141,6 +150,8 @@ pub unsafe extern "C" fn trisap_world_set_classes(
 }
 
 /// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_refilter(world: *mut trisap_world, id: trisap_id) -> trisap_status {

@@ -6,6 +6,18 @@ use crate::structs::trisap_jobs;
 use core::ffi::{CStr, c_char, c_void};
 use trisap_core::Executor;
 
+/// A job system of one worker, to be filled in. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_jobs() -> trisap_jobs {
+    trisap_jobs {
+        struct_size: size_of::<trisap_jobs>() as u32,
+        worker_count: 1,
+        user: core::ptr::null_mut(),
+        fork_join: None,
+    }
+}
+
 /// The caller's job system as an executor.
 pub(crate) enum Workers {
     Calling,

@@ -1,8 +1,7 @@
 //! The C ABI of trisap. `include/trisap.h` is generated from this crate; `ffi/README.md` is its manual.
 //!
-//! Each file is a part of the header: `status`, `structs`, `report`, `world`, `objects`, `filter`, `resting`, `step`, `jobs`, `query`,
-//! `batch`, `snapshot`, `view`, `version`. `border` is where the caller's pointers become Rust's, `call` where
-//! worlds are entered.
+//! Each public module is a part of the header. `border` is where the caller's pointers become Rust's, `call` where worlds are
+//! entered.
 //!
 //! # Safety
 //!
@@ -31,11 +30,11 @@
 extern crate std;
 
 mod border;
-mod jobs;
 #[cfg(all(feature = "panic-handler", not(feature = "std"), not(test)))]
 mod panic;
 
-// The rest in the order of use, in which the header declares it.
+// The rest in the order of use, in which the header declares it: a configuration, its size, a world, objects, steps, their results,
+// queries, other memory, snapshots.
 pub mod version;
 
 pub mod status;
@@ -56,16 +55,22 @@ pub mod filter;
 
 pub mod resting;
 
-pub mod shift;
+pub mod jobs;
 
 pub mod step;
 
 pub mod events;
 
-pub mod view;
+pub mod stats;
 
 pub mod query;
 
 pub mod batch;
+
+pub mod view;
+
+pub mod shift;
+
+pub mod moving;
 
 pub mod snapshot;

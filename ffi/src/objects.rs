@@ -12,7 +12,21 @@ pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
     Id::from_bits(id).ok_or(stale)
 }
 
-/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`.
+/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// `max_offset`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_boxes(boxes: *const trisap_aabb, count: usize) -> trisap_boxes {
+    trisap_boxes {
+        struct_size: size_of::<trisap_boxes>() as u32,
+        max_offset: 12,
+        first: boxes.cast(),
+        stride: size_of::<trisap_aabb>(),
+        count,
+    }
+}
+
+/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_id_slot(id: trisap_id) -> u32 {
@@ -21,6 +35,8 @@ pub extern "C" fn trisap_id_slot(id: trisap_id) -> u32 {
 
 /// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
 /// order from 0. O(1).
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_insert(
@@ -43,6 +59,8 @@ pub unsafe extern "C" fn trisap_world_insert(
 }
 
 /// Gives an object another box. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`. The object keeps its box then.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_update(
@@ -61,6 +79,8 @@ pub unsafe extern "C" fn trisap_world_update(
 }
 
 /// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisap_id) -> trisap_status {
@@ -70,6 +90,8 @@ pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisa
 
 /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
 /// Does nothing in a world without margins. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_margin(
@@ -81,8 +103,10 @@ pub unsafe extern "C" fn trisap_world_set_margin(
     unsafe { with(world, |call| Ok(call.world()?.set_margin(living(id)?, length)?)) }
 }
 
-/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. Where it adds none for the sake of a box or
-/// of the capacity, the ids are null. O(n).
+/// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. O(boxes).
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is
+/// about the stride. After the first two the ids are null.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_insert_many(
@@ -105,7 +129,10 @@ pub unsafe extern "C" fn trisap_world_insert_many(
     unsafe { with(world, insert) }
 }
 
-/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(n).
+/// Gives the objects of `ids` other boxes, all or none; as many as boxes. O(boxes).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_INVALID_ARGUMENT`. The last one is about
+/// the stride.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_update_many(
@@ -124,7 +151,9 @@ pub unsafe extern "C" fn trisap_world_update_many(
     unsafe { with(world, update) }
 }
 
-/// Removes objects, all or none. O(n).
+/// Removes objects, all or none. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`. It is also the status of an id that comes twice.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_remove_many(
@@ -159,6 +188,8 @@ pub unsafe extern "C" fn trisap_world_contains(world: *const trisap_world, id: t
 }
 
 /// Writes the box of an object, as it was given last, to `aabb`. O(1).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_aabb(
@@ -178,7 +209,7 @@ pub unsafe extern "C" fn trisap_world_aabb(
     unsafe { look(world, ask) }
 }
 
-/// The object that lives in `slot`, or `TRISAP_NULL_ID`. O(1).
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer to misuse. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u32) -> trisap_id {

@@ -60,7 +60,7 @@ impl From<trisap_cast> for Cast {
     }
 }
 
-/// A box to look in. Of null, a region that is refused.
+/// A box to look in. Of null, a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_aabb(aabb: *const trisap_aabb) -> trisap_region {
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn trisap_region_aabb(aabb: *const trisap_aabb) -> trisap_
     trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max }
 }
 
-/// A point to look at, of three numbers. Of null, a region that is refused.
+/// A point to look at, of three numbers. Of null, a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_point(position: *const f32) -> trisap_region {
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn trisap_region_point(position: *const f32) -> trisap_reg
     trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max: min }
 }
 
-/// A ball to look in; its centre is three numbers. Of null, a region that is refused.
+/// A ball to look in; its centre is three numbers. Of null, a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_sphere(center: *const f32, radius: f32) -> trisap_region {
@@ -90,7 +90,8 @@ pub unsafe extern "C" fn trisap_region_sphere(center: *const f32, radius: f32) -
     trisap_region { kind: TRISAP_REGION_SPHERE, radius, min, max: min }
 }
 
-/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is refused.
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is
+/// refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_cast_ray(
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn trisap_cast_ray(
     trisap_cast { start: trisap_aabb { min: origin, max: origin }, direction, distance }
 }
 
-/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused.
+/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_cast_swept(start: *const trisap_aabb, direction: *const f32) -> trisap_cast {
@@ -129,9 +130,12 @@ unsafe fn cast(cast: *const trisap_cast) -> Result<Cast, trisap_status> {
     Ok(unsafe { cast.read() }.into())
 }
 
-/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and their
-/// number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `ids` holds some of them.
-/// O(log n + answers + movers since the last step).
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and
+/// their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) where
+/// the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `ids`
+/// holds some of them.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_overlaps(
@@ -159,8 +163,11 @@ pub unsafe extern "C" fn trisap_world_overlaps(
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 pub type trisap_visit_id = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
 
-/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for the
-/// same calls. `user` is handed to the visitor.
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for
+/// the same calls. `user` is handed to the visitor. Expected O(log n + answers + movers since the last step); O(n)
+/// where the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_visit_overlaps(
@@ -186,8 +193,11 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
     unsafe { look(world, ask) }
 }
 
-/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where it meets
-/// none, `TRISAP_NULL_ID`.
+/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where
+/// it meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
+/// where the last step had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_first_hit(
@@ -208,9 +218,11 @@ pub unsafe extern "C" fn trisap_world_first_hit(
     unsafe { look(world, ask) }
 }
 
-/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near ones by
-/// ascending slot, and their number to `count`. After `TRISAP_STATUS_OUTPUT_FULL` the number is right, and `hits` holds some
-/// of them.
+/// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near
+/// ones by ascending slot, and their number to `count`. Expected as `trisap_world_first_hit`, and the sort of the hits.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `hits`
+/// holds some of them.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_hits(
@@ -242,8 +254,10 @@ pub unsafe extern "C" fn trisap_world_hits(
 /// less than zero to stop. Calls that change the same world are refused as busy.
 pub type trisap_visit_hit = Option<unsafe extern "C" fn(user: *mut c_void, hit: trisap_hit) -> f64>;
 
-/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to the
-/// visitor.
+/// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to
+/// the visitor. Expected as `trisap_world_first_hit`.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_visit_hits(
@@ -264,9 +278,12 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
     unsafe { look(world, ask) }
 }
 
-/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the nearest
-/// first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are no more
-/// objects.
+/// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the
+/// nearest first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are
+/// no more objects. Expected O(log n + room log room + movers since the last step); O(n log room) where the last step
+/// had no tree.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_nearest(

@@ -20,8 +20,8 @@ pub type trisap_report =
 static REPORT: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 static USER: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
-/// Has a function called with every refusal, of all worlds; `user` is handed to it. Null ends that. To be set before other threads
-/// call trisap.
+/// Has a function called with every refusal, of all worlds. `user` is handed to it; null ends the reports. Set it
+/// before other threads call trisap. O(1).
 #[unsafe(no_mangle)]
 pub extern "C" fn trisap_set_report(report: trisap_report, user: *mut c_void) {
     REPORT.store(null_mut(), Release);

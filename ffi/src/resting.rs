@@ -6,9 +6,11 @@ use crate::objects::living;
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
 
-/// Puts objects to rest, all or none: their pairs with each other are set aside at the next step, and steps do not look at
-/// what the boxes of `trisap_world_step_over` have for them. Whoever gets another box by `trisap_world_update` or
-/// `trisap_world_update_many` wakes. O(n).
+/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps do not look at what
+/// the boxes of `trisap_world_step_over` have for them. `trisap_world_update` and `trisap_world_update_many` wake an
+/// object. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_resting(
@@ -25,7 +27,9 @@ pub unsafe extern "C" fn trisap_world_set_resting(
     unsafe { with(world, rest) }
 }
 
-/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(n).
+/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_wake(

@@ -5,12 +5,14 @@ use crate::border;
 use crate::call::{Call, trisap_world, with};
 use crate::status::trisap_status;
 
-/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative to
-/// the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative
+/// to the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
 ///
-/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
-/// `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of all
-/// coordinates give zero. `TRISAP_STATUS_BAD_SHIFT` where a number is not finite.
+/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to
+/// overlap. `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of
+/// all coordinates give zero.
+///
+/// Errors: `TRISAP_STATUS_BAD_SHIFT`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_shift_origin(

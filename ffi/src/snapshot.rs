@@ -20,11 +20,13 @@ pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) 
     size
 }
 
-/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. After
-/// `TRISAP_STATUS_OUTPUT_FULL` only the length is written. No alignment is asked for. O(n + pairs).
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. No
+/// alignment is asked for. O(n + pairs).
 ///
-/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into any
-/// world that has room for it, in any program of the same version, on any machine of the same byte order.
+/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into
+/// any world that has room for it, in any program of the same version, on any machine of the same byte order.
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. Only the length is written then.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_save(
@@ -57,14 +59,17 @@ pub unsafe extern "C" fn trisap_world_save(
     unsafe { look(world, save) }
 }
 
-/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the number of
-/// workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the configuration that it has, or the
-/// status is one of that function. The result of its last step comes with it: see `trisap_world_result`; what older results point to has no meaning
-/// any more. O(n + pairs).
+/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the
+/// number of workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the
+/// configuration that it has. The result of its last step comes with it: see `trisap_world_result`. What older results
+/// point to has no meaning any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes: after each status but `TRISAP_STATUS_OK` the world is as it was before,
-/// also where bytes were forged with a right checksum. What is loaded is valid, and its steps find all pairs. The first step that
-/// would keep pairs without looking at them looks once whether they are all, which takes several times as long as to find them anew.
+/// All that can be refused is refused before anything changes, also where bytes were forged with a right checksum. What
+/// is loaded is valid, and its steps find all pairs. The first step that would keep pairs without looking at them looks
+/// once whether they are all, which takes several times as long as to find them anew.
+///
+/// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
+/// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_load(

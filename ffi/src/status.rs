@@ -65,7 +65,7 @@ pub enum trisap_status {
     OtherConfig = 23,
 }
 
-/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status.
+/// The text of a status, in English and without a full stop. Never null, also for numbers that are no status. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {

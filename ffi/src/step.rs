@@ -10,12 +10,30 @@ use trisap_core::{Error, Id, Rejected, World};
 
 const NAME: &CStr = c"trisap step";
 
+/// An empty result. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_result() -> trisap_result {
+    let none = core::ptr::null();
+    trisap_result {
+        struct_size: size_of::<trisap_result>() as u32,
+        rejected_count: 0,
+        first_rejected: TRISAP_NULL_ID,
+        pairs: none,
+        pair_count: 0,
+        found: none,
+        found_count: 0,
+        lost: none,
+        lost_count: 0,
+        pairs_needed: 0,
+    }
+}
+
 /// Finds all overlapping pairs of the boxes as they are now, and writes them to `result`. `jobs` may be null: then
-/// everything happens on the calling thread.
+/// everything happens on the calling thread. Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
 ///
-/// Expected O(n + pairs) where objects move, O(movers + pairs) where few do.
-///
-/// After `TRISAP_STATUS_PAIRS_FULL` the result is filled, too.
+/// Errors: `TRISAP_STATUS_PAIRS_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the step has happened, and
+/// the result is filled, too. The second one is about a `worker_count` of 0.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_step(
@@ -33,11 +51,14 @@ pub unsafe extern "C" fn trisap_world_step(
     unsafe { with(world, step) }
 }
 
-/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own array:
-/// one pass over it, no copy, no ids. The fastest way where most objects move.
+/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own
+/// array: one pass over it, no copy, no ids. The fastest way where most objects move.
 ///
-/// What stands at the slots of no object does not matter; objects beyond the end of the boxes keep theirs, and so do
+/// What stands at the slots of no object does not matter. Objects beyond the end of the boxes keep theirs, and so do
 /// those whose new box is refused: see `trisap_result::rejected_count`.
+///
+/// Errors: those of `trisap_world_step`; `TRISAP_STATUS_INVALID_ARGUMENT` also for a stride or an offset that boxes
+/// cannot have.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_step_over(
@@ -65,9 +86,11 @@ pub unsafe extern "C" fn trisap_world_step_over(
 /// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
 pub type trisap_rule = Option<unsafe extern "C" fn(user: *mut c_void, a: u32, b: u32) -> u32>;
 
-/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the pairs
-/// that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in all. Needs
-/// `trisap_config::filters`.
+/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the
+/// pairs that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in
+/// all.
+///
+/// Errors: those of `trisap_world_step_over`, and `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_step_with_rule(
@@ -119,7 +142,7 @@ impl Judge {
 }
 
 /// Writes the result of the last step to `result` once more: after `trisap_world_open` or `trisap_world_load`, for
-/// instance. `rejected_count` is zero.
+/// instance. `rejected_count` is zero. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_result(

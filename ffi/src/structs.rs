@@ -3,7 +3,7 @@
 use crate::aabb::trisap_aabb;
 use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
-use trisap_core::{Capacity, Choice, Config, Hit, Margin, Mode};
+use trisap_core::{Capacity, Config, Hit, Hooks, Margin, Mode};
 
 /// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
@@ -26,31 +26,6 @@ pub struct trisap_pair {
 pub const TRISAP_MODE_EXACT: u32 = 0;
 /// The overlaps of the boxes with their margins, a superset that changes less often: for `trisap_config::mode`.
 pub const TRISAP_MODE_FAT: u32 = 1;
-
-/// As the counts of a step have it, so that equal calls choose equally on any machine: for `trisap_config::movers_only`,
-/// `fine_leaves` and `sharing`, none of which changes a pair.
-pub const TRISAP_CHOICE_AUTOMATIC: u32 = 0;
-/// Not at all: for the same.
-pub const TRISAP_CHOICE_NEVER: u32 = 1;
-/// Wherever it is possible: for the same.
-pub const TRISAP_CHOICE_ALWAYS: u32 = 2;
-
-fn choice(value: u32) -> Result<Choice, trisap_status> {
-    match value {
-        TRISAP_CHOICE_AUTOMATIC => Ok(Choice::Automatic),
-        TRISAP_CHOICE_NEVER => Ok(Choice::Never),
-        TRISAP_CHOICE_ALWAYS => Ok(Choice::Always),
-        _ => Err(trisap_status::InvalidArgument),
-    }
-}
-
-const fn choice_value(choice: Choice) -> u32 {
-    match choice {
-        Choice::Automatic => TRISAP_CHOICE_AUTOMATIC,
-        Choice::Never => TRISAP_CHOICE_NEVER,
-        Choice::Always => TRISAP_CHOICE_ALWAYS,
-    }
-}
 
 /// What a world is made for. Filled by `trisap_default_config`.
 #[repr(C)]
@@ -89,16 +64,8 @@ pub struct trisap_config {
     /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
     /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
     pub fixed_margins: u32,
-    /// Whether steps test only the objects that have moved: one of `TRISAP_CHOICE_...`. Automatic, the default: where at
-    /// most one in sixteen has. Always: wherever there is a complete step to go on from. Never: every step finds all pairs
-    /// anew, also where nothing has moved.
-    pub movers_only: u32,
-    /// Whether the leaves become smaller in such steps: one of `TRISAP_CHOICE_...`. Automatic, the default: from the second
-    /// in a row on, while as few have moved. Always: from the first on.
-    pub fine_leaves: u32,
-    /// Whether steps are shared between workers: one of `TRISAP_CHOICE_...`. Automatic, the default: where there are 4,096
-    /// objects or more. Worlds that are swept box by box never are.
-    pub sharing: u32,
+    /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
+    pub test_hooks: u32,
 }
 
 impl trisap_config {
@@ -122,10 +89,8 @@ impl trisap_config {
         config.events = flag(self.events)?;
         config.filters = flag(self.filters)?;
         config.lean = flag(self.lean)?;
-        config.movers_only = choice(self.movers_only)?;
-        config.fine_leaves = choice(self.fine_leaves)?;
-        config.sharing = choice(self.sharing)?;
         config.fixed_margins = flag(self.fixed_margins)?;
+        config.hooks = Hooks::from_bits(self.test_hooks).ok_or(trisap_status::InvalidArgument)?;
         Ok(config)
     }
 
@@ -149,15 +114,13 @@ impl trisap_config {
             margin_min: margin.min,
             margin_max: margin.max,
             fixed_margins: u32::from(config.fixed_margins),
-            movers_only: choice_value(config.movers_only),
-            fine_leaves: choice_value(config.fine_leaves),
-            sharing: choice_value(config.sharing),
+            test_hooks: config.hooks.bits(),
         }
     }
 }
 
-/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no filters,
-/// no margin, one worker.
+/// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no
+/// filters, no margin, one worker. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_default_config(objects: u32) -> trisap_config {
@@ -180,20 +143,6 @@ pub struct trisap_boxes {
     pub stride: usize,
     /// How many items there are.
     pub count: usize,
-}
-
-/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
-/// `max_offset`.
-#[unsafe(no_mangle)]
-#[must_use]
-pub extern "C" fn trisap_default_boxes(boxes: *const trisap_aabb, count: usize) -> trisap_boxes {
-    trisap_boxes {
-        struct_size: size_of::<trisap_boxes>() as u32,
-        max_offset: 12,
-        first: boxes.cast(),
-        stride: size_of::<trisap_aabb>(),
-        count,
-    }
 }
 
 /// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
@@ -232,18 +181,6 @@ pub struct trisap_jobs {
     >,
 }
 
-/// A job system of one worker, to be filled in.
-#[unsafe(no_mangle)]
-#[must_use]
-pub extern "C" fn trisap_default_jobs() -> trisap_jobs {
-    trisap_jobs {
-        struct_size: size_of::<trisap_jobs>() as u32,
-        worker_count: 1,
-        user: core::ptr::null_mut(),
-        fork_join: None,
-    }
-}
-
 /// What a step has found. Made by `trisap_default_result`, filled by the step.
 ///
 /// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
@@ -277,25 +214,6 @@ pub struct trisap_result {
     pub pairs_needed: u64,
 }
 
-/// An empty result.
-#[unsafe(no_mangle)]
-#[must_use]
-pub extern "C" fn trisap_default_result() -> trisap_result {
-    let none = core::ptr::null();
-    trisap_result {
-        struct_size: size_of::<trisap_result>() as u32,
-        rejected_count: 0,
-        first_rejected: TRISAP_NULL_ID,
-        pairs: none,
-        pair_count: 0,
-        found: none,
-        found_count: 0,
-        lost: none,
-        lost_count: 0,
-        pairs_needed: 0,
-    }
-}
-
 /// Nothing had moved: the pairs stayed.
 pub const TRISAP_PATH_UNCHANGED: u32 = 0;
 /// A small world: swept straight from a sorted list.
@@ -311,11 +229,11 @@ pub const TRISAP_PATH_REBUILT: u32 = 4;
 pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
 /// Lists: there were too few objects for a tree.
 pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
-/// Movers: few objects had moved; see `trisap_config`.
+/// Movers: at most one object in nine had moved.
 pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
 /// Full: more had moved.
 pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;
-/// Movers or full: `trisap_config::movers_only` says so.
+/// Movers or full: a test has it so.
 pub const TRISAP_REASON_FIXED: u32 = 4;
 /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
 /// many pairs, or few objects, or a shift of the origin.
@@ -382,41 +300,12 @@ pub struct trisap_stats {
     pub surplus: u64,
 }
 
-/// Statistics of no step.
-#[unsafe(no_mangle)]
-#[must_use]
-pub extern "C" fn trisap_default_stats() -> trisap_stats {
-    trisap_stats {
-        struct_size: size_of::<trisap_stats>() as u32,
-        path: TRISAP_PATH_UNCHANGED,
-        objects: 0,
-        moved: 0,
-        leaves: 0,
-        leaves_in_use: 0,
-        fullest_leaf: 0,
-        large: 0,
-        rebalanced: 0,
-        coarse_resolution: 0,
-        reason: TRISAP_REASON_NO_MOVERS,
-        fine_leaves: 0,
-        shared: 0,
-        outran: 0,
-        copies: 0,
-        candidates: 0,
-        tied: 0,
-        pairs: 0,
-        found: 0,
-        lost: 0,
-        surplus: 0,
-    }
-}
-
 // The header asserts the same on the other side of the border.
 const _: () = {
     const POINTER: usize = size_of::<*const c_void>();
     assert!(size_of::<trisap_aabb>() == 24);
     assert!(size_of::<trisap_pair>() == 8);
-    assert!(size_of::<trisap_config>() == 68);
+    assert!(size_of::<trisap_config>() == 60);
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);

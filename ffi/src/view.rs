@@ -50,6 +50,8 @@ impl From<PlaneView> for trisap_plane {
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
 /// O(leaves).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_leaves(
@@ -70,6 +72,8 @@ pub unsafe extern "C" fn trisap_world_leaves(
 
 /// Writes the planes, from the root down, to `planes`, which has room for `room` of them, and their number to `count`.
 /// O(leaves log leaves).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_planes(
@@ -88,8 +92,10 @@ pub unsafe extern "C" fn trisap_world_planes(
     unsafe { look(world, ask) }
 }
 
-/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of them,
-/// and their number to `count`. O(large objects).
+/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of
+/// them, and their number to `count`. O(large objects).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_large(

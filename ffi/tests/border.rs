@@ -4,13 +4,17 @@
 
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
+use trisap_core::{Choice, Hooks};
 use trisap_ffi::aabb::*;
 use trisap_ffi::batch::*;
 use trisap_ffi::filter::*;
+use trisap_ffi::jobs::*;
+use trisap_ffi::moving::*;
 use trisap_ffi::objects::*;
 use trisap_ffi::query::*;
 use trisap_ffi::resting::*;
 use trisap_ffi::snapshot::*;
+use trisap_ffi::stats::*;
 use trisap_ffi::status::trisap_status;
 use trisap_ffi::step::*;
 use trisap_ffi::structs::*;
@@ -272,7 +276,7 @@ fn tasks_run_on_other_threads() {
 }
 
 #[test]
-fn choices_cross_the_border() {
+fn hooks_cross_the_border() {
     const OBJECTS: usize = 600;
     let first: Vec<trisap_aabb> = (0..OBJECTS)
         .map(|slot| {
@@ -283,19 +287,20 @@ fn choices_cross_the_border() {
     let mut second = first.clone();
     second[0].max[0] += 0.25;
     let plain = trisap_default_config(OBJECTS as u32);
-    assert_eq!([plain.movers_only, plain.fine_leaves, plain.sharing], [TRISAP_CHOICE_AUTOMATIC; 3]);
-    let (never, always) = (TRISAP_CHOICE_NEVER, TRISAP_CHOICE_ALWAYS);
+    assert_eq!(plain.test_hooks, 0);
+    let hooks = |movers_only, fine_leaves, sharing| Hooks { movers_only, fine_leaves, sharing }.bits();
+    let (automatic, never, always) = (Choice::Automatic, Choice::Never, Choice::Always);
     for (config, path, reason, fine_leaves, shared) in [
         (plain, TRISAP_PATH_MOVERS, TRISAP_REASON_FEW_MOVERS, 0, u32::from(cfg!(miri))),
         (
-            trisap_config { movers_only: never, sharing: always, ..plain },
+            trisap_config { test_hooks: hooks(never, automatic, always), ..plain },
             TRISAP_PATH_FULL,
             TRISAP_REASON_FIXED,
             0,
             1,
         ),
         (
-            trisap_config { movers_only: always, fine_leaves: always, sharing: never, ..plain },
+            trisap_config { test_hooks: hooks(always, always, never), ..plain },
             TRISAP_PATH_MOVERS,
             TRISAP_REASON_FIXED,
             1,

@@ -105,9 +105,7 @@ public:
         config.filters = flag(1);
         config.lean = flag(5) && objects() <= 256;
         config.workers = 2 + bytes_[4] % 4u;
-        config.movers_only = bytes_[2] % 3u;
-        config.fine_leaves = bytes_[2] / 3u % 3;
-        config.sharing = bytes_[2] / 9u % 3;
+        config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4;
         config.fixed_margins = flag(6);
         return config;
     }
@@ -118,7 +116,7 @@ public:
         config.objects = sizes[argument % 4];
         set_capacity(config, argument / 4);
         config.lean = flag(5) && config.objects <= 256;
-        config.movers_only = argument % 3;
+        config.test_hooks = (config.test_hooks & ~3u) | argument % 3;
         return config;
     }
 

@@ -1,11 +1,12 @@
 //! Snapshots: a world that is loaded goes on as the one that was saved, byte for byte; and bytes that
 //! are no snapshot are refused. What is forged with care is in `forged`.
 
-use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Field, Index, Margin, Mode, World};
+use trisap_core::{Aabb, Boxes, Capacity, Choice, Config, Error, Field, Index, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::{self, Brownian, Rng, shifted, uniform};
+use trisap_tests::sorted;
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 /// At any point of a life: a snapshot goes to a world that has lived otherwise, with other workers, and both go on alike;
@@ -85,6 +86,44 @@ fn a_loaded_world_goes_on_as_the_one_that_was_saved() {
         }
         follow::<u32>(configs()[1], 5000, 60_000, setup);
     }
+}
+
+/// Hooks are no part of a snapshot: it brings the tree, parked pairs and divided leaves to a world that would have made others, and
+/// both go on with the same pairs, in orders of their own.
+#[test]
+fn a_snapshot_loads_whatever_the_hooks_are() {
+    let choices = [Choice::Automatic, Choice::Never, Choice::Always];
+    let (mut divided, mut parted) = (0, 0);
+    for config in configs() {
+        for (seed, [from, to]) in choices.iter().flat_map(|a| choices.map(|b| [*a, b])).enumerate() {
+            let config = config.with_capacity(ample(1800, 300_000));
+            let config = config.with_movers_only(from).with_fine_leaves(to);
+            let copied = config.with_movers_only(to).with_fine_leaves(from).with_sharing(from);
+            let (mut slab, mut room) = (Slab::new::<u16>(&config), Slab::new::<u16>(&copied));
+            let mut world = lived::<u16>(&mut slab, &config, 1600, 3 + seed % 2);
+            let mut copy = lived::<u16>(&mut room, &copied, 700, 5);
+            let mut rng = Rng::new(seed as u64);
+            for round in 0..6 {
+                let snapshot = saved(&world);
+                copy.load(&snapshot).expect("a good snapshot");
+                copy.validate().expect("a valid world");
+                assert!(saved(&copy) == snapshot, "what was loaded is saved as it was");
+                assert_eq!((world.stats(), copy.config()), (copy.stats(), copied));
+                divided += usize::from(copy.stats().fine_leaves);
+                for _ in 0..3 {
+                    let mut again = rng.clone();
+                    let one = act(&mut world, &mut rng, Setup::REFERENCE).expect("room");
+                    let other = act(&mut copy, &mut again, Setup::REFERENCE).expect("room");
+                    let sets = |o: &Outcome| [&o.pairs, &o.found, &o.lost].map(|pairs| sorted(pairs));
+                    assert!(sets(&one) == sets(&other), "{from:?} to {to:?}, round {round}");
+                    assert_eq!((one.surplus, one.rejected), (other.surplus, other.rejected));
+                    parted += usize::from(one.stats.path != other.stats.path);
+                }
+                copy.validate().expect("a valid world");
+            }
+        }
+    }
+    assert!(divided > 20 && parted > 100, "{divided} trees were divided, {parted} steps took other paths");
 }
 
 #[test]

@@ -153,7 +153,7 @@ impl<'r> Iterator for ChunksOfEight<'r> {
     fn next(&mut self) -> Option<Self::Item> {
         let eight = self.rest.next()?;
         let left = self.left;
-        // Of the last eight nothing is left, and nobody asks.
+        // Behind the last eight nothing is left, and the number is not read.
         self.left = left.wrapping_sub(EIGHT as u32);
         Some((eight, left))
     }

@@ -33,7 +33,7 @@ pub(crate) fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
-/// Entries of one block's histogram at a depth: objects and front boxes of each leaf, two by two, and the large objects last.
+/// Entries of one block's histogram at a depth: objects and straddlers of each leaf, two by two, and the large objects last.
 pub(crate) const fn histogram_row(depth: u32) -> usize {
     (2 << depth) + 1
 }

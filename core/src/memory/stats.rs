@@ -30,11 +30,11 @@ pub enum Reason {
     NoMovers,
     /// Lists: there are too few objects for a tree.
     FewObjects,
-    /// Movers: few objects have moved; see [`Config::movers_only`](crate::Config::movers_only).
+    /// Movers: at most one object in nine has moved.
     FewMovers,
     /// Full: more have moved.
     ManyMovers,
-    /// Movers or full: the configuration says so; see [`Config::movers_only`](crate::Config::movers_only).
+    /// Movers or full: a test has it so.
     Fixed,
     /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
     /// too many pairs, or few objects, or a shift of the origin.
@@ -89,9 +89,9 @@ pub struct Stats {
     pub path: Path,
     /// Why that way.
     pub reason: Reason,
-    /// Whether the leaves are the small ones for steps with few movers: see [`Config::fine_leaves`](crate::Config::fine_leaves).
+    /// Whether the leaves are the small ones for steps with few movers: an eighth as large.
     pub fine_leaves: bool,
-    /// Whether the work was offered to the workers of the executor: see [`Config::sharing`](crate::Config::sharing).
+    /// Whether the work was offered to the workers of the executor: from 4,096 objects on, in worlds with scratch memory.
     pub shared: bool,
     /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than its
     /// margin. Such an object has no margin until it is slower: see [`Config::fixed_margins`](crate::Config::fixed_margins).

@@ -36,22 +36,75 @@ pub(crate) fn ingest<I: Index>(
     kernels: Kernels,
     executor: &dyn Executor,
 ) -> Intake {
-    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
-    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
-    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     if parts.sizes.is_small() {
-        let now = parts.boxes.now.span_mut(0, slots);
-        let margins = &*parts.boxes.margins;
-        let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
-        let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
-        let objects = Objects { now, fat, moved, changed, before, mode };
-        return kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing });
+        return ingest_small(parts, bounds, slots, kernels);
     }
     // Those that have changed before.
     let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
     let len = block_len(slots);
+    let found = ingest_blocks(parts, bounds, (slots, len), settle, kernels, executor);
+    let mut sum = Intake::default();
+    let [pending_list, left, _] = &mut parts.order;
+    let mut end = 0;
+    for (block, intake) in found.iter().enumerate() {
+        for index in 0..intake.left as usize {
+            left.put(end, left.at(block * len + index));
+            end += 1;
+        }
+        sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
+        sum.motions.outran += intake.motions.outran;
+        if sum.rejected == 0 {
+            sum.first_rejected = intake.first_rejected;
+        }
+        sum.rejected += intake.rejected;
+    }
+    if settle {
+        parts.state.lists.stale = 1;
+        for slot in pending_list.span(0, pending) {
+            // Where so many have left that there is no room, the list is not read.
+            if let Some(to) = left.get_mut(end) {
+                *to = *slot;
+            }
+            end += 1;
+        }
+        sum.left = end as u32;
+    }
+    sum
+}
+
+/// Takes in the first slots of a world without a tree, as one block.
+fn ingest_small<I: Index>(
+    parts: &mut Parts<'_, I>,
+    bounds: &Boxes<'_>,
+    slots: usize,
+    kernels: Kernels,
+) -> Intake {
+    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
+    let now = parts.boxes.now.span_mut(0, slots);
+    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
+    let margins = &*parts.boxes.margins;
+    let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
+    let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
+    let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+    let objects = Objects { now, fat, moved, changed, before, mode };
+    kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing })
+}
+
+/// Takes in the first slots, in blocks of so many. The slots that have left their leaves stand at the start of each block in the
+/// second of the sorted lists.
+fn ingest_blocks<I: Index>(
+    parts: &mut Parts<'_, I>,
+    bounds: &Boxes<'_>,
+    (slots, len): (usize, usize),
+    settle: bool,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) -> [Intake; SLOT_BLOCKS] {
+    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
+    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
     let (homes, places) = (&*parts.home, &*parts.place);
     let leaves = if settle { 1usize << parts.state.tree.depth } else { 0 };
@@ -85,33 +138,7 @@ pub(crate) fn ingest<I: Index>(
             });
         }
     });
-    let mut sum = Intake::default();
-    let [pending_list, left, _] = &mut parts.order;
-    let mut end = 0;
-    for (block, intake) in found.iter().enumerate() {
-        for index in 0..intake.left as usize {
-            left.put(end, left.at(block * len + index));
-            end += 1;
-        }
-        sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
-        sum.motions.outran += intake.motions.outran;
-        if sum.rejected == 0 {
-            sum.first_rejected = intake.first_rejected;
-        }
-        sum.rejected += intake.rejected;
-    }
-    if settle {
-        parts.state.lists.stale = 1;
-        for slot in pending_list.span(0, pending) {
-            // Where so many have left that there is no room, nobody looks.
-            if let Some(to) = left.get_mut(end) {
-                *to = *slot;
-            }
-            end += 1;
-        }
-        sum.left = end as u32;
-    }
-    sum
+    found
 }
 
 struct IngestBlock<'b, 'o, T> {

@@ -68,11 +68,11 @@ impl<I: Index> Settle for Records<'_, '_, I> {
                 (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
             {
                 let keys = simd.keys(bounds);
-                let classify = cell.classify(simd, keys);
+                let classified = cell.classify(simd, keys);
                 // Also of one that leaves: it is moved anyway.
-                let record = simd.record(frame, keys, slot | classify.marks());
+                let record = simd.record(frame, keys, slot | classified.marks());
                 records.store(leaf.start as usize + place.at(), &record);
-                stays = classify.is_home() & !classify.is_large();
+                stays = classified.is_home() & !classified.is_large();
             }
             // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
             if let Some(left) = self.left.get_mut(self.noted as usize) {

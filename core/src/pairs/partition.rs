@@ -53,12 +53,12 @@ pub(crate) struct PartitionBlock<'b, I, T> {
     pub(crate) test: T,
 }
 
-/// How many pairs ahead boxes are asked for: a pair's boxes are anywhere in memory.
+/// How many pairs ahead boxes are prefetched: a pair's boxes are anywhere in memory. 0.91 to 0.97 of a step of 8,000.
 const AHEAD: usize = 12;
-/// The most boxes that are not asked for, as they are near anyway.
+/// Up to this many boxes are in the cache anyway, and are not prefetched.
 const NEAR: usize = 4 << 10;
 
-/// How many pairs ahead the boxes of so many pairs are asked for; as many as there are, where they are near.
+/// How many pairs ahead the boxes of so many pairs are prefetched; as many as there are, where none is.
 #[inline(always)]
 pub(crate) fn ahead(boxes: &[KeyBox], pairs: usize) -> usize {
     if cfg!(feature = "large") && boxes.len() > NEAR { AHEAD } else { pairs }

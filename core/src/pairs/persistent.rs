@@ -1,20 +1,20 @@
-//! Carries pairs over from one step to the next, and sets those of resting objects aside, so that a step with few movers does
+//! Pairs that persist from one step to the next. Those of two resting objects are parked, so that a step with few movers does
 //! not touch them (paper, section III.B; erratum E6).
 //!
-//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *awake*; as long
-//! as only awake objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
+//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *active*; as long
+//! as only active objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
 //! another object gets one, the pairs that are parked are looked through for its own, and it is active until far fewer
 //! objects get other boxes than are active.
 //!
-//! Margins are no exception: what creeps inside its fat box is active, as its exact pairs change, and of the surplus that
-//! is parked nobody is.
+//! With margins, an object that moves inside its fat box is active too, as its exact pairs change. So no object of the parked surplus
+//! is active either.
 
 use crate::access::{Access, bits};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
 
-/// So many times as many objects may be awake as have another box, before the others are taken for resting again.
+/// So many times as many objects may be active as have another box, before the others count as resting again.
 const ACTIVE_FOR_EACH: u32 = 8;
 
 /// Whether any world parks pairs: a small one does not, and a program for a microcontroller has no other.
@@ -49,7 +49,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, output, .. } = parts;
     let result = state.pairs.result();
     if parts.sizes.previous > 0 && state.pairs.complete != 0 {
-        // The surplus in front has had its time: the last pairs take its place.
+        // The surplus in front is dropped: the last pairs of the result take its place.
         if PARKS {
             for at in 0..result.start.min(result.len()) {
                 output.pairs.put(at, output.pairs.at(result.end - 1 - at));
@@ -91,11 +91,11 @@ pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
     !(bits::test(marks, pair[0].at()) | bits::test(marks, pair[1].at()))
 }
 
-/// Brings who is active and the pairs that are parked up to date.
+/// Brings the active objects and the parked pairs up to date.
 fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, moved, changed, active, output, .. } = parts;
-    // A box that has changed inside its fat box may have come apart from others, or together with them; the set of who has
-    // moved knows nothing of it.
+    // A box that has changed inside its fat box may have come apart from others, or together with them. The set of moved objects
+    // does not have it.
     let stirring = if changed.words.is_empty() { moved } else { changed };
     let (mut words, mut woken) = (0, 0);
     stirring.for_each_word(|index, word| {
@@ -136,7 +136,7 @@ impl<'p, I: Index> Division<'p, I> {
         }
     }
 
-    /// Takes back the pairs of who is active. O(pairs parked).
+    /// Unparks the pairs of active objects. O(parked pairs).
     fn unpark(&mut self, active: &[u32]) {
         for index in (0..self.ends[1]).rev() {
             if is_clear_of(active, &self.pairs.at(index)) {
@@ -153,7 +153,7 @@ impl<'p, I: Index> Division<'p, I> {
         }
     }
 
-    /// Sets the pairs parked of which nobody is active. O(pairs not parked).
+    /// Parks the pairs of two objects that are not active. O(pairs not parked).
     fn park(&mut self, active: &[u32]) {
         for index in self.ends[1]..self.ends[3] {
             if !is_clear_of(active, &self.pairs.at(index)) {

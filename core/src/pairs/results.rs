@@ -16,7 +16,7 @@ use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
 /// Orders the first `swept` pairs of the buffer, but for those parked: persisting, found, surplus; and finds the lost
-/// ones, unless the sweep has `found` them. Events only where the pairs are complete: of a part nobody can tell what is lost.
+/// ones, unless the sweep has `found` them. Events only where the pairs are complete: a part does not tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,

@@ -122,7 +122,7 @@ impl Executor for Serial {
     fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
 }
 
-/// The executor of one step: it is told of each stage once, in order, and gets work only where the step is shared.
+/// The executor of one step: it learns of each stage once, in order, and gets work only where the step is shared.
 pub(crate) struct OneStep<'e> {
     executor: &'e dyn Executor,
     shares: bool,

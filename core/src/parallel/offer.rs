@@ -127,7 +127,7 @@ impl Offer {
 struct Held<'o>(&'o Offer);
 
 impl Held<'_> {
-    /// Nobody begins from here on.
+    /// No call begins from here on.
     fn close(&self) {
         self.0.state.fetch_and(!SEATS, AcqRel);
     }

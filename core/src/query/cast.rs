@@ -65,7 +65,7 @@ impl Hit {
 }
 
 impl<I: Index> World<'_, I> {
-    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The ghost returns how
+    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor returns how
     /// far to look on: the cast's distance to see everything, the hit's to see only nearer ones, less than zero to stop.
     ///
     /// # Errors

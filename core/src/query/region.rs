@@ -81,7 +81,7 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
 }
 
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes overlap a region, each once, until the ghost breaks; always in the same order for
+    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks; always in the same order for
     /// the same calls. O(log n + answers + movers since the last step), or O(n) where there is no tree yet.
     ///
     /// # Errors

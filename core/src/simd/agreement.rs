@@ -129,11 +129,11 @@ fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let mut lists = [[(); WINDOW].map(|()| (random.below(RECORDS) << 16 | random.below(RECORDS)) as u32); 2];
     let mut pairs = [[Pair::<I>::default(); WINDOW]; 2];
     let ([list, expected_list], [kept, expected_kept]) = (&mut lists, &mut pairs);
-    let sifted = simd.test_candidates(&sorted, &mut list[..count], &mut kept[..count]);
+    let tested = simd.test_candidates(&sorted, &mut list[..count], &mut kept[..count]);
     let expected = Scalar.test_candidates(&sorted, &mut expected_list[..count], &mut expected_kept[..count]);
-    let test_candidates = (sifted.found, sifted.tied) == (expected.found, expected.tied)
-        && kept[..sifted.found] == expected_kept[..sifted.found]
-        && list[..sifted.tied] == expected_list[..sifted.tied];
+    let test_candidates = (tested.found, tested.tied) == (expected.found, expected.tied)
+        && kept[..tested.found] == expected_kept[..tested.found]
+        && list[..tested.tied] == expected_list[..tested.tied];
     // Of 40 records a window reaches up to 64, some of them behind the end.
     let base = (random.below(RECORDS) << 16 | random.below(RECORDS / 2)) as u32;
     let bits = random.bits() & random.bits() & if random.below(4) == 0 { u64::MAX } else { 0xf_ffff };
@@ -142,7 +142,7 @@ fn candidates<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     let found = simd.four(&sorted, base, bits, kept);
     let four = found == Scalar.four(&sorted, base, bits, expected_kept)
         && kept.iter().zip(expected_kept).take(found.unwrap_or_default()).all(|(a, b)| a == b);
-    rounds.check([("sift", test_candidates), ("four", four)]);
+    rounds.check([("test candidates", test_candidates), ("four", four)]);
 }
 
 #[inline(always)]

@@ -51,25 +51,25 @@ pub(super) fn test_candidates<I: Index>(
     candidates: &mut [u32],
     pairs: &mut [Pair<I>],
 ) -> Tested {
-    let mut sifted = Tested::default();
+    let mut tested = Tested::default();
     let mut from = 0;
     while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
         // No closures: they would not share the instruction set of their function.
-        if let Some(room) = pairs.get_mut(sifted.found..).and_then(|room| room.first_chunk_mut::<4>())
+        if let Some(room) = pairs.get_mut(tested.found..).and_then(|room| room.first_chunk_mut::<4>())
             && let Some(found) = any_four(simd, sorted, four, room)
         {
-            sifted.found += found;
+            tested.found += found;
         } else {
             for at in from..from + 4 {
-                sifted.add(simd, sorted, candidates, at, pairs);
+                tested.add(simd, sorted, candidates, at, pairs);
             }
         }
         from += 4;
     }
     for at in from..candidates.len() {
-        sifted.add(simd, sorted, candidates, at, pairs);
+        tested.add(simd, sorted, candidates, at, pairs);
     }
-    sifted
+    tested
 }
 
 /// As [`Simd::four`](super::Simd::four).

@@ -208,11 +208,11 @@ pub(crate) trait Simd: Copy + Send + Sync {
         candidates: &mut [u32],
         pairs: &mut [Pair<I>],
     ) -> Tested {
-        let mut sifted = Tested::default();
+        let mut tested = Tested::default();
         for index in 0..candidates.len() {
-            sifted.add(self, sorted, candidates, index, pairs);
+            tested.add(self, sorted, candidates, index, pairs);
         }
-        sifted
+        tested
     }
 
     /// Compares two records.

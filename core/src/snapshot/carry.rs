@@ -147,7 +147,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         to.moved.add(index, word(Set::Moved));
         to.filters.changed.add(index, word(Set::Refiltered));
         to.former.reused.add(index, word(Set::Reused));
-        // Where nobody has noted who moved inside a margin, anybody may have.
+        // Where the world does not note which objects moved inside a margin, any object may have.
         let anybody = u32::MAX >> 32usize.saturating_sub(slots - index * 32).min(31);
         let changed = match from.state().objects.moved_inside_margin {
             _ if known => word(Set::Changed),
@@ -158,7 +158,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     }
 }
 
-/// The pairs, without a division by who is active: result, surplus.
+/// The pairs, none of them parked: result, surplus.
 fn pairs<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let state = from.state();
     let (result, swept) = (state.pairs.result(), state.pairs.swept as usize);
@@ -172,6 +172,6 @@ fn pairs<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     };
     result.chain(surplus).for_each(|at| put(from.pair(at)));
     to.state.pairs.swept = end as u64;
-    // Nothing of fat boxes can be carried over by the next step then.
+    // The next step cannot keep pairs of fat boxes then.
     to.state.pairs.without_surplus |= u8::from(!fits);
 }

@@ -215,7 +215,7 @@ pub(super) struct Image<'b, 'm, I> {
     pub(super) state: &'b State,
     pub(super) stored: Stored<'b, I>,
     /// Which slots have a place in the tree, as far as that is known: one bit for each that there can be.
-    pub(super) classify: &'m mut [u32],
+    pub(super) placed: &'m mut [u32],
 }
 
 impl<I: Index> Content<I> for Image<'_, '_, I> {
@@ -267,7 +267,7 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
             Set::Moved => &self.stored.moved,
             Set::Resting => &self.stored.resting,
             Set::Changed => &self.stored.changed,
-            Set::Awake => &self.stored.active,
+            Set::Active => &self.stored.active,
             Set::Refiltered => &self.stored.refiltered,
             Set::Reused => &self.stored.reused,
         }
@@ -327,6 +327,6 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     #[inline(always)]
     fn stands(&mut self, slot: usize, _: Stand) -> bool {
-        bits::set(self.classify, slot)
+        bits::set(self.placed, slot)
     }
 }

@@ -97,9 +97,9 @@ impl<I: Index> World<'_, I> {
         }
         let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;
         // Scratch memory, as far as the world is concerned.
-        let classify = &mut *parts.tree.histogram;
-        classify.fill(0);
-        let mut image = Image { sizes: &parts.sizes, state: &state, stored, classify };
+        let placed = &mut *parts.tree.histogram;
+        placed.fill(0);
+        let mut image = Image { sizes: &parts.sizes, state: &state, stored, placed };
         content(&mut image).map_err(|_| Error::BadSnapshot)?;
         replace(parts, &state, &stored);
         Ok(())
@@ -116,8 +116,8 @@ fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -
     let sizes = &known.ok_or(Error::BadSnapshot)?;
     numbers(state, sizes).map_err(|_| Error::BadSnapshot)?;
     let stored = Stored::cut(state, sizes, sections).ok_or(Error::BadSnapshot)?;
-    // Nobody looks at the tree, which stays behind.
-    let image = Image { sizes, state, stored, classify: &mut [] };
+    // The tree is not taken along, so it is not checked.
+    let image = Image { sizes, state, stored, placed: &mut [] };
     content_without_tree(&image).map_err(|_| Error::BadSnapshot)?;
     check_room(state, &parts.sizes)?;
     parts.clear();

@@ -43,7 +43,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
         parts.former.generations.put(slot, generation);
     }
     stored.stripes.copy_to(parts.output.planes, Default::default());
-    // Of pairs, nobody looks at more than there are.
+    // What stands behind the pairs means nothing.
     for (at, pair) in stored.pairs.iter().enumerate() {
         parts.output.pairs.put(at, pair);
     }

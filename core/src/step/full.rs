@@ -2,6 +2,7 @@
 
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
+use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Reason, Route};
 use crate::pairs::events;
@@ -59,6 +60,27 @@ pub(super) fn full<I: Index>(
     });
     balance::review(parts);
     executor.enter(Stage::Sweep);
+    let Swept { pairs, work, found, leaves } = sweep(parts, context);
+    balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+    // Where no leaves were filled, no object can have left one.
+    let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
+    keep::plan(parts.state, work.tied, left);
+    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
+    (route, Progress { pairs, work, leaves, rebalanced, coarse, found })
+}
+
+/// What the sweep of all leaves came to.
+struct Swept {
+    pairs: u64,
+    work: Work,
+    /// How many of these pairs are found, where the events are those of each block.
+    found: Option<u64>,
+    leaves: u32,
+}
+
+/// Sweeps all leaves.
+fn sweep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Swept {
+    let StepContext { kernels, executor, .. } = context;
     let leaf_count = 1usize << parts.state.tree.depth;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let tells = events::share_out(parts, blocks);
@@ -77,11 +99,5 @@ pub(super) fn full<I: Index>(
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
         kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, next, scratch, sink });
     });
-    let found = tells.then_some(collector.found);
-    balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
-    // Where no leaves were filled nobody can tell who has left one.
-    let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
-    keep::plan(parts.state, work.tied, left);
-    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
-    (route, Progress { pairs, work, leaves: leaf_count as u32, rebalanced, coarse, found })
+    Swept { pairs, work, found: tells.then_some(collector.found), leaves: leaf_count as u32 }
 }

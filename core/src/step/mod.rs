@@ -35,7 +35,7 @@ pub(crate) fn find<I: Index>(
 }
 
 /// Finds the overlaps of the boxes as given, after a step of an exact world found more overlaps of fat boxes than fit: its pairs
-/// may fit without the surplus. Nothing of that can be carried over, so the next step finds all pairs anew.
+/// may fit without the surplus. None of these pairs persists, so the next step finds all pairs anew.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,

@@ -36,7 +36,8 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
         }
         return false;
     }
-    let fixed = parts.state.setup.has_fixed_margins() || parts.state.setup.movers_only().fixed().is_some();
+    let fixed =
+        parts.state.setup.has_fixed_margins() || parts.state.setup.hooks().movers_only.fixed().is_some();
     if !parts.has_surplus() || fixed || parts.state.objects.live as usize <= ONE_LEAF {
         return false;
     }
@@ -57,7 +58,7 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
     let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0;
-    let fixed = state.setup.movers_only().fixed();
+    let fixed = state.setup.hooks().movers_only.fixed();
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
     } else if parts.sizes.is_small() || state.objects.live as usize <= ONE_LEAF {
@@ -95,7 +96,7 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
-    let (few, due) = match parts.state.setup.fine_leaves() {
+    let (few, due) = match parts.state.setup.hooks().fine_leaves {
         Choice::Automatic => (moved <= parts.state.objects.live / MOVERS_SHARE, CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,

@@ -149,13 +149,13 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
     {
         add(straddler.slot, I::LARGE);
     }
-    // What was loaded has no lists, and so no marks of who is in them: here, everybody is.
+    // What was loaded has no lists, and so no marks of the slots in them: here, all are.
     parts.state.lists.stale = 1;
     parts.listed.fill(u32::MAX);
     let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(OBJECTS_PER_BLOCK);
     let [list, _, homes] = &parts.order;
     let (list, homes) = (list.span(0, count), homes.span(0, count));
-    let (everybody, moved) = (&*parts.listed, &*parts.moved.words);
+    let (all_slots, moved) = (&*parts.listed, &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let from = parts.output.pairs.len() as u64;
@@ -173,13 +173,13 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
         };
         context.kernels.run(SweepMovers {
             tree_view: &tree_view,
-            moved: everybody,
+            moved: all_slots,
             movers,
             homes,
             scratch,
             sink,
         });
-        // Nobody asks for what else is counted there.
+        // What else is counted there is not read.
         scratch.copies += summing.sum.low;
         scratch.leaf_scratch.tied += summing.sum.high;
     });

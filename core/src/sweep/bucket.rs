@@ -100,7 +100,7 @@ pub(crate) fn sweep_listed<S: Simd, I: Index>(
     scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
-/// Sorts records into the bench from position `start` on.
+/// Sorts records into the scratch of the leaf, from position `start` on.
 #[inline(always)]
 fn sort<S: Simd, I>(
     simd: S,

@@ -214,8 +214,8 @@ impl<'o, I: Index> Collector<'o, I> {
     fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize) -> Option<u64> {
         let chunks = self.chunks.span_mut(0, used);
         insertion_sort(chunks);
-        // The block has done its duty, and so have the counts; from here on these places have where the two ends of the chunk
-        // end among all pairs.
+        // The block and the counts are not needed any more. These places now have where the two ends of the chunk end among all
+        // pairs.
         let [mut persisting, mut found] = [0; 2];
         for [block, _, counts] in &mut *chunks {
             let [stay, come] = two_counts(*counts);

@@ -1,5 +1,5 @@
 //! Tests the few objects that moved against everything near them (paper, section III.B: only moving-moving and
-//! moving-resting pairs are looked for; resting pairs are carried over, erratum E6).
+//! moving-resting pairs are looked for; resting pairs persist, erratum E6).
 //!
 //! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object stands
 //! in one place, so every pair is met once from each of its movers; of two movers the lower slot reports.

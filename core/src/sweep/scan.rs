@@ -1,5 +1,5 @@
-//! Finds the pairs of a sorted bucket without branches that hang on its boxes: the branch predictor would guess them wrong, and
-//! that costs more than the compares.
+//! Finds the pairs of a sorted bucket without branches that depend on its boxes. The branch predictor would guess them wrong, and
+//! a wrong guess costs more than the compares.
 //!
 //! Each record is compared with the rows of its neighbours, a window at a time, in passes: the first window of many rows, then
 //! the second window of those whose run of neighbours goes on, and so on. What a window finds is a mask; `rounds` takes the

@@ -132,26 +132,26 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             };
             let leaf = home.at();
             if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
-                let classify = cell.classify(simd, keys);
-                if classify.is_home() && !classify.is_large() {
+                let classified = cell.classify(simd, keys);
+                if classified.is_home() && !classified.is_large() {
                     include();
                     *members += 1;
-                    *straddlers += u32::from(classify.leaves());
+                    *straddlers += u32::from(classified.leaves());
                     continue;
                 }
             }
             // It is new, large, or has left its leaf.
             left += u32::from(*home != I::LARGE);
             let leaf = leaf_of(planes, depth, &bounds.min);
-            let classify = cells.at(leaf).classify(simd, keys);
-            if classify.is_large() {
+            let classified = cells.at(leaf).classify(simd, keys);
+            if classified.is_large() {
                 *home = I::LARGE;
                 large.put(0, large.at(0) + 1);
             } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
                 include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
-                *straddlers += u32::from(classify.leaves());
+                *straddlers += u32::from(classified.leaves());
             }
         }
         bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
@@ -288,10 +288,10 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 *member = at + 1;
                 *place = I::from_slot(at);
                 let keys = simd.keys(bounds);
-                let classify = cell.classify(simd, keys);
-                let record = simd.record(frame, keys, slot | classify.marks());
+                let classified = cell.classify(simd, keys);
+                let record = simd.record(frame, keys, slot | classified.marks());
                 records.store((leaf.start + at) as usize, &record);
-                if classify.leaves() {
+                if classified.leaves() {
                     straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
                     *straddler += 1;
                 }

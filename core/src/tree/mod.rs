@@ -6,7 +6,7 @@
 //! * Planes stay from step to step, so an object that rests has no reason to change its leaf (erratum E8).
 //!   They are medians of existing minima when they are made ([`build`]), and are made anew where leaves have
 //!   grown out of balance.
-//! * A node that would not gain from a split has a plane that nobody reaches: its objects all go to the left
+//! * A node that would not gain from a split has a plane that no object reaches: its objects all go to the left
 //!   (errata E11 and E14).
 //! * Each node down to the leaves of a full step has a box around its members, which movers make larger, and which is made
 //!   tight again after a while ([`refit`]): what looks for objects near a box or along a line walks by these boxes, and

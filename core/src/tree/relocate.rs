@@ -12,9 +12,9 @@ use crate::simd::{Phase, Simd};
 /// How many movers ahead leaves are asked for, and twice as many ahead what tells which leaves these are.
 const AHEAD: usize = 6;
 
-/// Records that may move in one step for leaves that lend each other room: one in so many, or so many.
-const LENT_SHARE: usize = 8;
-const LENT_AT_LEAST: usize = 16_384;
+/// Records that may move in one step for leaves that take room from each other: one in so many, or so many.
+const SLACK_SHARE: usize = 8;
+const SLACK_AT_LEAST: usize = 16_384;
 
 /// Brings the records of the first so many objects in the second of the sorted lists, or their places among the large objects,
 /// to their new boxes. Returns whether there was room; where a leaf and its neighbours or the large-object list are full, all
@@ -28,7 +28,7 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self(parts, count) = self;
         parts.state.lists.stale = 1;
-        let mut budget = (parts.state.objects.live as usize / LENT_SHARE).max(LENT_AT_LEAST);
+        let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
@@ -67,14 +67,14 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let keys = simd.keys(&bounds);
     let mut leaf = home.at();
     let mut cell = if home < I::LARGE { parts.tree.cells.at(leaf) } else { Cell::NOWHERE };
-    let mut classify = cell.classify(simd, keys);
-    let stays = classify.is_home();
+    let mut classified = cell.classify(simd, keys);
+    let stays = classified.is_home();
     if !stays {
         leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
         cell = parts.tree.cells.at(leaf);
-        classify = cell.classify(simd, keys);
+        classified = cell.classify(simd, keys);
     }
-    if classify.is_large() {
+    if classified.is_large() {
         if home == I::LARGE {
             let straddler = Straddler { bounds, slot: slot as u32, unused: 0 };
             parts
@@ -103,7 +103,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let start = parts.tree.leaves.at(leaf).start;
     let sub_levels = parts.state.tree.sub_levels();
     let whole = leaf >> sub_levels;
-    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32 | classify.marks());
+    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32 | classified.marks());
     parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
     if sub_levels > 0
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)

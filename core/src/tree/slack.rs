@@ -1,4 +1,4 @@
-//! Lends a full leaf room of its neighbours, so that a step with few movers need not fill all leaves anew.
+//! Gives a full leaf room of its neighbours, so that a step with few movers need not fill all leaves anew.
 
 use super::balance::overfull;
 use crate::access::Access;
@@ -19,27 +19,27 @@ pub(crate) fn borrow_slack(tree: &mut TreeParts<'_>, state: &State, full: usize,
         return false;
     }
     for distance in 1..=NEIGHBOURS {
-        for lender in [full + distance, full.wrapping_sub(distance)] {
-            let mut bucket = if lender < leaves { tree.leaves.at(lender) } else { continue };
+        for giver in [full + distance, full.wrapping_sub(distance)] {
+            let mut bucket = if giver < leaves { tree.leaves.at(giver) } else { continue };
             let given = (bucket.room - bucket.len).div_ceil(2);
             if given == 0 {
                 continue;
             }
             // Those between the two move, and the one of them that is further back.
-            let moving = if lender > full { full + 1..lender + 1 } else { lender + 1..full + 1 };
+            let moving = if giver > full { full + 1..giver + 1 } else { giver + 1..full + 1 };
             let records = moving.map(|index| tree.leaves.at(index).len as usize).sum::<usize>();
             match budget.checked_sub(records) {
                 Some(left) => *budget = left,
                 None => return false,
             }
             bucket.room -= given;
-            tree.leaves.put(lender, bucket);
-            if lender > full {
-                for index in (full + 1..=lender).rev() {
+            tree.leaves.put(giver, bucket);
+            if giver > full {
+                for index in (full + 1..=giver).rev() {
                     shift(tree, index, |start| start + given);
                 }
             } else {
-                for index in lender + 1..=full {
+                for index in giver + 1..=full {
                     shift(tree, index, |start| start - given);
                 }
             }
@@ -52,7 +52,7 @@ pub(crate) fn borrow_slack(tree: &mut TreeParts<'_>, state: &State, full: usize,
     false
 }
 
-/// Moves the records of a leaf to where nobody's are.
+/// Moves the records of a leaf to a place where no others are.
 fn shift(tree: &mut TreeParts<'_>, index: usize, to: impl Fn(u32) -> u32) {
     let mut bucket = tree.leaves.at(index);
     let start = to(bucket.start);

@@ -4,8 +4,8 @@
 //! The parts of a leaf keep its frame, and have [bounds](Record::include) in it, eight records that are tested at once in place
 //! of three levels of nodes.
 //!
-//! While that goes on, a leaf that is still whole stands where the first one of its parts will stand: planes that nobody is
-//! above yet are as good as planes that nobody reaches. The leaves have no straddlers: only a full step gathers ghosts.
+//! While that goes on, a leaf that is still whole stands where the first one of its parts will stand: planes above which there is
+//! no object yet are as good as planes that none reaches. The leaves have no straddlers: only a full step gathers ghosts.
 
 use super::cells::divide;
 use super::{Cell, Leaf, Record, SUB_LEAVES, sub_leaf_of};
@@ -145,7 +145,7 @@ pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
     true
 }
 
-/// Makes homes of the first leaves of some levels below: whoever is not at home there finds out when the leaves are counted.
+/// Makes homes of the first leaves of some levels below: which objects are not at home there shows when the leaves are counted.
 pub(crate) fn descend<I: Index>(homes: &mut [I], levels: u32) {
     for home in homes {
         if *home < I::LARGE {

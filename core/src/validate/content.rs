@@ -29,7 +29,7 @@ pub(crate) enum Set {
     Moved,
     Resting,
     Changed,
-    Awake,
+    Active,
     /// Whose filter has changed.
     Refiltered,
     /// Whose slot had another object in the complete step before.
@@ -148,7 +148,7 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
             Set::Moved => &*parts.moved.words,
             Set::Resting => parts.resting,
             Set::Changed => parts.changed.words,
-            Set::Awake => parts.active,
+            Set::Active => parts.active,
             Set::Refiltered => parts.filters.changed.words,
             Set::Reused => parts.former.reused.words,
         };

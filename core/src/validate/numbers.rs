@@ -27,7 +27,7 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     check(state.lists.axis < 3 && state.lists.stripe_axis < 3, "an axis that there is not", 0)?;
     // Else they are chosen before they are used.
     let chosen = sizes.is_small() && state.lists.scan_in > 0;
-    check(!chosen || state.lists.axis != state.lists.stripe_axis, "strips along the axis of the sweep", 0)?;
+    check(!chosen || state.lists.axis != state.lists.stripe_axis, "stripes along the axis of the sweep", 0)?;
     let yes_or_no = [
         state.lists.stale,
         state.tree.filled,
@@ -81,13 +81,13 @@ fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let end = surplus_parked.saturating_add(state.pairs.reported);
     let swept = state.pairs.swept;
     check(swept <= sizes.pairs as u64, "more pairs than room", swept as usize)?;
-    check(end <= swept, "more pairs are exact, or surplus and set aside, than swept", swept as usize)?;
+    check(end <= swept, "more pairs are exact, or surplus and parked, than swept", swept as usize)?;
     check(
         surplus_parked <= parked && parked <= end,
-        "more pairs are set aside than there are, or fewer than their surplus",
+        "more pairs are parked than there are, or fewer than their surplus",
         state.pairs.parked as usize,
     )?;
-    check(parked == 0 || sizes.tree > 0, "pairs are set aside without a tree", state.pairs.parked as usize)?;
+    check(parked == 0 || sizes.tree > 0, "pairs are parked without a tree", state.pairs.parked as usize)?;
     let has_surplus = state.setup.mode() == Mode::Exact && sizes.fat > 0;
     check(has_surplus || surplus_parked == 0 && end == swept, "surplus without margins", swept as usize)?;
     check(

@@ -47,7 +47,7 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
     last_boxes(content)?;
     former(content)?;
     let stripes = content.stripes();
-    check(stripes.is_none_or(|planes| planes.is_sorted()), "strips are out of order", 0)
+    check(stripes.is_none_or(|planes| planes.is_sorted()), "stripes are out of order", 0)
 }
 
 /// Free slots are chained, each once.
@@ -68,7 +68,7 @@ fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid
 fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.objects.slots as usize;
-    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Awake, Set::Refiltered, Set::Reused] {
+    for set in [Set::Moved, Set::Resting, Set::Changed, Set::Active, Set::Refiltered, Set::Reused] {
         if !slots.is_multiple_of(32) {
             let last = content.word(set, slots / 32).unwrap_or(0);
             check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
@@ -90,7 +90,7 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     }
     let any = |set| count(content, set, slots) > 0;
     check(state.objects.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
-    check(state.objects.resting != 0 || !any(Set::Resting), "objects rest and nobody has put them to rest", 0)
+    check(state.objects.resting != 0 || !any(Set::Resting), "objects rest that were not put to rest", 0)
 }
 
 /// Who had the slots of new objects: some object, and so not the one that has it now.
@@ -101,7 +101,7 @@ fn former<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
             let slot = index * 32 + bit;
             let generation = content.former(slot, rank);
             let another = generation != 0 && generation != content.generation(slot);
-            check(another, "nobody had a slot that was given to another object", slot)?;
+            check(another, "no object had a slot that was given to another one", slot)?;
             rank += 1;
         }
     }

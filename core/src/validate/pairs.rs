@@ -4,66 +4,57 @@ use super::content::{Content, Set};
 use super::{Invalid, check};
 use crate::config::Mode;
 use crate::filter::meet;
-use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::state::State;
 
-/// Checks each pair by itself: it is one of two slots in order; nobody is active if it is parked; and if nothing has changed
+/// Checks each pair by itself: it is one of two slots in order; neither object is active if it is parked; and if nothing has changed
 /// since, the boxes overlap and the filters agree. O(pairs).
 pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
-    let (slots, parked, result) =
-        (state.objects.slots as usize, state.pairs.parked as usize, state.pairs.result());
-    let (exact, margins) = (state.setup.mode() == Mode::Exact, content.sizes().fat > 0);
-    let keeps_changed = content.word(Set::Changed, 0).is_some();
+    let slots = state.objects.slots as usize;
     let touches = |set, pair: &Pair<I>| content.is_in(set, pair[0].at()) || content.is_in(set, pair[1].at());
-    let overlap =
-        |boxes: &dyn Fn(usize) -> KeyBox, pair: &Pair<I>| boxes(pair[0].at()).overlaps(&boxes(pair[1].at()));
-    let filters = content.sizes().filters > 0;
     for at in 0..state.pairs.swept as usize {
         let pair = content.pair(at);
         check(pair[0] < pair[1] && pair[1].at() < slots, "a pair is not of two slots in order", at)?;
-        let is_aside = at < parked;
-        check(
-            !is_aside || !touches(Set::Awake, &pair),
-            "a pair of an object that is awake is set aside",
-            at,
-        )?;
-        if touches(Set::Moved, &pair) {
-            continue;
-        }
-        if margins {
-            check(overlap(&|slot| content.fat(slot), &pair), "a pair does not overlap", at)?;
-            let unchanged = if keeps_changed {
-                !touches(Set::Changed, &pair)
-            } else {
-                state.objects.moved_inside_margin == 0
-            };
-            if exact && unchanged {
-                check(
-                    overlap(&|slot| content.now(slot), &pair) == result.contains(&at),
-                    "a pair overlaps and is surplus, or does not and is reported",
-                    at,
-                )?;
-            }
-        } else {
-            check(overlap(&|slot| content.now(slot), &pair), "a pair does not overlap", at)?;
-        }
-        if filters {
-            let [a, b] = pair.map(|slot| content.filter(slot.at()));
-            check(
-                meet(&a, &b, |class| content.class(class)),
-                "a pair that the filters do not let through",
-                at,
-            )?;
+        let is_parked = at < state.pairs.parked as usize;
+        check(!is_parked || !touches(Set::Active, &pair), "a pair of an active object is parked", at)?;
+        if !touches(Set::Moved, &pair) {
+            unmoved(content, &pair, at, touches(Set::Changed, &pair))?;
         }
     }
-    let previous = previous(state) as usize;
-    for at in 0..previous {
+    for at in 0..previous(state) as usize {
         let pair = content.previous(at);
         check(pair[0] < pair[1] && pair[1].at() < slots, "a pair of the last step is not of two slots", at)?;
     }
-    let (segments, mut end) = (content.segments(), 0);
+    segments(content)
+}
+
+/// Checks a pair of two objects that have not moved: one of them may have changed inside its margin.
+fn unmoved<I: Index>(
+    content: &impl Content<I>,
+    pair: &Pair<I>,
+    at: usize,
+    changed: bool,
+) -> Result<(), Invalid> {
+    let state = content.state();
+    let [a, b] = pair.map(Index::at);
+    check(content.swept(a).overlaps(&content.swept(b)), "a pair does not overlap", at)?;
+    let keeps_changed = content.word(Set::Changed, 0).is_some();
+    let unchanged = if keeps_changed { !changed } else { state.objects.moved_inside_margin == 0 };
+    if content.sizes().fat > 0 && state.setup.mode() == Mode::Exact && unchanged {
+        check(
+            content.now(a).overlaps(&content.now(b)) == state.pairs.result().contains(&at),
+            "a pair overlaps and is surplus, or does not and is reported",
+            at,
+        )?;
+    }
+    let lets_through = || meet(&content.filter(a), &content.filter(b), |class| content.class(class));
+    check(content.sizes().filters == 0 || lets_through(), "a pair that the filters do not let through", at)
+}
+
+/// Checks that the blocks of leaves divide the last result: where each ends, and the last one with it.
+fn segments<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
+    let (state, segments, mut end) = (content.state(), content.segments(), 0);
     check(segments <= 2 * content.sizes().event_blocks, "segments of leaves that there are not", segments)?;
     for at in 0..segments {
         let next = content.segment(at);

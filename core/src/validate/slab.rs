@@ -119,17 +119,17 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Records are those of their boxes, leaf by leaf without gaps; nobody else has a place in the tree.
+/// Records are those of their boxes, leaf by leaf without gaps; no other object has a place in the tree.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let sub_levels = parts.state.tree.sub_levels();
     let swept = parts.boxes.swept();
     check(parts.tree.nodes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
-    let (mut end, mut classify) = (0, parts.state.tree.large as usize);
+    let (mut end, mut placed) = (0, parts.state.tree.large as usize);
     for index in 0..leaves(parts.state) {
         let leaf = parts.tree.leaves.at(index);
         check(leaf.start == end, "a leaf does not start where the last one ends", index)?;
         end += leaf.room;
-        classify += leaf.len as usize;
+        placed += leaf.len as usize;
         for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
             let slot = record.slot() as usize;
             if bits::test(parts.moved.words, slot) {
@@ -155,7 +155,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(current, "a large object's box is not its own", slot)?;
     }
     let homes = parts.home.iter().filter(|home| **home != I::NONE).count();
-    check(homes == classify, "an object has a place in the tree and is not there", homes)
+    check(homes == placed, "an object has a place in the tree and is not there", homes)
 }
 
 /// The cells are those of the planes. Cut one by one, so that no room is needed.

@@ -42,7 +42,7 @@ pub struct World<'m, I: Index = u32> {
     pub(crate) kernels: Kernels,
 }
 
-/// From this many objects on a step is shared between workers, where nobody has chosen: below, to hand out the work takes
+/// From this many objects on a step is shared between workers, where no hook decides: below, to hand out the work takes
 /// longer than to do it. Miri is too slow for that many.
 const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 
@@ -50,7 +50,8 @@ const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
-        let shared = parts.state.setup.sharing().fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
+        let shared =
+            parts.state.setup.hooks().sharing.fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
         // A small world shares nothing.
         let shared = shared && !context.is_small();
         let executor = OneStep::new(context.executor, shared);

@@ -42,12 +42,12 @@ impl<I: Index> World<'_, I> {
 }
 
 impl<'w, I: Index> Step<'w, I> {
-    /// See [`World::pair_ids`]; here nobody is missing.
+    /// See [`World::pair_ids`]; here none is missing.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> + use<'w, I> {
         self.world.pair_ids()
     }
 
-    /// See [`World::found_ids`]; here nobody is missing.
+    /// See [`World::found_ids`]; here none is missing.
     pub fn found_ids(&self) -> impl Iterator<Item = [Id; 2]> + use<'w, I> {
         self.world.found_ids()
     }

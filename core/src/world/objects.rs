@@ -60,7 +60,7 @@ impl<'m, I: Index> World<'m, I> {
     }
 
     /// Adds objects, all or none; gives their ids in the order of the boxes: `let ids: Vec<Id> = world.insert_many(boxes)?.collect()`.
-    /// Those whose ids nobody takes are added, too. O(n).
+    /// Those whose ids are not taken are added, too. O(n).
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].

@@ -9,8 +9,8 @@ use crate::world::World;
 
 /// Objects that the caller knows to rest, beside those that are seen to.
 impl<I: Index> World<'_, I> {
-    /// Puts objects to rest, all or none: their pairs with each other are parked at the next step, and steps do not look at
-    /// what the bounds array has for them. Whoever gets another box by [`set_aabb`](Self::set_aabb) or
+    /// Puts objects to rest, all or none: the next step parks their pairs with each other, and steps do not look at
+    /// what the bounds array has for them. An object that gets another box by [`set_aabb`](Self::set_aabb) or
     /// [`update_many`](Self::update_many) wakes. O(n).
     ///
     /// # Errors

@@ -4,7 +4,6 @@
 import { InvalidArgumentError } from "./errors.js";
 
 const MODES = ["exact", "fat"];
-const CHOICES = ["automatic", "never", "always"];
 
 /** Fields of `trisap_config` by name: where they stand, as which kind. */
 const FIELDS = {
@@ -19,8 +18,6 @@ const FIELDS = {
   marginMin: [44, "length"],
   marginMax: [48, "length"],
   fixedMargins: [52, "flag"],
-  moversOnly: [56, CHOICES],
-  fineLeaves: [60, CHOICES],
 };
 const HAS_MARGIN = 36;
 const MARGINS = ["marginPerExtent", "marginMin", "marginMax"];

@@ -9,8 +9,6 @@ export type Box = ArrayLike<number>;
 /** Three numbers. */
 export type Point = ArrayLike<number>;
 
-export type Choice = "automatic" | "never" | "always";
-
 /** What a world is made for. Everything but `objects` has a default that suits most scenes. */
 export interface Config {
   /** Objects that can live at once. */
@@ -35,10 +33,6 @@ export interface Config {
   marginMax?: number;
   /** Objects have their margin however fast they are. By default false. */
   fixedMargins?: boolean;
-  /** Whether steps test only what has moved. By default automatic. */
-  moversOnly?: Choice;
-  /** Whether the leaves become smaller in such steps. By default automatic. */
-  fineLeaves?: Choice;
 }
 
 export interface Options {

@@ -70,7 +70,7 @@ for (const simd of [false, true]) {
 test("the choices of a configuration change no pair", async () => {
   const boxes = scatter(600, random(3));
   const expected = bruteForce(boxes);
-  for (const extra of [{ moversOnly: "always" }, { moversOnly: "never" }, { marginPerExtent: 0.1 }, { fineLeaves: "always" }]) {
+  for (const extra of [{ mode: "exact" }, { marginPerExtent: 0.1 }, { fixedMargins: true, marginMin: 0.5 }]) {
     const world = await createWorld({ objects: 600, pairs: 30000, ...extra });
     const [field] = Object.keys(extra);
     assert.ok(Math.abs(Number(world.config[field]) - extra[field]) < 1e-6 || world.config[field] === extra[field]);

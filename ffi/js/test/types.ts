@@ -3,7 +3,7 @@
 import { BadBoxError, createWorld, hasVectors, slotOf, StaleIdError, TrisapError, World } from "trisap";
 import type { Config, Filter, Hit, Id, Region, Stats } from "trisap";
 
-const config: Config = { objects: 100, events: true, moversOnly: "never" };
+const config: Config = { objects: 100, events: true, mode: "exact" };
 const world: World = await createWorld(config, { simd: hasVectors(), wasm: fetch("trisap.wasm") });
 const id: Id = world.insert([0, 0, 0, 1, 1, 1]);
 const ids: BigUint64Array = world.insertMany(new Float32Array(12));

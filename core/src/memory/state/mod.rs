@@ -35,8 +35,8 @@ impl State {
         if self.tree.filled != 0 { 1 << (self.tree.depth + self.tree.sub_levels()) } else { self.step.leaves }
     }
 
-    /// The state as a snapshot has it: the number of workers decides about scratch memory alone, and so does what the library
-    /// was built for about the slab alone. A snapshot has no lists.
+    /// The state as a snapshot has it. The number of workers decides about scratch memory alone, what the library was built for
+    /// about the slab alone, and hooks about the time of later steps alone. A snapshot has no lists.
     pub(crate) fn portable(&self) -> Self {
         Self {
             setup: self.setup.portable(),

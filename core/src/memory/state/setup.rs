@@ -1,34 +1,32 @@
 //! What a world was made for, and how its slab is laid out.
 
-use crate::config::{Capacity, Choice, Config, Margin, Mode};
+use crate::config::{Capacity, Choice, Config, Hooks, Margin, Mode};
 use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
 /// The version; and a bit of the feature that decides how the slab is laid out.
 const MAGIC: u32 = 0x7452_0008 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
-// The bits of `Setup::flags`; a choice takes two.
+// The bits of `Setup::flags`.
 const EVENTS: u32 = 1;
 const LEAN: u32 = 1 << 1;
 const FILTERS: u32 = 1 << 2;
 const MARGIN: u32 = 1 << 3;
 const FAT: u32 = 1 << 4;
 const FIXED_MARGINS: u32 = 1 << 5;
-const MOVERS_ONLY: u32 = 6;
-const FINE_LEAVES: u32 = 8;
-const SHARING: u32 = 10;
+/// From here on the hooks, which are no part of a snapshot.
+const HOOKS: u32 = 6;
+const PORTABLE: u32 = !(Hooks::MASK << HOOKS);
 
 const fn flags(config: &Config) -> u32 {
-    let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
+    let Config { mode, margin, events, filters, lean, fixed_margins, hooks, .. } = *config;
     flag(EVENTS, events)
         | flag(LEAN, lean)
         | flag(FILTERS, filters)
         | flag(MARGIN, margin.is_some())
         | flag(FAT, matches!(mode, Mode::Fat))
-        | flag(FIXED_MARGINS, config.fixed_margins)
-        | (movers_only.bits() << MOVERS_ONLY)
-        | (fine_leaves.bits() << FINE_LEAVES)
-        | (sharing.bits() << SHARING)
+        | flag(FIXED_MARGINS, fixed_margins)
+        | (hooks.bits() << HOOKS)
 }
 
 const fn flag(bit: u32, is_set: bool) -> u32 {
@@ -45,7 +43,7 @@ pub(crate) struct Setup {
     leaf_refs: u32,
     pairs: u32,
     margin: [f32; 3],
-    /// All that is a choice between two or three: see the constants.
+    /// All that is a choice between two, and the hooks: see the constants.
     flags: u32,
     workers: u32,
 }
@@ -78,25 +76,17 @@ impl Setup {
             lean: self.flags & LEAN != 0,
             filters: self.flags & FILTERS != 0,
             workers: self.workers,
-            movers_only: Choice::from_bits(self.flags >> MOVERS_ONLY)?,
-            fine_leaves: Choice::from_bits(self.flags >> FINE_LEAVES)?,
-            sharing: Choice::from_bits(self.flags >> SHARING)?,
             fixed_margins: self.has_fixed_margins(),
+            hooks: Hooks::from_bits(self.flags >> HOOKS)?,
         })
     }
 
-    // Of no choice, which no world has, the automatic one.
-
-    pub(crate) fn movers_only(&self) -> Choice {
-        Choice::from_bits(self.flags >> MOVERS_ONLY).unwrap_or_default()
-    }
-
-    pub(crate) fn fine_leaves(&self) -> Choice {
-        Choice::from_bits(self.flags >> FINE_LEAVES).unwrap_or_default()
-    }
-
-    pub(crate) fn sharing(&self) -> Choice {
-        Choice::from_bits(self.flags >> SHARING).unwrap_or_default()
+    /// Each by itself, so that only what is asked for is read. Of no choice, which no world has, the automatic one.
+    #[inline(always)]
+    pub(crate) fn hooks(&self) -> Hooks {
+        let choice = |bits: u32| Choice::from_bits(bits).unwrap_or_default();
+        let bits = self.flags >> HOOKS;
+        Hooks { movers_only: choice(bits), fine_leaves: choice(bits >> 2), sharing: choice(bits >> 4) }
     }
 
     pub(crate) const fn has_fixed_margins(&self) -> bool {
@@ -113,11 +103,12 @@ impl Setup {
         (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
     }
 
-    /// Whether this is the setup of a world of the same configuration, but for the workers. Snapshots have a version of their own.
+    /// Whether this is the setup of a world of the same configuration, but for the workers and the hooks. Snapshots have a version
+    /// of their own.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let key = |setup: &Self| {
             let Self { index_bytes, objects, leaf_refs, pairs, flags, .. } = *setup;
-            ([index_bytes, objects, leaf_refs, pairs, flags], setup.margin.map(f32::to_bits))
+            ([index_bytes, objects, leaf_refs, pairs, flags & PORTABLE], setup.margin.map(f32::to_bits))
         };
         key(self) == key(other)
     }
@@ -137,11 +128,11 @@ impl Setup {
 
     /// See [`State::portable`](super::State::portable).
     pub(super) const fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, ..*self }
+        Self { workers: 1, magic: 0, flags: self.flags & PORTABLE, ..*self }
     }
 
     pub(super) const fn is_portable(&self) -> bool {
-        self.workers == 1 && self.magic == 0
+        self.workers == 1 && self.magic == 0 && self.flags & !PORTABLE == 0
     }
 
     /// The configuration of the world that a portable state is of.
@@ -151,5 +142,6 @@ impl Setup {
 
     pub(super) const fn adopt(&mut self, other: &Self) {
         (self.workers, self.magic) = (other.workers, other.magic);
+        self.flags |= other.flags & !PORTABLE;
     }
 }

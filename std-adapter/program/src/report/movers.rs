@@ -16,9 +16,9 @@ pub(super) fn movers(lab: &Lab) -> Result<Section> {
         text: vec![
             format!(
                 "{} cubes. In every step a share of them, others each time, goes to where they are in the scene by then; the \
-                 rest stays. Automatic: the step chooses by the number of movers. The other worlds have fixed choices \
-                 (Config::movers_only and Config::fine_leaves): all pairs found anew in every step; or the movers alone tested, \
-                 however many they are, in leaves that become smaller or not.",
+                 rest stays. Automatic: the step chooses by the number of movers. In the other worlds the \
+                 choice is fixed: all pairs found anew in every step; or the movers alone tested, however many they are, in leaves \
+                 that become smaller or not.",
                 lab.plan.objects
             ),
             lab.origin().into(),

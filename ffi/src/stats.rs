@@ -1,0 +1,106 @@
+//! What steps did, and a check of the whole world.
+
+use crate::border;
+use crate::call::{Look, look, trisap_world};
+use crate::status::trisap_status;
+use crate::structs::*;
+use trisap_core::{Path, Reason};
+
+/// Statistics of no step. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn trisap_default_stats() -> trisap_stats {
+    trisap_stats {
+        struct_size: size_of::<trisap_stats>() as u32,
+        path: TRISAP_PATH_UNCHANGED,
+        objects: 0,
+        moved: 0,
+        leaves: 0,
+        leaves_in_use: 0,
+        fullest_leaf: 0,
+        large: 0,
+        rebalanced: 0,
+        coarse_resolution: 0,
+        reason: TRISAP_REASON_NO_MOVERS,
+        fine_leaves: 0,
+        shared: 0,
+        outran: 0,
+        copies: 0,
+        candidates: 0,
+        tied: 0,
+        pairs: 0,
+        found: 0,
+        lost: 0,
+        surplus: 0,
+    }
+}
+
+/// Writes what the last step did to `stats`, which has to have its `struct_size`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_stats(
+    world: *const trisap_world,
+    stats: *mut trisap_stats,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        // SAFETY: the caller's promise.
+        unsafe { border::check_versioned(stats)? };
+        let known = call.world()?.stats();
+        let told = trisap_stats {
+            struct_size: size_of::<trisap_stats>() as u32,
+            path: match known.path {
+                Path::Unchanged => TRISAP_PATH_UNCHANGED,
+                Path::Lists => TRISAP_PATH_LISTS,
+                Path::Movers => TRISAP_PATH_MOVERS,
+                Path::Full => TRISAP_PATH_FULL,
+                Path::Rebuilt => TRISAP_PATH_REBUILT,
+            },
+            objects: known.objects,
+            moved: known.moved,
+            leaves: known.leaves,
+            leaves_in_use: known.leaves_in_use,
+            fullest_leaf: known.fullest_leaf,
+            large: known.large,
+            rebalanced: known.rebalanced,
+            coarse_resolution: u32::from(known.coarse_resolution),
+            reason: match known.reason {
+                Reason::NoMovers => TRISAP_REASON_NO_MOVERS,
+                Reason::FewObjects => TRISAP_REASON_FEW_OBJECTS,
+                Reason::FewMovers => TRISAP_REASON_FEW_MOVERS,
+                Reason::ManyMovers => TRISAP_REASON_MANY_MOVERS,
+                Reason::Fixed => TRISAP_REASON_FIXED,
+                Reason::NothingKept => TRISAP_REASON_NOTHING_KEPT,
+                Reason::NoRoom => TRISAP_REASON_NO_ROOM,
+                Reason::Outgrown => TRISAP_REASON_OUTGROWN,
+                Reason::OutOfBalance => TRISAP_REASON_OUT_OF_BALANCE,
+                Reason::NoRoomForSurplus => TRISAP_REASON_NO_ROOM_FOR_SURPLUS,
+            },
+            fine_leaves: u32::from(known.fine_leaves),
+            shared: u32::from(known.shared),
+            outran: known.outran,
+            copies: known.copies,
+            candidates: known.candidates,
+            tied: known.tied,
+            pairs: known.pairs,
+            found: known.found,
+            lost: known.lost,
+            surplus: known.surplus,
+        };
+        // SAFETY: checked above.
+        unsafe { stats.write(told) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
+/// Checks every invariant of the world: for debugging what else writes to its memory. O(n log n + pairs).
+///
+/// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_validate(world: *const trisap_world) -> trisap_status {
+    let ask = |call: &Look| call.world()?.validate().map_err(|_| trisap_status::Corrupt.into());
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
