@@ -146,7 +146,14 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.names.key(id)
     }
 
-    /// The world itself, for all that is not here: margins, rest, batches. Who removes or inserts objects there leaves the keys wrong.
+    /// The world itself, to look at: results, batches, and queries [among](World::among) some objects. Any number of threads may at
+    /// once.
+    #[must_use]
+    pub fn as_world(&self) -> &World<'_> {
+        self.owned.as_world()
+    }
+
+    /// The world itself, to change what is not here: margins, rest, values. Who removes or inserts objects there leaves the keys wrong.
     #[must_use]
     pub fn world(&mut self) -> World<'_> {
         self.owned.world()
@@ -154,9 +161,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
 
     /// The box of a key, as it was given last.
     #[must_use]
-    pub fn aabb(&mut self, key: &K) -> Option<Aabb> {
-        let id = self.id(key)?;
-        self.owned.world().aabb(id)
+    pub fn aabb(&self, key: &K) -> Option<Aabb> {
+        self.as_world().aabb(self.id(key)?)
     }
 
     /// Adds a box, or gives the key another one if it has one.
@@ -222,7 +228,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// [`Error::CapacityTooLarge`] where no more memory can be had, or [`Error::InvariantBroken`].
     pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
         while let Err(error) = self.try_step() {
-            let Error::PairsFull { needed } = error else { return Err(error) };
+            let Error::PairsFull { needed, .. } = error else { return Err(error) };
             // A quarter more, so that a growing scene does not move in each step.
             let pairs = u32::try_from(needed + needed / 4).map_err(|_| Error::CapacityTooLarge)?;
             self.grow(self.config.capacity.with_pairs(pairs))?;
@@ -258,10 +264,10 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn overlaps(&mut self, region: &Region) -> Result<Vec<K>, Error> {
+    pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
         let mut keys = Vec::new();
         let names = &self.names;
-        self.owned.world().visit_overlaps(region, &mut |id| {
+        self.as_world().visit_overlaps(region, &mut |id| {
             keys.extend(names.key(id));
             ControlFlow::Continue(())
         })?;
@@ -272,8 +278,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn first_hit(&mut self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
-        let hit = self.owned.world().first_hit(cast)?;
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
+        let hit = self.as_world().first_hit(cast)?;
         Ok(hit.and_then(|hit| Some((self.names.key(hit.id)?, hit.distance))))
     }
 
@@ -281,16 +287,16 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn nearest(&mut self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
+    pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
         let mut hits = vec![None; count.min(self.len())];
-        self.owned.world().nearest(point, &mut hits)?;
+        self.as_world().nearest(point, &mut hits)?;
         Ok(hits.iter().flatten().filter_map(|hit| Some((self.names.key(hit.id)?, hit.distance))).collect())
     }
 
     /// All that there is, for a way back: boxes, keys, and what the next events are compared with.
     #[must_use]
-    pub fn save(&mut self) -> Snapshot<K> {
-        let world = self.owned.world();
+    pub fn save(&self) -> Snapshot<K> {
+        let world = self.as_world();
         let mut bytes = vec![0; world.snapshot_size()];
         // As long as the world has said.
         let written = world.save(&mut bytes);
