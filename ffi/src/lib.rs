@@ -62,9 +62,13 @@ pub mod step;
 
 pub mod events;
 
+pub mod values;
+
 pub mod view;
 
 pub mod query;
+
+pub mod among;
 
 pub mod batch;
 

@@ -247,6 +247,7 @@ pub unsafe extern "C" fn trisap_world_stats(
                 Reason::Outgrown => crate::structs::TRISAP_REASON_OUTGROWN,
                 Reason::OutOfBalance => crate::structs::TRISAP_REASON_OUT_OF_BALANCE,
                 Reason::NoRoomForSurplus => crate::structs::TRISAP_REASON_NO_ROOM_FOR_SURPLUS,
+                _ => crate::structs::TRISAP_REASON_OTHER,
             },
             fine_leaves: u32::from(known.fine_leaves),
             shared: u32::from(known.shared),

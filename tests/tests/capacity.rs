@@ -40,7 +40,7 @@ fn overflow(boxes: &[Aabb], capacities: impl Iterator<Item = usize>, setup: Setu
     for capacity in capacities {
         assert!(capacity < needed);
         let config = setup.configure(config(boxes.len(), capacity));
-        let full = Error::PairsFull { needed: needed as u64 };
+        let full = Error::PairsFull { needed: needed as u64, room: capacity as u32 };
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         checked.insert_many(boxes);
@@ -111,9 +111,12 @@ fn the_need_that_an_error_tells_is_enough() {
                     checked.insert_many(&boxes);
                     checked.try_step(setup).map(|outcome| outcome.pairs.len())
                 };
-                let Err(Error::PairsFull { needed }) = attempt(0) else { panic!("no room is not enough") };
+                let Err(Error::PairsFull { needed, room: 0 }) = attempt(0) else {
+                    panic!("no room is not enough")
+                };
                 for pairs in [1, needed / 2, needed - 1] {
-                    assert_eq!(attempt(pairs), Err(Error::PairsFull { needed }), "{setup:?}");
+                    let full = Error::PairsFull { needed, room: pairs as u32 };
+                    assert_eq!(attempt(pairs), Err(full), "{setup:?}");
                 }
                 assert!(attempt(needed).is_ok(), "{setup:?}: {needed} pairs were said to be enough");
             }
@@ -155,7 +158,7 @@ fn objects_from_none_to_one_too_many() {
         let setup = Setup::REFERENCE;
         let mut slab = Slab::new::<u16>(&config);
         let mut checked = Checked::<u16>::new(slab.world(&config));
-        let full = |more: u64| Error::ObjectsFull { needed: count as u64 + more };
+        let full = |more: u64| Error::ObjectsFull { needed: count as u64 + more, room: count as u32 };
         assert!(checked.step(setup).pairs.is_empty());
         let many = vec![unit; count + 1];
         let error = checked.refuse(|world| world.insert_many(Boxes::new(&many)).map(drop));
@@ -247,7 +250,7 @@ fn slabs_are_checked() {
     assert!(memory.len() > bytes + align);
     for short in [0, 1, bytes / 2, bytes - 1] {
         let error = World::<u32>::new_in(&mut memory[..short], &config).err();
-        assert_eq!(error, Some(Error::SlabTooSmall { needed: bytes }), "{short} of {bytes} bytes");
+        assert_eq!(error, Some(Error::SlabTooSmall { needed: bytes, given: short }));
         assert!(World::<u32>::open(&mut memory[..short]).is_err());
     }
     let shifted = World::<u32>::new_in(&mut memory[1..], &config).err();
@@ -258,7 +261,7 @@ fn slabs_are_checked() {
     assert_eq!(World::<u16>::open(memory).err(), Some(Error::NotAWorld));
     assert_eq!(
         World::<u32>::open(&mut memory[..bytes - 1]).err(),
-        Some(Error::SlabTooSmall { needed: bytes })
+        Some(Error::SlabTooSmall { needed: bytes, given: bytes - 1 })
     );
     // Whatever lay in the memory before.
     memory.fill(0xa5);

@@ -28,6 +28,9 @@ pub struct Layout {
     pub align: usize,
 }
 
+/// Whether there can be values. A lean program does without their code.
+pub(crate) const VALUES: bool = cfg!(feature = "large");
+
 /// A cache line; also more than any item asks for.
 pub(crate) const ALIGN: usize = CACHE_LINE;
 
@@ -60,6 +63,9 @@ pub(crate) struct Sizes {
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,
     pub(crate) classes: usize,
+    /// Objects with a value, and those whose value is kept for the events.
+    pub(crate) values: usize,
+    pub(crate) former_values: usize,
     /// Objects in the tree: all, or none where one leaf holds them all.
     pub(crate) tree: usize,
     pub(crate) records: usize,
@@ -98,7 +104,10 @@ impl Sizes {
         // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
         let objects = capacity.objects as usize;
         let small = objects <= TINY || config.lean;
-        if small && objects > SMALL || !small && !cfg!(feature = "large") || config.filters && !FILTERS {
+        if small && objects > SMALL || !small && !cfg!(feature = "large") {
+            return None;
+        }
+        if config.filters && !FILTERS || config.values && !VALUES {
             return None;
         }
         let pairs = capacity.pairs as usize;
@@ -120,6 +129,8 @@ impl Sizes {
             changed: if config.events || moves_inside_margin && tree > 0 { objects } else { 0 },
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
+            values: if config.values { objects } else { 0 },
+            former_values: if config.values && config.events { objects } else { 0 },
             tree,
             // Casts look at whole groups of records, also of the last leaf's.
             records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
@@ -166,6 +177,7 @@ impl Sizes {
         plan.add::<Filter>(self.filters);
         plan.add::<u32>(self.classes);
         plan.add::<u32>(SlotSet::len(self.filters));
+        plan.add::<u64>(self.values + self.former_values);
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
         plan.add::<u32>(SlotSet::len(self.changed) + SlotSet::len(self.before));

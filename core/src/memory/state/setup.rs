@@ -17,12 +17,15 @@ const FIXED_MARGINS: u32 = 1 << 5;
 const MOVERS_ONLY: u32 = 6;
 const FINE_LEAVES: u32 = 8;
 const SHARING: u32 = 10;
+const VALUES: u32 = 1 << 12;
 
 const fn flags(config: &Config) -> u32 {
-    let Config { mode, margin, events, filters, lean, movers_only, fine_leaves, sharing, .. } = *config;
+    let Config { mode, margin, events, filters, values, lean, movers_only, fine_leaves, sharing, .. } =
+        *config;
     flag(EVENTS, events)
         | flag(LEAN, lean)
         | flag(FILTERS, filters)
+        | flag(VALUES, values)
         | flag(MARGIN, margin.is_some())
         | flag(FAT, matches!(mode, Mode::Fat))
         | flag(FIXED_MARGINS, config.fixed_margins)
@@ -77,6 +80,7 @@ impl Setup {
             events: self.flags & EVENTS != 0,
             lean: self.flags & LEAN != 0,
             filters: self.flags & FILTERS != 0,
+            values: self.flags & VALUES != 0,
             workers: self.workers,
             movers_only: Choice::from_bits(self.flags >> MOVERS_ONLY)?,
             fine_leaves: Choice::from_bits(self.flags >> FINE_LEAVES)?,
@@ -130,6 +134,7 @@ impl Setup {
             (differs(MARGIN), Field::Margin),
             (differs(EVENTS), Field::Events),
             (differs(FILTERS), Field::Filters),
+            (differs(VALUES), Field::Values),
             (self.index_bytes != to.index_bytes, Field::Index),
         ];
         fields.into_iter().find(|(differs, _)| *differs).map(|(_, field)| field)
