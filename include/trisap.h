@@ -154,7 +154,7 @@ enum trisap_status
     /// The world is inside another call: one of another thread, or the step that has called the job system.
     TRISAP_STATUS_BUSY = 8,
     /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
-    /// workers is not 1 to 32.
+    /// workers is not 1 to 32. The detail is the most that there can be.
     TRISAP_STATUS_CAPACITY_TOO_LARGE = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     TRISAP_STATUS_BAD_MARGIN = 10,

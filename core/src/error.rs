@@ -22,9 +22,19 @@ pub enum Error {
     },
     /// The slab does not hold a world of this index width and version.
     NotAWorld,
-    /// The capacity is beyond what the index width or the address space allows, a lean world is for more than 256 objects, or
-    /// the number of workers is not from 1 to 32.
-    CapacityTooLarge,
+    /// The configuration is beyond what the index width, the address space or the features of this build allow, a lean world is for more
+    /// than 256 objects, or the number of workers is not from 1 to 32.
+    CapacityTooLarge {
+        /// What there is too much of.
+        field: Field,
+        /// The most that there can be; zero of what this build is without.
+        most: u64,
+    },
+    /// The memory of a world that brings its own cannot be had: of the crate `trisap`.
+    NoMemory {
+        /// Bytes that were asked for.
+        bytes: usize,
+    },
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin,
     /// A part of a shift of the origin is not finite.
@@ -122,6 +132,10 @@ pub enum Field {
     Filters,
     /// [`Config::values`](crate::Config::values).
     Values,
+    /// [`Config::workers`](crate::Config::workers).
+    Workers,
+    /// The memory of the world.
+    Bytes,
     /// The width of slots.
     Index,
 }
@@ -136,6 +150,8 @@ impl fmt::Display for Field {
             Self::Events => "events",
             Self::Filters => "filters",
             Self::Values => "values",
+            Self::Workers => "workers (at least one)",
+            Self::Bytes => "bytes of memory",
             Self::Index => "the width of slots",
         })
     }
@@ -149,7 +165,13 @@ impl fmt::Display for Error {
             }
             Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
             Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
-            Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width, a lean world (256 objects) or the workers (32) allow"),
+            Self::CapacityTooLarge { field, most } => {
+                write!(
+                    f,
+                    "the configuration is too large: at most {most} {field} for this width of slots, lean or not"
+                )
+            }
+            Self::NoMemory { bytes } => write!(f, "{bytes} bytes of memory cannot be had"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
             Self::BadShift => f.write_str("a shift of the origin must be finite"),
             Self::ObjectsFull { needed, room } => {
@@ -162,7 +184,10 @@ impl fmt::Display for Error {
             Self::BadClass { class } => write!(f, "class {class} is not below 32"),
             Self::BadQuery { index } => write!(f, "query {index} is not valid"),
             Self::OutputFull { needed, room } => {
-                write!(f, "the output slice is full: {needed} items would have to fit, and there is room for {room}")
+                write!(
+                    f,
+                    "the output slice is full: {needed} items would have to fit, and there is room for {room}"
+                )
             }
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
             Self::NoRoom { field, needed, room } => {
@@ -170,13 +195,19 @@ impl fmt::Display for Error {
             }
             Self::OtherConfig { field } => write!(f, "the configurations differ: {field}"),
             Self::LengthMismatch { needed, given } => {
-                write!(f, "the slices of the batch differ in length: {needed} items are needed, and {given} were given")
+                write!(
+                    f,
+                    "the slices of the batch differ in length: {needed} items are needed, and {given} were given"
+                )
             }
             Self::InvariantBroken => {
                 f.write_str("an index inside of the library was out of range: pairs may be missing")
             }
             Self::PairsFull { needed, room } => {
-                write!(f, "the pair buffer is full: {needed} pairs would have to fit, and there is room for {room}")
+                write!(
+                    f,
+                    "the pair buffer is full: {needed} pairs would have to fit, and there is room for {room}"
+                )
             }
         }
     }

@@ -28,7 +28,7 @@ pub enum trisap_status {
     /// The world is inside another call: one of another thread, or the step that has called the job system.
     Busy = 8,
     /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
-    /// workers is not 1 to 32.
+    /// workers is not 1 to 32. The detail is the most that there can be.
     CapacityTooLarge = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin = 10,
@@ -121,7 +121,8 @@ impl From<Error> for Refusal {
             Error::SlabTooSmall { needed, .. } => (trisap_status::MemoryTooSmall, needed as u64),
             Error::SlabMisaligned { align } => (trisap_status::Misaligned, align as u64),
             Error::NotAWorld => (trisap_status::Corrupt, 0),
-            Error::CapacityTooLarge => (trisap_status::CapacityTooLarge, 0),
+            Error::CapacityTooLarge { most, .. } => (trisap_status::CapacityTooLarge, most),
+            Error::NoMemory { bytes } => (trisap_status::MemoryTooSmall, bytes as u64),
             Error::BadMargin => (trisap_status::BadMargin, 0),
             Error::ObjectsFull { needed, .. } => (trisap_status::ObjectsFull, needed),
             Error::BadBox { index } => (trisap_status::BadBox, u64::from(index)),

@@ -8,7 +8,7 @@ use crate::OwnedWorld;
 use core::hash::Hash;
 use core::ops::ControlFlow;
 use std::collections::HashMap;
-use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, Id, Region, World};
+use trisap_core::{Aabb, Capacity, Cast, Config, Error, Field, Filter, Id, Region, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] for those who do not want to count memory.
 ///
@@ -93,7 +93,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// An empty one, that begins with the capacity of a configuration.
     ///
     /// # Errors
-    /// [`Error::CapacityTooLarge`], also where memory cannot be had, or [`Error::BadMargin`].
+    /// [`Error::CapacityTooLarge`], [`Error::NoMemory`] or [`Error::BadMargin`].
     pub fn with_config(config: &Config) -> Result<Self, Error> {
         Ok(Self {
             owned: OwnedWorld::new(config)?,
@@ -168,7 +168,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Adds a box, or gives the key another one if it has one.
     ///
     /// # Errors
-    /// [`Error::BadBox`], or [`Error::CapacityTooLarge`] where no more memory can be had.
+    /// [`Error::BadBox`], or [`Error::NoMemory`].
     pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), Error> {
         if self.update(&key, aabb)? {
             return Ok(());
@@ -225,12 +225,13 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Finds all overlapping pairs of the boxes as they are now, with as much memory as they take.
     ///
     /// # Errors
-    /// [`Error::CapacityTooLarge`] where no more memory can be had, or [`Error::InvariantBroken`].
+    /// [`Error::NoMemory`], [`Error::CapacityTooLarge`] of more than four billion pairs, or [`Error::InvariantBroken`].
     pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
         while let Err(error) = self.try_step() {
             let Error::PairsFull { needed, .. } = error else { return Err(error) };
             // A quarter more, so that a growing scene does not move in each step.
-            let pairs = u32::try_from(needed + needed / 4).map_err(|_| Error::CapacityTooLarge)?;
+            let too_many = Error::CapacityTooLarge { field: Field::Pairs, most: u64::from(u32::MAX) };
+            let pairs = u32::try_from(needed + needed / 4).map_err(|_| too_many)?;
             self.grow(self.config.capacity.with_pairs(pairs))?;
         }
         self.names.removed_before = core::mem::take(&mut self.names.removed);
@@ -307,7 +308,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Goes back to a snapshot of this broad phase, or of another one of the same kind. It may have grown since: its room stays.
     ///
     /// # Errors
-    /// [`Error::OtherConfig`], or [`Error::CapacityTooLarge`] where memory cannot be had; nothing has changed then.
+    /// [`Error::OtherConfig`], or [`Error::NoMemory`]; nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
         match self.owned.world().load(&snapshot.bytes) {
             Err(Error::NoRoom { .. }) => {

@@ -4,7 +4,7 @@ use crate::memory::Memory;
 use core::fmt;
 use ouroboros::self_referencing;
 use std::sync::{Mutex, OnceLock, PoisonError};
-use trisap_core::{Config, Error, Index, World, layout};
+use trisap_core::{Config, Error, Index, World};
 
 /// A world in memory of its own, allocated once: on Linux in huge pages if it has two MiB or more, else on the heap.
 ///
@@ -52,7 +52,7 @@ impl OwnedWorld<u32> {
     /// An empty world for `config`, with slots of 32 bits. O(bytes).
     ///
     /// # Errors
-    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::CapacityTooLarge`].
+    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::NoMemory`].
     pub fn new(config: &Config) -> Result<Self, Error> {
         Self::with_index(config)
     }
@@ -62,7 +62,7 @@ impl<I: Index> OwnedWorld<I> {
     /// An empty world with slots of any width. O(bytes).
     ///
     /// # Errors
-    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::CapacityTooLarge`].
+    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::NoMemory`].
     pub fn with_index(config: &Config) -> Result<Self, Error> {
         let (mut memory, bytes) = memory::<I>(config)?;
         World::<I>::new_in(&mut memory, config)?;
@@ -97,7 +97,7 @@ impl<I: Index> OwnedWorld<I> {
     /// Moves the world to memory for another configuration, with everything that it holds: see [`World::move_into`].
     ///
     /// # Errors
-    /// Those of [`World::move_into`]; memory that cannot be had is [`Error::CapacityTooLarge`]. The world stays as it is then.
+    /// Those of [`World::move_into`]; memory that cannot be had is [`Error::NoMemory`]. The world stays as it is then.
     pub fn move_to(&mut self, config: &Config) -> Result<(), Error> {
         let (mut memory, bytes) = memory::<I>(config)?;
         let _ = self.world().move_into(&mut memory, config)?;
@@ -115,8 +115,12 @@ impl<I: Index> OwnedWorld<I> {
 const OWNED: &str = "either the memory or the world in it is there";
 
 fn memory<I: Index>(config: &Config) -> Result<(Memory, usize), Error> {
-    let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
-    Ok((Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?, bytes))
+    // No memory is too little for any world.
+    let bytes = match World::<I>::new_in(&mut [], config) {
+        Err(Error::SlabTooSmall { needed, .. }) => needed,
+        said => said.map(|_| 0)?,
+    };
+    Ok((Memory::zeroed(bytes).ok_or(Error::NoMemory { bytes })?, bytes))
 }
 
 fn open<I: Index>(memory: &mut Memory) -> World<'_, I> {
@@ -133,7 +137,7 @@ impl<I: Index> fmt::Debug for OwnedWorld<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trisap_core::{Aabb, Capacity, Kernels};
+    use trisap_core::{Aabb, Capacity, Field, Kernels};
 
     const CUBE: Aabb = Aabb::new([0.0; 3], [1.0; 3]);
 
@@ -154,9 +158,13 @@ mod tests {
     #[test]
     fn too_large_is_an_error() {
         let more_than_u16 = Config::new(Capacity::for_objects(70_000));
-        assert_eq!(OwnedWorld::<u16>::with_index(&more_than_u16).unwrap_err(), Error::CapacityTooLarge);
+        let too_large = |field, most| Err(Error::CapacityTooLarge { field, most });
+        assert_eq!(
+            OwnedWorld::<u16>::with_index(&more_than_u16).map(drop),
+            too_large(Field::Objects, 65_534)
+        );
         let no_worker = Config::new(Capacity::for_objects(8)).with_workers(0);
-        assert!(OwnedWorld::<u32>::new(&no_worker).is_err());
+        assert_eq!(OwnedWorld::<u32>::new(&no_worker).map(drop), too_large(Field::Workers, 32));
     }
 
     /// Looking and changing take turns; what is seen is what was done last.

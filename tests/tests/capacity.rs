@@ -2,7 +2,7 @@
 //! goes on as if nothing had happened.
 
 use trisap_core::{
-    Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, Layout, Margin, Mode, World, layout,
+    Aabb, Boxes, Capacity, Config, Error, Field, Id, InlineWorld, Layout, Margin, Mode, World, layout,
 };
 use trisap_tests::checked::{Checked, expected, slots};
 use trisap_tests::jobs::Jobs;
@@ -284,8 +284,12 @@ fn capacities_beyond_the_index_width_are_refused() {
         assert!(layout::<u32>(&objects(10).with_workers(workers)).is_none(), "{workers} workers");
     }
     assert!(layout::<u32>(&objects(10).with_workers(32)).is_some());
-    let error = World::<u16>::new_in(&mut [], &objects(65_535)).err();
-    assert_eq!(error, Some(Error::CapacityTooLarge));
+    let too_large = |field, most| Some(Error::CapacityTooLarge { field, most });
+    let refused = |config: Config| World::<u16>::new_in(&mut [], &config).err();
+    assert_eq!(refused(objects(65_535)), too_large(Field::Objects, 65_534));
+    assert_eq!(refused(objects(257).with_lean()), too_large(Field::Objects, 256));
+    assert_eq!(refused(objects(10).with_workers(33)), too_large(Field::Workers, 32));
+    assert_eq!(refused(objects(10).with_workers(0)), too_large(Field::Workers, 32));
     // Sixteen bits take less room, and events, margins and workers take more.
     let bytes = |config: &Config| layout::<u32>(config).map(|layout| layout.bytes).expect("a small world");
     let plain = Config::new(ample(1000, 1000));

@@ -13,6 +13,7 @@ use super::state::State;
 use super::stripes::{Member, Planes};
 use crate::access::bits;
 use crate::config::{Config, Mode};
+use crate::error::{Error, Field};
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::geometry::key::KeyBox;
 use crate::geometry::record::{Frame, Record};
@@ -47,6 +48,29 @@ pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
         },
         None => None,
     }
+}
+
+/// What a configuration has too much of that has no layout, though its margin is valid.
+pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
+    let objects = if config.lean {
+        SMALL as u32
+    } else if cfg!(feature = "large") {
+        I::MAX_OBJECTS
+    } else {
+        TINY as u32
+    };
+    let (field, most) = if config.workers == 0 || config.workers > 32 {
+        (Field::Workers, 32)
+    } else if config.capacity.objects > objects {
+        (Field::Objects, objects as u64)
+    } else if config.filters && !FILTERS {
+        (Field::Filters, 0)
+    } else if config.values && !VALUES {
+        (Field::Values, 0)
+    } else {
+        (Field::Bytes, isize::MAX as u64)
+    };
+    Error::CapacityTooLarge { field, most }
 }
 
 /// How many items of each kind.

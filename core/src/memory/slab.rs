@@ -1,6 +1,6 @@
 //! The slab of a world, carved into slices.
 
-use super::layout::{ALIGN, Sizes, layout, section};
+use super::layout::{ALIGN, Sizes, beyond, layout, section};
 use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::CHUNK;
 use super::scratch;
@@ -313,13 +313,13 @@ impl<'m, I: Index> Parts<'m, I> {
         if let Some(margin) = config.margin {
             margin.check()?;
         }
-        Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)
+        Sizes::of::<I>(config).ok_or(beyond::<I>(config))
     }
 
     /// Makes a slab into an empty world.
     pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
         let sizes = Self::sizes(config)?;
-        let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        let needed = layout::<I>(config).ok_or(beyond::<I>(config))?.bytes;
         check(slab, needed)?;
         let given = slab.len();
         let slab = slab.get_mut(..needed).unwrap_or_default();

@@ -28,7 +28,8 @@ use crate::memory::stats::Stats;
 /// ```
 impl<I: Index> World<'_, I> {
     /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
-    /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
+    /// always the same for the same calls. After [`Error::PairsFull`](crate::Error::PairsFull) those that
+    /// fitted.
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
         let result = self.parts.state.pairs.result();
