@@ -105,6 +105,9 @@
 /// those of the boxes as given besides. With more room steps are cheaper.
 #define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
 
+/// A reason that this version of the ABI has no word for.
+#define TRISAP_REASON_OTHER UINT32_MAX
+
 /// The classes that there can be.
 #define TRISAP_CLASSES 32
 
@@ -150,7 +153,7 @@ enum trisap_status
     /// The world is inside another call: one of another thread, or the step that has called the job system.
     TRISAP_STATUS_BUSY = 8,
     /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
-    /// workers is not 1 to 32.
+    /// workers is not 1 to 32. The detail is the most that there can be.
     TRISAP_STATUS_CAPACITY_TOO_LARGE = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     TRISAP_STATUS_BAD_MARGIN = 10,
@@ -183,8 +186,10 @@ enum trisap_status
     /// Refused for a reason that this version of the ABI has no word for.
     TRISAP_STATUS_OTHER = 22,
     /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
-    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots.
+    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots, 6 values.
     TRISAP_STATUS_OTHER_CONFIG = 23,
+    /// The world was made without `trisap_config::values`.
+    TRISAP_STATUS_NO_VALUES = 24,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -243,6 +248,9 @@ typedef struct trisap_config {
     uint32_t fixed_margins;
     /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
     uint32_t test_hooks;
+    /// 1 if objects have a value of 64 bits, which means what the caller likes; costs 8 bytes an object, 16 with events. By
+    /// default 0.
+    uint32_t values;
 } trisap_config;
 
 /// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
@@ -284,6 +292,14 @@ typedef struct trisap_filter {
     uint32_t object_class;
 } trisap_filter;
 
+/// Two overlapping objects by slot.
+typedef struct trisap_pair {
+    /// The lower slot.
+    uint32_t a;
+    /// The higher slot.
+    uint32_t b;
+} trisap_pair;
+
 /// The caller's job system. Filled by `trisap_default_jobs`; used within the call that it is given to.
 typedef struct trisap_jobs {
     /// The size of this struct in bytes.
@@ -309,14 +325,6 @@ typedef struct trisap_jobs {
     /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
     void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
 } trisap_jobs;
-
-/// Two overlapping objects by slot.
-typedef struct trisap_pair {
-    /// The lower slot.
-    uint32_t a;
-    /// The higher slot.
-    uint32_t b;
-} trisap_pair;
 
 /// What a step has found. Made by `trisap_default_result`, filled by the step.
 ///
@@ -363,6 +371,14 @@ typedef struct trisap_id_pair {
     /// The object in the higher slot.
     trisap_id b;
 } trisap_id_pair;
+
+/// Two objects by value.
+typedef struct trisap_value_pair {
+    /// The value of the object in the lower slot.
+    uint64_t a;
+    /// The value of the object in the higher slot.
+    uint64_t b;
+} trisap_value_pair;
 
 /// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
 /// Made by `trisap_default_stats`.
@@ -453,6 +469,10 @@ typedef struct trisap_hit {
 /// less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
+/// Called with an object that a query has come to; not 0 if it may answer. It has to say the same of the same object. May look at the
+/// world, for instance by `trisap_world_meets`; calls that change it are refused as busy.
+typedef uint32_t (*trisap_condition)(void *user, trisap_id id);
+
 /// A leaf of the tree.
 typedef struct trisap_leaf {
     /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
@@ -526,7 +546,7 @@ struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
 TRISAP_NOEXCEPT;
 
 /// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no
-/// filters, no margin, one worker. O(1).
+/// filters, no values, no margin, one worker. O(1).
 TRISAP_NODISCARD
 struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
@@ -740,6 +760,16 @@ trisap_status trisap_world_wake(struct trisap_world *world,
                                 size_t count)
 TRISAP_NOEXCEPT;
 
+/// Writes the pairs of the last step of which at least one object is awake, has not been put to rest or has been woken since, to
+/// `pairs`, which has room for `room` of them, and their number to `count`. These are what a narrow phase has to look at that keeps
+/// the contacts of those that rest. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+TRISAP_NODISCARD
+trisap_status trisap_world_awake_pairs(const struct trisap_world *world,
+                                       struct trisap_pair *pairs,
+                                       size_t room,
+                                       size_t *count)
+TRISAP_NOEXCEPT;
+
 /// 1 if the object was put to rest and has not been woken since, else 0; 0 for misuse and stale ids. O(1).
 TRISAP_NODISCARD
 uint32_t trisap_world_is_resting(const struct trisap_world *world,
@@ -814,6 +844,50 @@ trisap_status trisap_world_pair_ids(const struct trisap_world *world,
                                     struct trisap_id_pair *pairs,
                                     size_t room,
                                     size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Gives an object a value: an index, a pointer, an entity. A new object has 0. Needs `trisap_config::values`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_value(struct trisap_world *world,
+                                     trisap_id id,
+                                     uint64_t value)
+TRISAP_NOEXCEPT;
+
+/// Gives objects values, all or none: the value of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_value_many(struct trisap_world *world,
+                                          const trisap_id *ids,
+                                          const uint64_t *values,
+                                          size_t stride,
+                                          size_t count)
+TRISAP_NOEXCEPT;
+
+/// Writes the value of an object to `value`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_value(const struct trisap_world *world,
+                                 trisap_id id,
+                                 uint64_t *value)
+TRISAP_NOEXCEPT;
+
+/// Writes the values of objects to `values`, which has room for `count`: of those whose ids stand `stride` bytes behind each other,
+/// for instance in the hits of a query. After a refusal some may be written. O(n).
+TRISAP_NODISCARD
+trisap_status trisap_world_values(const struct trisap_world *world,
+                                  const trisap_id *ids,
+                                  size_t stride,
+                                  size_t count,
+                                  uint64_t *values)
+TRISAP_NOEXCEPT;
+
+/// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`: as
+/// `trisap_world_pair_ids` does by id, and to be asked when that is. Pairs that are lost have the values of the objects that were the
+/// pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+TRISAP_NODISCARD
+trisap_status trisap_world_pair_values(const struct trisap_world *world,
+                                       uint32_t what,
+                                       struct trisap_value_pair *pairs,
+                                       size_t room,
+                                       size_t *count)
 TRISAP_NOEXCEPT;
 
 /// Statistics of no step. O(1).
@@ -926,6 +1000,56 @@ trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    struct trisap_hit *hits,
                                    size_t room,
                                    size_t *count)
+TRISAP_NOEXCEPT;
+
+/// 1 if an object meets what has this filter, by groups and classes, else 0; 0 for misuse and stale ids. Objects of a world without
+/// filters are in all groups and meet all. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_world_meets(const struct trisap_world *world,
+                            trisap_id id,
+                            const struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_overlaps` of the objects that fulfil a condition; `user` is handed to it.
+TRISAP_NODISCARD
+trisap_status trisap_world_overlaps_among(const struct trisap_world *world,
+                                          const struct trisap_region *region,
+                                          trisap_condition condition,
+                                          void *user,
+                                          trisap_id *ids,
+                                          size_t room,
+                                          size_t *count)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_first_hit` of the objects that fulfil a condition; `user` is handed to it.
+TRISAP_NODISCARD
+trisap_status trisap_world_first_hit_among(const struct trisap_world *world,
+                                           const struct trisap_cast *cast,
+                                           trisap_condition condition,
+                                           void *user,
+                                           struct trisap_hit *hit)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_hits` of the objects that fulfil a condition; `user` is handed to it.
+TRISAP_NODISCARD
+trisap_status trisap_world_hits_among(const struct trisap_world *world,
+                                      const struct trisap_cast *cast,
+                                      trisap_condition condition,
+                                      void *user,
+                                      struct trisap_hit *hits,
+                                      size_t room,
+                                      size_t *count)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_nearest` of the objects that fulfil a condition; `user` is handed to it.
+TRISAP_NODISCARD
+trisap_status trisap_world_nearest_among(const struct trisap_world *world,
+                                         const float *position,
+                                         trisap_condition condition,
+                                         void *user,
+                                         struct trisap_hit *hits,
+                                         size_t room,
+                                         size_t *count)
 TRISAP_NOEXCEPT;
 
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
@@ -1092,12 +1216,13 @@ TRISAP_NOEXCEPT;
 TRISAP_SIZE(trisap_status, 4);
 TRISAP_SIZE(trisap_aabb, 24);
 TRISAP_SIZE(trisap_pair, 8);
-TRISAP_SIZE(trisap_config, 60);
+TRISAP_SIZE(trisap_config, 64);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
 TRISAP_SIZE(trisap_stats, 112);
 TRISAP_SIZE(trisap_filter, 12);
+TRISAP_SIZE(trisap_value_pair, 16);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);
 TRISAP_SIZE(trisap_hit, 16);

@@ -39,6 +39,7 @@ using Region = trisap_region;
 using Stats = trisap_stats;
 using Status = trisap_status;
 using IdPair = trisap_id_pair;
+using ValuePair = trisap_value_pair;
 
 /// The id of no object.
 inline constexpr Id null_id = TRISAP_NULL_ID;
@@ -391,6 +392,48 @@ public:
         return trisap_world_pair_ids(world_, what, pairs.data(), pairs.size(), &count);
     }
 
+    /// Gives an object a value. Needs `Config::values`.
+    [[nodiscard]] Status set_value(Id id, std::uint64_t value) noexcept {
+        return trisap_world_set_value(world_, id, value);
+    }
+
+    /// Gives objects values, all or none; as many values as ids.
+    [[nodiscard]] Status set_value(View<const Id> ids, View<const std::uint64_t> values) noexcept {
+        if (ids.size() != values.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_set_value_many(world_, ids.data(), values.data(), sizeof(std::uint64_t), ids.size());
+    }
+
+    /// Writes the value of an object to `value`.
+    [[nodiscard]] Status value(Id id, std::uint64_t &value) const noexcept {
+        return trisap_world_value(world_, id, &value);
+    }
+
+    /// Writes the values of objects, as many as ids, to `values`: of those that `overlaps` has found, for instance.
+    [[nodiscard]] Status values(View<const Id> ids, View<std::uint64_t> values) const noexcept {
+        return values_of(ids.data(), sizeof(Id), ids.size(), values);
+    }
+
+    /// The same of the objects of hits.
+    [[nodiscard]] Status values(View<const Hit> hits, View<std::uint64_t> values) const noexcept {
+        return values_of(hits.empty() ? nullptr : &hits.data()->id, sizeof(Hit), hits.size(), values);
+    }
+
+    /// Writes pairs of the last step by value, as `pair_ids` does by id.
+    [[nodiscard]] Answers<ValuePair> pair_values(std::uint32_t what, View<ValuePair> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_pair_values(world_, what, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The pairs of the last step of which at least one object does not rest.
+    [[nodiscard]] Answers<Pair> awake_pairs(View<Pair> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = trisap_world_awake_pairs(world_, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
     [[nodiscard]] bool is_resting(Id id) const noexcept { return trisap_world_is_resting(world_, id) != 0; }
 
     [[nodiscard]] bool contains(Id id) const noexcept {
@@ -545,6 +588,56 @@ public:
         return answers(status, room, count);
     }
 
+    /// Whether an object meets what has this filter, by groups and classes: for conditions of queries.
+    [[nodiscard]] bool meets(Id id, const Filter &filter) const noexcept {
+        return trisap_world_meets(world_, id, &filter) != 0;
+    }
+
+    /// `overlaps` of the objects that fulfil a condition: `condition(id)` is true if the object may answer. It has to say the same of
+    /// the same object, and may look at the world.
+    template <class Condition>
+    [[nodiscard]] Answers<Id> overlaps_among(const Region &region, View<Id> room, Condition &&condition) const noexcept {
+        Reference<Condition> reference{condition};
+        std::size_t count = 0;
+        const Status status = trisap_world_overlaps_among(world_, &region, accepts<Condition>(), &reference, room.data(),
+                                                          room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// `first_hit` of the objects that fulfil a condition.
+    template <class Condition>
+    [[nodiscard]] Hit first_hit_among(const Cast &cast, Condition &&condition, Status *status = nullptr) const noexcept {
+        Reference<Condition> reference{condition};
+        Hit hit = {null_id, 0.0};
+        const Status outcome =
+            trisap_world_first_hit_among(world_, &cast, accepts<Condition>(), &reference, &hit);
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return hit;
+    }
+
+    /// `hits` of the objects that fulfil a condition.
+    template <class Condition>
+    [[nodiscard]] Answers<Hit> hits_among(const Cast &cast, View<Hit> room, Condition &&condition) const noexcept {
+        Reference<Condition> reference{condition};
+        std::size_t count = 0;
+        const Status status = trisap_world_hits_among(world_, &cast, accepts<Condition>(), &reference, room.data(),
+                                                      room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// `nearest` of the objects that fulfil a condition: without one's own, for instance.
+    template <class Condition>
+    [[nodiscard]] Answers<Hit> nearest_among(const float *position, View<Hit> room,
+                                             Condition &&condition) const noexcept {
+        Reference<Condition> reference{condition};
+        std::size_t count = 0;
+        const Status status = trisap_world_nearest_among(world_, position, accepts<Condition>(), &reference, room.data(),
+                                                         room.size(), &count);
+        return answers(status, room, count);
+    }
+
     /// Moves the origin to a point: subtracts it from all boxes. `rounded` tells how many objects had to be rounded outward.
     [[nodiscard]] Status shift_origin(const double (&by)[3], std::uint32_t *rounded = nullptr) noexcept {
         return trisap_world_shift_origin(world_, by, rounded);
@@ -674,6 +767,21 @@ private:
     template <class Callable> struct Reference {
         std::remove_reference_t<Callable> &callable;
     };
+
+    /// A condition as the C functions call it.
+    template <class Condition> [[nodiscard]] static trisap_condition accepts() noexcept {
+        return [](void *user, trisap_id id) noexcept -> std::uint32_t {
+            return static_cast<Reference<Condition> *>(user)->callable(id) ? 1 : 0;
+        };
+    }
+
+    [[nodiscard]] Status values_of(const Id *first, std::size_t stride, std::size_t count,
+                                   View<std::uint64_t> values) const noexcept {
+        if (values.size() < count) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        return trisap_world_values(world_, first, stride, count, values.data());
+    }
 
     [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();

@@ -193,6 +193,10 @@ pub struct Config {
     /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object, and
     /// needs the feature `large`.
     pub filters: bool,
+    /// Whether objects have a value of 64 bits, which means what the caller likes: see
+    /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, no time of a step, and needs the
+    /// feature `large`.
+    pub values: bool,
     /// Whether up to 256 objects are swept box by box, without vectors and their scratch memory, as worlds for up to 64
     /// are anyway: about three quarters of the bytes, and faster on a microcontroller. On a processor with vectors it costs
     /// time from about 100 objects on.
@@ -219,7 +223,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Exact pairs, no margin, no events, no filters, one worker.
+    /// Exact pairs, no margin, no events, no filters, no values, one worker.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
         Self {
@@ -228,6 +232,7 @@ impl Config {
             margin: None,
             events: false,
             filters: false,
+            values: false,
             lean: false,
             workers: 1,
             fixed_margins: false,
@@ -267,6 +272,13 @@ impl Config {
     #[must_use]
     pub const fn with_filters(mut self) -> Self {
         self.filters = true;
+        self
+    }
+
+    /// The same with a value for each object: see [`values`](Self::values).
+    #[must_use]
+    pub const fn with_values(mut self) -> Self {
+        self.values = true;
         self
     }
 

@@ -12,6 +12,8 @@ pub enum Error {
     SlabTooSmall {
         /// Bytes that the configuration needs.
         needed: usize,
+        /// Bytes that the slab has.
+        given: usize,
     },
     /// The slab does not start on the boundary that [`layout`](crate::layout) says.
     SlabMisaligned {
@@ -20,9 +22,19 @@ pub enum Error {
     },
     /// The slab does not hold a world of this index width and version.
     NotAWorld,
-    /// The capacity is beyond what the index width or the address space allows, a lean world is for more than 256 objects, or
-    /// the number of workers is not from 1 to 32.
-    CapacityTooLarge,
+    /// The configuration is beyond what the index width, the address space or the features of this build allow, a lean world is for more
+    /// than 256 objects, or the number of workers is not from 1 to 32.
+    CapacityTooLarge {
+        /// What there is too much of.
+        field: Field,
+        /// The most that there can be; zero of what this build is without.
+        most: u64,
+    },
+    /// The memory of a world that brings its own cannot be had: of the crate `trisap`.
+    NoMemory {
+        /// Bytes that were asked for.
+        bytes: usize,
+    },
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin,
     /// A part of a shift of the origin is not finite.
@@ -31,6 +43,8 @@ pub enum Error {
     ObjectsFull {
         /// Objects that would have to fit.
         needed: u64,
+        /// How many there is room for.
+        room: u32,
     },
     /// The box has NaN in it or a minimum above its maximum. In a batch nothing is done.
     BadBox {
@@ -44,6 +58,8 @@ pub enum Error {
     },
     /// The world was made without filters: see [`Config::with_filters`](crate::Config::with_filters).
     NoFilters,
+    /// The world was made without values: see [`Config::with_values`](crate::Config::with_values).
+    NoValues,
     /// A class is 32 or more. Nothing is done.
     BadClass {
         /// The class.
@@ -58,6 +74,8 @@ pub enum Error {
     OutputFull {
         /// Items that would have to fit.
         needed: u64,
+        /// How many there is room for.
+        room: usize,
     },
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     BadSnapshot,
@@ -79,6 +97,8 @@ pub enum Error {
     LengthMismatch {
         /// Items that are needed.
         needed: usize,
+        /// Items that were given.
+        given: usize,
     },
     /// An index inside of the library was out of range since the last step, in this world or in another one of the process: a
     /// fault of this library, or of whoever wrote to the memory of a world. Pairs may be missing. The next step finds all of
@@ -89,6 +109,8 @@ pub enum Error {
     PairsFull {
         /// Pairs that would have to fit.
         needed: u64,
+        /// How many there is room for.
+        room: u32,
     },
 }
 
@@ -108,6 +130,12 @@ pub enum Field {
     Events,
     /// [`Config::filters`](crate::Config::filters).
     Filters,
+    /// [`Config::values`](crate::Config::values).
+    Values,
+    /// [`Config::workers`](crate::Config::workers).
+    Workers,
+    /// The memory of the world.
+    Bytes,
     /// The width of slots.
     Index,
 }
@@ -121,6 +149,9 @@ impl fmt::Display for Field {
             Self::Margin => "whether there are margins",
             Self::Events => "events",
             Self::Filters => "filters",
+            Self::Values => "values",
+            Self::Workers => "workers (at least one)",
+            Self::Bytes => "bytes of memory",
             Self::Index => "the width of slots",
         })
     }
@@ -129,32 +160,54 @@ impl fmt::Display for Field {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::SlabTooSmall { needed } => write!(f, "the slab is too small: {needed} bytes are needed"),
+            Self::SlabTooSmall { needed, given } => {
+                write!(f, "the slab is too small: {needed} bytes are needed, and it has {given}")
+            }
             Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
             Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
-            Self::CapacityTooLarge => f.write_str("the capacity is beyond what the index width, a lean world (256 objects) or the workers (32) allow"),
+            Self::CapacityTooLarge { field, most } => {
+                write!(
+                    f,
+                    "the configuration is too large: at most {most} {field} for this width of slots, lean or not"
+                )
+            }
+            Self::NoMemory { bytes } => write!(f, "{bytes} bytes of memory cannot be had"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
             Self::BadShift => f.write_str("a shift of the origin must be finite"),
-            Self::ObjectsFull { needed } => write!(f, "no free slot: {needed} objects would have to fit"),
+            Self::ObjectsFull { needed, room } => {
+                write!(f, "no free slot: {needed} objects would have to fit, and there is room for {room}")
+            }
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),
             Self::NoFilters => f.write_str("the world was made without filters"),
+            Self::NoValues => f.write_str("the world was made without values"),
             Self::BadClass { class } => write!(f, "class {class} is not below 32"),
             Self::BadQuery { index } => write!(f, "query {index} is not valid"),
-            Self::OutputFull { needed } => {
-                write!(f, "the output slice is full: {needed} items would have to fit")
+            Self::OutputFull { needed, room } => {
+                write!(
+                    f,
+                    "the output slice is full: {needed} items would have to fit, and there is room for {room}"
+                )
             }
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
             Self::NoRoom { field, needed, room } => {
                 write!(f, "too many {field}: {needed} have to fit, and there is room for {room}")
             }
             Self::OtherConfig { field } => write!(f, "the configurations differ: {field}"),
-            Self::LengthMismatch { needed } => write!(f, "the slices of the batch differ in length: {needed} items are needed"),
+            Self::LengthMismatch { needed, given } => {
+                write!(
+                    f,
+                    "the slices of the batch differ in length: {needed} items are needed, and {given} were given"
+                )
+            }
             Self::InvariantBroken => {
                 f.write_str("an index inside of the library was out of range: pairs may be missing")
             }
-            Self::PairsFull { needed } => {
-                write!(f, "the pair buffer is full: {needed} pairs would have to fit")
+            Self::PairsFull { needed, room } => {
+                write!(
+                    f,
+                    "the pair buffer is full: {needed} pairs would have to fit, and there is room for {room}"
+                )
             }
         }
     }

@@ -17,16 +17,21 @@ mod objects;
 mod pairs;
 #[allow(unsafe_code, reason = "what workers share; each use says why it is sound")]
 mod parallel;
-mod query;
 #[allow(unsafe_code, reason = "vectors; each use says why it is sound")]
 mod simd;
-mod snapshot;
 mod sort;
 mod step;
 mod sweep;
 mod tree;
-mod validate;
+
+// In the order of use, in which the documentation of `World` lists the methods.
 mod world;
+
+mod query;
+
+mod snapshot;
+
+mod validate;
 
 #[doc(hidden)]
 pub use config::Hooks;
@@ -40,7 +45,7 @@ pub use memory::stats::{Path, Reason, Stats};
 pub use parallel::executor::{Executor, Serial, Stage};
 #[cfg(target_has_atomic = "32")]
 pub use parallel::offer::Offer;
-pub use query::{Cast, Hit, Region};
+pub use query::{Among, Cast, Hit, Region};
 pub use simd::kernels::Kernels;
 pub use validate::Invalid;
 pub use world::{InlineWorld, Inserted};

@@ -108,7 +108,9 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         }
         outcome?;
         match counts.iter().copied().max() {
-            Some(most) if most as usize > room => Err(Error::OutputFull { needed: u64::from(most) }.into()),
+            Some(most) if most as usize > room => {
+                Err(Error::OutputFull { needed: u64::from(most), room }.into())
+            }
             _ => Ok(()),
         }
     };

@@ -65,7 +65,7 @@ pub unsafe extern "C" fn trisap_world_pair_ids(
         }
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { count.write(written) };
-        if written > room { Err(Error::OutputFull { needed: written as u64 }.into()) } else { Ok(()) }
+        if written > room { Err(Error::OutputFull { needed: written as u64, room }.into()) } else { Ok(()) }
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }

@@ -61,9 +61,13 @@ pub mod step;
 
 pub mod events;
 
+pub mod values;
+
 pub mod stats;
 
 pub mod query;
+
+pub mod among;
 
 pub mod batch;
 

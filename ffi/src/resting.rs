@@ -1,10 +1,10 @@
 //! Objects that the caller knows to rest.
 
-use crate::border;
+use crate::border::{self, Answers};
 use crate::call::{Call, Look, look, trisap_world, with};
 use crate::objects::living;
 use crate::status::trisap_status;
-use crate::structs::trisap_id;
+use crate::structs::{trisap_id, trisap_pair};
 
 /// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps do not look at what
 /// the boxes of `trisap_world_step_over` have for them. `trisap_world_update` and `trisap_world_update_many` wake an
@@ -44,6 +44,27 @@ pub unsafe extern "C" fn trisap_world_wake(
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, wake) }
+}
+
+/// Writes the pairs of the last step of which at least one object is awake, has not been put to rest or has been woken since, to
+/// `pairs`, which has room for `room` of them, and their number to `count`. These are what a narrow phase has to look at that keeps
+/// the contacts of those that rest. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_awake_pairs(
+    world: *const trisap_world,
+    pairs: *mut trisap_pair,
+    room: usize,
+    count: *mut usize,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        // SAFETY: the caller's promise.
+        let mut answers = unsafe { Answers::new(pairs, room, count, &call.range())? };
+        call.world()?.awake_pairs().for_each(|[a, b]| answers.push(trisap_pair { a, b }));
+        answers.conclude()
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
 }
 
 /// 1 if the object was put to rest and has not been woken since, else 0; 0 for misuse and stale ids. O(1).

@@ -46,7 +46,7 @@ pub unsafe extern "C" fn trisap_world_save(
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { bytes.write(needed) };
         if needed > room {
-            return Err(Error::OutputFull { needed: needed as u64 }.into());
+            return Err(Error::OutputFull { needed: needed as u64, room }.into());
         }
         // SAFETY: not null, outside of the world, and no more than the caller's room. A slice needs initialised memory.
         unsafe { snapshot.cast::<u8>().write_bytes(0, needed) };

@@ -74,6 +74,7 @@ pub unsafe extern "C" fn trisap_world_stats(
                 Reason::Outgrown => TRISAP_REASON_OUTGROWN,
                 Reason::OutOfBalance => TRISAP_REASON_OUT_OF_BALANCE,
                 Reason::NoRoomForSurplus => TRISAP_REASON_NO_ROOM_FOR_SURPLUS,
+                _ => TRISAP_REASON_OTHER,
             },
             fine_leaves: u32::from(known.fine_leaves),
             shared: u32::from(known.shared),

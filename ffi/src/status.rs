@@ -28,7 +28,7 @@ pub enum trisap_status {
     /// The world is inside another call: one of another thread, or the step that has called the job system.
     Busy = 8,
     /// The capacity is beyond what the address space or the width of indices (2^27 objects) allows, or the number of
-    /// workers is not 1 to 32.
+    /// workers is not 1 to 32. The detail is the most that there can be.
     CapacityTooLarge = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin = 10,
@@ -61,15 +61,17 @@ pub enum trisap_status {
     /// Refused for a reason that this version of the ABI has no word for.
     Other = 22,
     /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
-    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots.
+    /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots, 6 values.
     OtherConfig = 23,
+    /// The world was made without `trisap_config::values`.
+    NoValues = 24,
 }
 
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 24] = [
+    const TEXTS: [&core::ffi::CStr; 25] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -94,8 +96,9 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"a part of the shift is not finite",
         c"refused",
         c"the configurations differ in what cannot change",
+        c"the world was made without values",
     ];
-    const _: () = assert!(TEXTS.len() == trisap_status::OtherConfig as usize + 1);
+    const _: () = assert!(TEXTS.len() == trisap_status::NoValues as usize + 1);
     let text = usize::try_from(status).ok().and_then(|status| TEXTS.get(status));
     text.copied().unwrap_or(c"not a status").as_ptr()
 }
@@ -115,21 +118,23 @@ impl From<trisap_status> for Refusal {
 impl From<Error> for Refusal {
     fn from(error: Error) -> Self {
         let (status, detail) = match error {
-            Error::SlabTooSmall { needed } => (trisap_status::MemoryTooSmall, needed as u64),
+            Error::SlabTooSmall { needed, .. } => (trisap_status::MemoryTooSmall, needed as u64),
             Error::SlabMisaligned { align } => (trisap_status::Misaligned, align as u64),
             Error::NotAWorld => (trisap_status::Corrupt, 0),
-            Error::CapacityTooLarge => (trisap_status::CapacityTooLarge, 0),
+            Error::CapacityTooLarge { most, .. } => (trisap_status::CapacityTooLarge, most),
+            Error::NoMemory { bytes } => (trisap_status::MemoryTooSmall, bytes as u64),
             Error::BadMargin => (trisap_status::BadMargin, 0),
-            Error::ObjectsFull { needed } => (trisap_status::ObjectsFull, needed),
+            Error::ObjectsFull { needed, .. } => (trisap_status::ObjectsFull, needed),
             Error::BadBox { index } => (trisap_status::BadBox, u64::from(index)),
             Error::StaleId { id } => (trisap_status::StaleId, id.to_bits()),
-            Error::LengthMismatch { needed } => (trisap_status::InvalidArgument, needed as u64),
+            Error::LengthMismatch { needed, .. } => (trisap_status::InvalidArgument, needed as u64),
             Error::InvariantBroken => (trisap_status::Corrupt, 0),
-            Error::PairsFull { needed } => (trisap_status::PairsFull, needed),
+            Error::PairsFull { needed, .. } => (trisap_status::PairsFull, needed),
             Error::NoFilters => (trisap_status::NoFilters, 0),
+            Error::NoValues => (trisap_status::NoValues, 0),
             Error::BadClass { class } => (trisap_status::BadClass, u64::from(class)),
             Error::BadQuery { index } => (trisap_status::BadQuery, u64::from(index)),
-            Error::OutputFull { needed } => (trisap_status::OutputFull, needed),
+            Error::OutputFull { needed, .. } => (trisap_status::OutputFull, needed),
             Error::BadSnapshot => (trisap_status::BadSnapshot, 0),
             Error::BadShift => (trisap_status::BadShift, 0),
             Error::NoRoom { field: Field::Objects, needed, .. } => {
@@ -151,6 +156,7 @@ const fn number(field: Field) -> u64 {
         Field::Events => 3,
         Field::Filters => 4,
         Field::Index => 5,
+        Field::Values => 6,
         _ => 0,
     }
 }

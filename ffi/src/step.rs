@@ -176,17 +176,17 @@ fn conclude(
     outcome: Result<Option<Rejected>, Error>,
     result: Output,
 ) -> Result<(), Refusal> {
-    let (rejected, needed) = match outcome {
+    let (rejected, full) = match outcome {
         Ok(rejected) => (rejected, None),
-        Err(Error::PairsFull { needed }) => (None, Some(needed)),
+        Err(Error::PairsFull { needed, room }) => (None, Some((needed, room))),
         Err(error) => return Err(error.into()),
     };
     let slab = call.slab();
-    let told = tell(slab, &call.world()?, rejected, needed);
+    let told = tell(slab, &call.world()?, rejected, full.map(|(needed, _)| needed));
     // SAFETY: `output` has checked the pointer.
     unsafe { result.0.write(told) };
-    match needed {
-        Some(needed) => Err(Error::PairsFull { needed }.into()),
+    match full {
+        Some((needed, room)) => Err(Error::PairsFull { needed, room }.into()),
         None => Ok(()),
     }
 }

@@ -66,6 +66,9 @@ pub struct trisap_config {
     pub fixed_margins: u32,
     /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
     pub test_hooks: u32,
+    /// 1 if objects have a value of 64 bits, which means what the caller likes; costs 8 bytes an object, 16 with events. By
+    /// default 0.
+    pub values: u32,
 }
 
 impl trisap_config {
@@ -88,6 +91,7 @@ impl trisap_config {
         config.margin = flag(self.has_margin)?.then_some(margin);
         config.events = flag(self.events)?;
         config.filters = flag(self.filters)?;
+        config.values = flag(self.values)?;
         config.lean = flag(self.lean)?;
         config.fixed_margins = flag(self.fixed_margins)?;
         config.hooks = Hooks::from_bits(self.test_hooks).ok_or(trisap_status::InvalidArgument)?;
@@ -115,12 +119,13 @@ impl trisap_config {
             margin_max: margin.max,
             fixed_margins: u32::from(config.fixed_margins),
             test_hooks: config.hooks.bits(),
+            values: u32::from(config.values),
         }
     }
 }
 
 /// A configuration for `objects` objects with the proportions that suit most scenes: exact pairs, no events, no
-/// filters, no margin, one worker. O(1).
+/// filters, no values, no margin, one worker. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_default_config(objects: u32) -> trisap_config {
@@ -247,6 +252,8 @@ pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
 /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and found
 /// those of the boxes as given besides. With more room steps are cheaper.
 pub const TRISAP_REASON_NO_ROOM_FOR_SURPLUS: u32 = 9;
+/// A reason that this version of the ABI has no word for.
+pub const TRISAP_REASON_OTHER: u32 = u32::MAX;
 
 /// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
 /// Made by `trisap_default_stats`.
@@ -305,7 +312,7 @@ const _: () = {
     const POINTER: usize = size_of::<*const c_void>();
     assert!(size_of::<trisap_aabb>() == 24);
     assert!(size_of::<trisap_pair>() == 8);
-    assert!(size_of::<trisap_config>() == 60);
+    assert!(size_of::<trisap_config>() == 64);
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);

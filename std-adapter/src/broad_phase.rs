@@ -8,7 +8,7 @@ use crate::OwnedWorld;
 use core::hash::Hash;
 use core::ops::ControlFlow;
 use std::collections::HashMap;
-use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, Id, Region, World};
+use trisap_core::{Aabb, Capacity, Cast, Config, Error, Field, Filter, Id, Region, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] for those who do not want to count memory.
 ///
@@ -93,7 +93,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// An empty one, that begins with the capacity of a configuration.
     ///
     /// # Errors
-    /// [`Error::CapacityTooLarge`], also where memory cannot be had, or [`Error::BadMargin`].
+    /// [`Error::CapacityTooLarge`], [`Error::NoMemory`] or [`Error::BadMargin`].
     pub fn with_config(config: &Config) -> Result<Self, Error> {
         Ok(Self {
             owned: OwnedWorld::new(config)?,
@@ -146,7 +146,14 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.names.key(id)
     }
 
-    /// The world itself, for all that is not here: margins, rest, batches. Who removes or inserts objects there leaves the keys wrong.
+    /// The world itself, to look at: results, batches, and queries [among](World::among) some objects. Any number of threads may at
+    /// once.
+    #[must_use]
+    pub fn as_world(&self) -> &World<'_> {
+        self.owned.as_world()
+    }
+
+    /// The world itself, to change what is not here: margins, rest, values. Who removes or inserts objects there leaves the keys wrong.
     #[must_use]
     pub fn world(&mut self) -> World<'_> {
         self.owned.world()
@@ -154,15 +161,14 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
 
     /// The box of a key, as it was given last.
     #[must_use]
-    pub fn aabb(&mut self, key: &K) -> Option<Aabb> {
-        let id = self.id(key)?;
-        self.owned.world().aabb(id)
+    pub fn aabb(&self, key: &K) -> Option<Aabb> {
+        self.as_world().aabb(self.id(key)?)
     }
 
     /// Adds a box, or gives the key another one if it has one.
     ///
     /// # Errors
-    /// [`Error::BadBox`], or [`Error::CapacityTooLarge`] where no more memory can be had.
+    /// [`Error::BadBox`], or [`Error::NoMemory`].
     pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), Error> {
         if self.update(&key, aabb)? {
             return Ok(());
@@ -219,12 +225,13 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Finds all overlapping pairs of the boxes as they are now, with as much memory as they take.
     ///
     /// # Errors
-    /// [`Error::CapacityTooLarge`] where no more memory can be had, or [`Error::InvariantBroken`].
+    /// [`Error::NoMemory`], [`Error::CapacityTooLarge`] of more than four billion pairs, or [`Error::InvariantBroken`].
     pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
         while let Err(error) = self.try_step() {
-            let Error::PairsFull { needed } = error else { return Err(error) };
+            let Error::PairsFull { needed, .. } = error else { return Err(error) };
             // A quarter more, so that a growing scene does not move in each step.
-            let pairs = u32::try_from(needed + needed / 4).map_err(|_| Error::CapacityTooLarge)?;
+            let too_many = Error::CapacityTooLarge { field: Field::Pairs, most: u64::from(u32::MAX) };
+            let pairs = u32::try_from(needed + needed / 4).map_err(|_| too_many)?;
             self.grow(self.config.capacity.with_pairs(pairs))?;
         }
         self.names.removed_before = core::mem::take(&mut self.names.removed);
@@ -258,10 +265,10 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn overlaps(&mut self, region: &Region) -> Result<Vec<K>, Error> {
+    pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
         let mut keys = Vec::new();
         let names = &self.names;
-        self.owned.world().visit_overlaps(region, &mut |id| {
+        self.as_world().visit_overlaps(region, &mut |id| {
             keys.extend(names.key(id));
             ControlFlow::Continue(())
         })?;
@@ -272,8 +279,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn first_hit(&mut self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
-        let hit = self.owned.world().first_hit(cast)?;
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
+        let hit = self.as_world().first_hit(cast)?;
         Ok(hit.and_then(|hit| Some((self.names.key(hit.id)?, hit.distance))))
     }
 
@@ -281,16 +288,16 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
-    pub fn nearest(&mut self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
+    pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
         let mut hits = vec![None; count.min(self.len())];
-        self.owned.world().nearest(point, &mut hits)?;
+        self.as_world().nearest(point, &mut hits)?;
         Ok(hits.iter().flatten().filter_map(|hit| Some((self.names.key(hit.id)?, hit.distance))).collect())
     }
 
     /// All that there is, for a way back: boxes, keys, and what the next events are compared with.
     #[must_use]
-    pub fn save(&mut self) -> Snapshot<K> {
-        let world = self.owned.world();
+    pub fn save(&self) -> Snapshot<K> {
+        let world = self.as_world();
         let mut bytes = vec![0; world.snapshot_size()];
         // As long as the world has said.
         let written = world.save(&mut bytes);
@@ -301,7 +308,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Goes back to a snapshot of this broad phase, or of another one of the same kind. It may have grown since: its room stays.
     ///
     /// # Errors
-    /// [`Error::OtherConfig`], or [`Error::CapacityTooLarge`] where memory cannot be had; nothing has changed then.
+    /// [`Error::OtherConfig`], or [`Error::NoMemory`]; nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
         match self.owned.world().load(&snapshot.bytes) {
             Err(Error::NoRoom { .. }) => {

@@ -2,59 +2,130 @@
 
 use crate::memory::Memory;
 use core::fmt;
-use core::marker::PhantomData;
-use trisap_core::{Config, Error, Index, World, layout};
+use ouroboros::self_referencing;
+use std::sync::{Mutex, OnceLock, PoisonError};
+use trisap_core::{Config, Error, Index, World};
 
 /// A world in memory of its own, allocated once: on Linux in huge pages if it has two MiB or more, else on the heap.
 ///
-/// It owns the slab and nothing else: [`OwnedWorld::world`] opens the [`World`] in it, as often as wanted. All
-/// state is in the slab, so that a world opened again goes on where the last one stopped.
+/// [`OwnedWorld::world`] opens the [`World`] in it to change it, as often as wanted: all state is in the memory, so that a world
+/// opened again goes on where the last one stopped. [`OwnedWorld::as_world`] looks at it through a shared reference, from as many
+/// threads as wanted.
+///
+/// ```
+/// use trisap::{Aabb, Capacity, Config, OwnedWorld, Region};
+///
+/// let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(100)))?;
+/// let id = owned.world().insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// owned.world().step()?;
+///
+/// let shared = &owned; // as a resource of an ECS, or behind an Arc
+/// std::thread::scope(|scope| {
+///     for _ in 0..2 {
+///         scope.spawn(|| {
+///             let mut found = [None];
+///             assert_eq!(shared.as_world().overlaps(&Region::Point([0.5; 3]), &mut found), Ok(1));
+///             assert_eq!(found, [Some(id)]);
+///         });
+///     }
+/// });
+/// # Ok::<(), trisap::Error>(())
+/// ```
 pub struct OwnedWorld<I: Index = u32> {
-    slab: Memory,
+    /// The memory, while nobody has looked at the world since it was changed last.
+    memory: Mutex<Option<Memory>>,
+    /// Else the memory and the world in it.
+    seen: OnceLock<Seen<I>>,
     bytes: usize,
-    index: PhantomData<I>,
+}
+
+/// Memory and the world that was opened in it.
+#[self_referencing]
+struct Seen<I: Index> {
+    memory: Memory,
+    #[borrows(mut memory)]
+    #[covariant]
+    world: World<'this, I>,
 }
 
 impl OwnedWorld<u32> {
-    /// An empty world for `config`, with slots of 32 bits. Memory that cannot be had is [`Error::CapacityTooLarge`].
+    /// An empty world for `config`, with slots of 32 bits. O(bytes).
+    ///
+    /// # Errors
+    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::NoMemory`].
     pub fn new(config: &Config) -> Result<Self, Error> {
         Self::with_index(config)
     }
 }
 
 impl<I: Index> OwnedWorld<I> {
-    /// An empty world with slots of any width. Memory that cannot be had is [`Error::CapacityTooLarge`].
+    /// An empty world with slots of any width. O(bytes).
+    ///
+    /// # Errors
+    /// Those of [`World::new_in`]; memory that cannot be had is [`Error::NoMemory`].
     pub fn with_index(config: &Config) -> Result<Self, Error> {
-        let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
-        let mut slab = Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?;
-        World::<I>::new_in(&mut slab, config)?;
-        Ok(Self { slab, bytes, index: PhantomData })
+        let (mut memory, bytes) = memory::<I>(config)?;
+        World::<I>::new_in(&mut memory, config)?;
+        Ok(Self::of(memory, bytes))
     }
 
-    /// The world in the slab.
+    fn of(memory: Memory, bytes: usize) -> Self {
+        Self { memory: Mutex::new(Some(memory)), seen: OnceLock::new(), bytes }
+    }
+
+    /// The world, to change it. O(1).
     #[must_use]
     pub fn world(&mut self) -> World<'_, I> {
-        World::open(&mut self.slab)
-            .expect("`new` made a world of this width, and nobody else can write to the slab")
+        let memory = self.memory.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Some(seen) = self.seen.take() {
+            *memory = Some(seen.into_heads().memory);
+        }
+        open(memory.as_mut().expect(OWNED))
+    }
+
+    /// The world, to look at it: queries, results, boxes. Any number of threads may at once. O(1); the first call after each
+    /// change opens the world anew.
+    #[must_use]
+    pub fn as_world(&self) -> &World<'_, I> {
+        let see = || {
+            let memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner).take().expect(OWNED);
+            SeenBuilder { memory, world_builder: |memory| open(memory) }.build()
+        };
+        self.seen.get_or_init(see).borrow_world()
     }
 
     /// Moves the world to memory for another configuration, with everything that it holds: see [`World::move_into`].
     ///
     /// # Errors
-    /// Those of [`World::move_into`]; memory that cannot be had is [`Error::CapacityTooLarge`]. The world stays as it is then.
+    /// Those of [`World::move_into`]; memory that cannot be had is [`Error::NoMemory`]. The world stays as it is then.
     pub fn move_to(&mut self, config: &Config) -> Result<(), Error> {
-        let bytes = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
-        let mut slab = Memory::zeroed(bytes).ok_or(Error::CapacityTooLarge)?;
-        let _ = self.world().move_into(&mut slab, config)?;
-        (self.slab, self.bytes) = (slab, bytes);
+        let (mut memory, bytes) = memory::<I>(config)?;
+        let _ = self.world().move_into(&mut memory, config)?;
+        *self = Self::of(memory, bytes);
         Ok(())
     }
 
-    /// The bytes of the slab. Huge pages take up to two MiB more.
+    /// The bytes of the world. Huge pages take up to two MiB more.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.bytes
     }
+}
+
+const OWNED: &str = "either the memory or the world in it is there";
+
+fn memory<I: Index>(config: &Config) -> Result<(Memory, usize), Error> {
+    // No memory is too little for any world.
+    let bytes = match World::<I>::new_in(&mut [], config) {
+        Err(Error::SlabTooSmall { needed, .. }) => needed,
+        said => said.map(|_| 0)?,
+    };
+    Ok((Memory::zeroed(bytes).ok_or(Error::NoMemory { bytes })?, bytes))
+}
+
+fn open<I: Index>(memory: &mut Memory) -> World<'_, I> {
+    World::open(memory)
+        .expect("a world of this width was made in the memory, and nobody else can write to it")
 }
 
 impl<I: Index> fmt::Debug for OwnedWorld<I> {
@@ -66,7 +137,7 @@ impl<I: Index> fmt::Debug for OwnedWorld<I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trisap_core::{Aabb, Capacity, Kernels};
+    use trisap_core::{Aabb, Capacity, Field, Kernels};
 
     const CUBE: Aabb = Aabb::new([0.0; 3], [1.0; 3]);
 
@@ -87,9 +158,44 @@ mod tests {
     #[test]
     fn too_large_is_an_error() {
         let more_than_u16 = Config::new(Capacity::for_objects(70_000));
-        assert_eq!(OwnedWorld::<u16>::with_index(&more_than_u16).unwrap_err(), Error::CapacityTooLarge);
+        let too_large = |field, most| Err(Error::CapacityTooLarge { field, most });
+        assert_eq!(
+            OwnedWorld::<u16>::with_index(&more_than_u16).map(drop),
+            too_large(Field::Objects, 65_534)
+        );
         let no_worker = Config::new(Capacity::for_objects(8)).with_workers(0);
-        assert!(OwnedWorld::<u32>::new(&no_worker).is_err());
+        assert_eq!(OwnedWorld::<u32>::new(&no_worker).map(drop), too_large(Field::Workers, 32));
+    }
+
+    /// Looking and changing take turns; what is seen is what was done last.
+    #[test]
+    fn several_threads_look_at_once() -> Result<(), Error> {
+        let config = Config::new(Capacity::for_objects(8)).with_events();
+        let mut owned = OwnedWorld::<u16>::with_index(&config)?;
+        for count in 1..=5 {
+            owned.world().insert(CUBE)?;
+            owned.world().step()?;
+            if count == 3 {
+                owned.move_to(&config.with_capacity(Capacity::for_objects(70)))?;
+            }
+            let shared = &owned;
+            let look = || {
+                let world = shared.as_world();
+                let mut hits = [None; 8];
+                let near = world.nearest([0.5; 3], &mut hits).expect("a good point");
+                (world.pairs().len(), world.found().len(), near)
+            };
+            std::thread::scope(|scope| {
+                let threads = [(); 3].map(|()| scope.spawn(look));
+                for thread in threads {
+                    let seen = thread.join().expect("no panic");
+                    assert_eq!(seen, (count * (count - 1) / 2, count - 1, count));
+                }
+            });
+        }
+        owned.world().clear();
+        assert!(owned.as_world().is_empty() && owned.world().is_empty());
+        Ok(())
     }
 
     #[test]

@@ -37,6 +37,20 @@ IdPairs by_id(const trisap::World &world, std::uint32_t what) {
     return copy;
 }
 
+/// The same by value, where each object has its id for one.
+IdPairs by_value(const trisap::World &world, std::uint32_t what) {
+    const std::size_t count = world.pair_values(what, {}).needed;
+    std::vector<trisap::ValuePair> room(count);
+    const trisap::Answers<trisap::ValuePair> pairs = world.pair_values(what, room);
+    CHECK(pairs && pairs.size() == count);
+    IdPairs copy;
+    for (const auto &pair : pairs) {
+        copy.emplace_back(pair.a, pair.b);
+    }
+    std::sort(copy.begin(), copy.end());
+    return copy;
+}
+
 struct Counts {
     unsigned steps = 0, for_objects = 0, for_pairs = 0, less = 0, refused = 0;
 };
@@ -47,6 +61,7 @@ public:
         config_ = trisap::config(1 + below(9));
         config_.events = 1;
         config_.filters = below(2);
+        config_.values = 1;
         config_.has_margin = below(2);
         config_.margin_max = 0.25f;
         config_.margin_min = 0.0625f;
@@ -86,6 +101,7 @@ public:
         CHECK(sorted(said.lost) == sorted(expected.lost));
         for (const std::uint32_t what : {TRISAP_PAIRS_ALL, TRISAP_PAIRS_FOUND, TRISAP_PAIRS_LOST}) {
             CHECK(by_id(world_, what) == by_id(large_, what));
+            CHECK(by_id(world_, what) == by_value(world_, what));
         }
         // Those that were lost are pairs of the step before, by id.
         for (const auto &pair : by_id(world_, TRISAP_PAIRS_LOST)) {
@@ -121,6 +137,7 @@ private:
         CHECK_OK(status);
         CHECK(id == large_.insert(aabb));
         ids_.push_back(id);
+        CHECK_OK(world_.set_value(id, id));
         if (config_.filters == 1) {
             const trisap::Filter filter{1u << below(2), 3, 0};
             CHECK_OK(world_.set_filter(id, filter));

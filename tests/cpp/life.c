@@ -29,8 +29,8 @@ static void versions(void) {
     snprintf(version, sizeof version, "%d.%d.%d", TRISAP_VERSION_MAJOR, TRISAP_VERSION_MINOR, TRISAP_VERSION_PATCH);
     CHECK(strcmp(version, trisap_version()) == 0);
     CHECK(strlen(trisap_instruction_set()) > 0 && strcmp(trisap_instruction_set(), "other") != 0);
-    for (int32_t status = -2; status <= TRISAP_STATUS_OTHER_CONFIG + 2; status++) {
-        const bool known = status >= 0 && status <= TRISAP_STATUS_OTHER_CONFIG;
+    for (int32_t status = -2; status <= TRISAP_STATUS_NO_VALUES + 2; status++) {
+        const bool known = status >= 0 && status <= TRISAP_STATUS_NO_VALUES;
         CHECK((strcmp(trisap_status_text(status), "not a status") != 0) == known);
     }
 }
@@ -237,6 +237,69 @@ static double farthest(void *user, trisap_hit hit) {
     return 100.0;
 }
 
+static uint32_t is_not(void *user, trisap_id id) { return id != *(const trisap_id *)user; }
+
+// Values follow their objects, also where others have got the slots; queries leave out whom a condition refuses.
+static void values(void) {
+    trisap_config config = trisap_default_config(4);
+    config.events = config.values = 1;
+    trisap_world *world = make(&config);
+    trisap_id ids[3];
+    const trisap_aabb aabbs[3] = {cube(0.0f), cube(0.5f), cube(1.25f)};
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, 3);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    struct {
+        double mass;
+        uint64_t key;
+    } bodies[3] = {{1.0, 7}, {2.0, UINT64_MAX}, {3.0, 9}};
+    CHECK_OK(trisap_world_set_value_many(world, ids, &bodies[0].key, sizeof bodies[0], 3));
+    CHECK_OK(trisap_world_set_value(world, ids[2], 8));
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    trisap_value_pair pairs[3];
+    size_t count = 0;
+    CHECK_OK(trisap_world_pair_values(world, TRISAP_PAIRS_ALL, pairs, 3, &count));
+    CHECK(count == 2 && result.pair_count == 2);
+    CHECK_OK(trisap_world_pair_values(world, TRISAP_PAIRS_FOUND, pairs, 3, &count));
+    CHECK(count == 2);
+    CHECK_STATUS(trisap_world_pair_values(world, TRISAP_PAIRS_FOUND, pairs, 1, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK_OK(trisap_world_remove(world, ids[0]));
+    trisap_id other = TRISAP_NULL_ID;
+    const trisap_aabb far = cube(9.0f);
+    CHECK_OK(trisap_world_insert(world, &far, &other));
+    CHECK(trisap_id_slot(other) == trisap_id_slot(ids[0]));
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK_OK(trisap_world_pair_values(world, TRISAP_PAIRS_LOST, pairs, 3, &count));
+    CHECK(count == 1 && pairs[0].a == 7 && pairs[0].b == UINT64_MAX);
+    uint64_t value = 1;
+    CHECK_OK(trisap_world_value(world, other, &value));
+    CHECK(value == 0);
+
+    const float left[3] = {-1.0f, 0.5f, 0.5f}, right[3] = {1.0f, 0.0f, 0.0f};
+    const trisap_cast ray = trisap_cast_ray(left, right, 100.0f);
+    trisap_hit hits[4];
+    uint64_t told[4];
+    CHECK_OK(trisap_world_hits(world, &ray, hits, 4, &count));
+    CHECK_OK(trisap_world_values(world, &hits[0].id, sizeof hits[0], count, told));
+    CHECK(count == 3 && told[0] == UINT64_MAX && told[1] == 8 && told[2] == 0);
+    CHECK_OK(trisap_world_first_hit_among(world, &ray, is_not, &ids[1], hits));
+    CHECK(hits[0].id == ids[2]);
+    CHECK_OK(trisap_world_hits_among(world, &ray, is_not, &ids[1], hits, 4, &count));
+    CHECK(count == 2 && hits[0].id == ids[2] && hits[1].id == other);
+    CHECK_OK(trisap_world_nearest_among(world, left, is_not, &ids[1], hits, 1, &count));
+    CHECK(count == 1 && hits[0].id == ids[2]);
+    const trisap_region region = trisap_region_aabb(&aabbs[1]);
+    trisap_id found[4];
+    CHECK_OK(trisap_world_overlaps_among(world, &region, is_not, &ids[1], found, 4, &count));
+    CHECK(count == 1 && found[0] == ids[2]);
+    // In a world without filters all are in all groups and meet all.
+    trisap_filter filter = trisap_default_filter();
+    CHECK(trisap_world_meets(world, other, &filter) == 1 && trisap_world_meets(world, ids[0], &filter) == 0);
+    filter.mask = 0;
+    CHECK(trisap_world_meets(world, other, &filter) == 0 && trisap_world_meets(world, other, NULL) == 0);
+    free(world);
+}
+
 // Answers before the first step; the same after it.
 static void queries(void) {
     const trisap_config config = trisap_default_config(8);
@@ -303,6 +366,10 @@ static void resting(void) {
     aabbs[0] = aabbs[1] = cube(9.0f);
     trisap_result result = trisap_default_result();
     CHECK_OK(trisap_world_step_over(world, &boxes, NULL, &result));
+    trisap_pair awake[1];
+    size_t awake_count = 1;
+    CHECK_OK(trisap_world_awake_pairs(world, awake, 1, &awake_count));
+    CHECK(awake_count == 0);
     trisap_aabb known = cube(9.0f);
     CHECK_OK(trisap_world_aabb(world, ids[0], &known));
     CHECK(result.pair_count == 1 && known.min[0] == 0.0f);
@@ -313,6 +380,8 @@ static void resting(void) {
     CHECK(trisap_world_is_resting(world, ids[1]) == 0);
     CHECK_OK(trisap_world_step(world, NULL, &result));
     CHECK(result.pair_count == 1);
+    CHECK_OK(trisap_world_awake_pairs(world, awake, 1, &awake_count));
+    CHECK(awake_count == 1 && awake[0].a == 0 && awake[0].b == 1);
     free(world);
 }
 
@@ -511,6 +580,7 @@ int main(void) {
     batches();
     filters();
     queries();
+    values();
     resting();
     tree();
     doubles();

@@ -282,6 +282,45 @@ static uint32_t meet_all(void *user, uint32_t a, uint32_t b) {
     return 1;
 }
 
+static uint32_t accept_all(void *user, trisap_id id) {
+    (void)user, (void)id;
+    return 1;
+}
+
+// In a world without values; and conditions.
+static void no_values(void) {
+    uint64_t value = 3;
+    size_t count = 5;
+    trisap_value_pair pair = {1, 2};
+    REFUSED(trisap_world_set_value(world, ids[0], 1), TRISAP_STATUS_NO_VALUES);
+    REFUSED(trisap_world_set_value_many(world, ids, &value, 0, 3), TRISAP_STATUS_NO_VALUES);
+    REFUSED(trisap_world_value(world, ids[0], &value), TRISAP_STATUS_NO_VALUES);
+    REFUSED(trisap_world_values(world, ids, sizeof *ids, 1, &value), TRISAP_STATUS_NO_VALUES);
+    REFUSED(trisap_world_pair_values(world, TRISAP_PAIRS_ALL, &pair, 1, &count), TRISAP_STATUS_NO_VALUES);
+    CHECK(value == 3 && count == 5 && pair.a == 1);
+    REFUSED(trisap_world_set_value(world, TRISAP_NULL_ID, 1), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_set_value_many(world, NULL, &value, 0, 3), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_value_many(world, ids, &value, 4, 3), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_value(world, ids[0], NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_value(world, ids[0], (uint64_t *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_values(world, ids, 12, 2, &value), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_values(world, ids, sizeof *ids, 2, NULL), TRISAP_STATUS_NULL_POINTER);
+
+    const float at[3] = {0.0f, 0.0f, 0.0f};
+    const trisap_region region = trisap_region_point(at);
+    const trisap_cast ray = trisap_cast_ray(at, at, 1.0f);
+    trisap_hit hit;
+    trisap_id id;
+    REFUSED(trisap_world_overlaps_among(world, &region, NULL, NULL, &id, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit_among(world, &ray, NULL, NULL, &hit), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_hits_among(world, &ray, NULL, NULL, &hit, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest_among(world, at, NULL, NULL, &hit, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps_among(world, NULL, accept_all, NULL, &id, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest_among(world, at, accept_all, NULL, &hit, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_awake_pairs(world, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_awake_pairs(world, NULL, 0, NULL), TRISAP_STATUS_NULL_POINTER);
+}
+
 // In a world without filters.
 static void no_filters(void) {
     const trisap_filter all = trisap_default_filter();
@@ -709,6 +748,7 @@ int main(void) {
     boxes();
     stale_ids();
     steps();
+    no_values();
     no_filters();
     filters();
     regions();

@@ -310,6 +310,68 @@ static void callables() {
     allocations_left = 1000;
 }
 
+/// Values, and queries that leave objects out.
+static void values() {
+    trisap::World world;
+    trisap::Config config = trisap::config(8);
+    config.filters = config.events = config.values = 1;
+    CHECK_OK(world.init(config));
+    trisap::Id ids[4] = {};
+    const std::array<trisap::Aabb, 4> boxes = {cube(0), cube(0.5f), cube(1.25f), cube(9)};
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    CHECK_OK(world.set_value(ids[0], 70));
+    const std::array<std::uint64_t, 3> more = {71, 72, 73};
+    CHECK_OK(world.set_value({ids + 1, 3}, more));
+    CHECK_STATUS(world.set_value(ids, more), TRISAP_STATUS_INVALID_ARGUMENT);
+    std::uint64_t value = 0;
+    CHECK_OK(world.value(ids[3], value));
+    CHECK(value == 73 && world.config().values == 1);
+    CHECK(world.step());
+    std::array<trisap::ValuePair, 4> pairs = {};
+    CHECK(world.pair_values(TRISAP_PAIRS_FOUND, pairs).size() == 2);
+    CHECK_OK(world.remove(ids[0]));
+    CHECK(world.insert(cube(20)) != trisap::null_id && world.step());
+    const trisap::Answers<trisap::ValuePair> lost = world.pair_values(TRISAP_PAIRS_LOST, pairs);
+    CHECK(lost && lost.size() == 1 && lost[0].a == 70 && lost[0].b == 71);
+
+    // Of what queries have found.
+    std::array<trisap::Hit, 8> hits = {};
+    std::array<trisap::Id, 8> found = {};
+    std::array<std::uint64_t, 8> told = {};
+    const float left[3] = {-1.0f, 0.5f, 0.5f}, right[3] = {1.0f, 0.0f, 0.0f};
+    const trisap::Cast ray = trisap::ray(left, right);
+    CHECK_OK(world.values(world.hits(ray, hits).items, told));
+    CHECK(told[0] == 71 && told[1] == 72 && told[2] == 73 && told[3] == 0);
+    CHECK_OK(world.values(world.overlaps(trisap::region(cube(1)), found).items, told));
+    CHECK(told[0] == 71 && told[1] == 72);
+    CHECK_STATUS(world.values(trisap::View<const trisap::Id>(ids), {}), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK_STATUS(world.values(trisap::View<const trisap::Id>(ids), told), TRISAP_STATUS_STALE_ID);
+    CHECK(world.error_detail() == ids[0]);
+
+    // Without one's own, and by filters.
+    CHECK_OK(world.set_filter(ids[2], trisap::groups(4, 0xffffffff)));
+    const auto others = [&](trisap::Id id) { return id != ids[1]; };
+    CHECK(world.first_hit(ray).id == ids[1] && world.first_hit_among(ray, others).id == ids[2]);
+    CHECK(world.nearest_among(left, hits, others).size() == 3 && hits[0].id == ids[2]);
+    CHECK(world.hits_among(ray, hits, others).size() == 3 && hits[0].id == ids[2]);
+    const trisap::Filter all_but_four = trisap::groups(0xffffffff, ~4u);
+    CHECK(world.meets(ids[1], all_but_four) && !world.meets(ids[2], all_but_four));
+    const auto meets = [&](trisap::Id id) { return world.meets(id, all_but_four); };
+    const auto seen = world.overlaps_among(trisap::region(cube(1)), found, meets);
+    CHECK(seen && seen.size() == 1 && seen[0] == ids[1]);
+    trisap::Status why = TRISAP_STATUS_OK;
+    CHECK(world.first_hit_among(trisap::ray(nullptr, right), others, &why).id == trisap::null_id);
+    CHECK_STATUS(why, TRISAP_STATUS_BAD_QUERY);
+
+    // Pairs with one that is awake.
+    std::array<trisap::Pair, 4> room = {};
+    CHECK(world.awake_pairs(room).size() == 1);
+    CHECK_OK(world.set_resting({ids + 1, 2}));
+    CHECK(world.awake_pairs(room).size() == 0 && world.step().pairs.size() == 1);
+    CHECK_OK(world.wake({ids + 1, 1}));
+    CHECK(world.awake_pairs(room).size() == 1 && room[0].a == 1 && room[0].b == 2);
+}
+
 int main() {
     CHECK(trisap::abi_matches());
     moves();
@@ -317,6 +379,7 @@ int main() {
     views();
     growing();
     callables();
+    values();
     std::puts("wrapper: all checks passed");
     return 0;
 }

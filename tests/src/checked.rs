@@ -367,7 +367,7 @@ impl<'m, I: Index> Checked<'m, I> {
     }
 
     fn check_overflow(&self, error: Error, exact: &[SlotPair]) {
-        let Error::PairsFull { needed } = error else {
+        let Error::PairsFull { needed, .. } = error else {
             panic!("a step fails for lack of room only: {error:?}")
         };
         let capacity = self.config.capacity.pairs;

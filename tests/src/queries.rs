@@ -115,7 +115,7 @@ pub fn ask_region<I: Index>(world: &mut World<'_, I>, model: &Model, region: &Re
     assert_eq!(slots(&out), expected, "{setup:?} {region:?}");
     assert!(out.iter().flatten().all(|id| model.contains(*id)));
     if let Some((_, less)) = out.split_first_mut() {
-        let full = Error::OutputFull { needed: expected.len() as u64 };
+        let full = Error::OutputFull { needed: expected.len() as u64, room: less.len() };
         assert_eq!(world.overlaps(region, less), Err(full), "{region:?}");
     }
     let visit = |most: usize| {
@@ -185,7 +185,7 @@ pub fn ask_cast<I: Index>(world: &mut World<'_, I>, model: &Model, cast: &Cast, 
     let grazed = met.grazed.iter().filter(|(slot, _)| find(*slot).is_some()).count();
     assert_eq!(count, met.sure.len() + grazed, "{setup:?} {cast:?} meets what it does not: {hits:?} {met:?}");
     if count > 0 {
-        let full = Error::OutputFull { needed: count as u64 };
+        let full = Error::OutputFull { needed: count as u64, room: count - 1 };
         assert_eq!(world.hits(cast, &mut out[..count - 1]), Err(full), "{cast:?}");
     }
     assert_eq!(world.first_hit(cast), Ok(hits.first().copied()), "the first of {cast:?}");
@@ -291,7 +291,7 @@ impl Questions {
             let (mut out, mut counts) = (vec![None; share * regions + regions.min(1)], vec![9; regions]);
             let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut counts);
             let share = out.len() / regions.max(1);
-            let full = Error::OutputFull { needed: (most * regions) as u64 };
+            let full = Error::OutputFull { needed: (most * regions) as u64, room: out.len() };
             assert_eq!(told, if most > share { Err(full) } else { Ok(()) }, "{setup:?}");
             for (index, expected) in one_by_one.iter().enumerate() {
                 assert_eq!(counts[index] as usize, expected.len(), "{setup:?}: how many in region {index}");

@@ -2,7 +2,7 @@
 //! goes on as if nothing had happened.
 
 use trisap_core::{
-    Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, Layout, Margin, Mode, World, layout,
+    Aabb, Boxes, Capacity, Config, Error, Field, Id, InlineWorld, Layout, Margin, Mode, World, layout,
 };
 use trisap_tests::checked::{Checked, expected, slots};
 use trisap_tests::jobs::Jobs;
@@ -40,7 +40,7 @@ fn overflow(boxes: &[Aabb], capacities: impl Iterator<Item = usize>, setup: Setu
     for capacity in capacities {
         assert!(capacity < needed);
         let config = setup.configure(config(boxes.len(), capacity));
-        let full = Error::PairsFull { needed: needed as u64 };
+        let full = Error::PairsFull { needed: needed as u64, room: capacity as u32 };
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         checked.insert_many(boxes);
@@ -111,9 +111,12 @@ fn the_need_that_an_error_tells_is_enough() {
                     checked.insert_many(&boxes);
                     checked.try_step(setup).map(|outcome| outcome.pairs.len())
                 };
-                let Err(Error::PairsFull { needed }) = attempt(0) else { panic!("no room is not enough") };
+                let Err(Error::PairsFull { needed, room: 0 }) = attempt(0) else {
+                    panic!("no room is not enough")
+                };
                 for pairs in [1, needed / 2, needed - 1] {
-                    assert_eq!(attempt(pairs), Err(Error::PairsFull { needed }), "{setup:?}");
+                    let full = Error::PairsFull { needed, room: pairs as u32 };
+                    assert_eq!(attempt(pairs), Err(full), "{setup:?}");
                 }
                 assert!(attempt(needed).is_ok(), "{setup:?}: {needed} pairs were said to be enough");
             }
@@ -155,7 +158,7 @@ fn objects_from_none_to_one_too_many() {
         let setup = Setup::REFERENCE;
         let mut slab = Slab::new::<u16>(&config);
         let mut checked = Checked::<u16>::new(slab.world(&config));
-        let full = |more: u64| Error::ObjectsFull { needed: count as u64 + more };
+        let full = |more: u64| Error::ObjectsFull { needed: count as u64 + more, room: count as u32 };
         assert!(checked.step(setup).pairs.is_empty());
         let many = vec![unit; count + 1];
         let error = checked.refuse(|world| world.insert_many(Boxes::new(&many)).map(drop));
@@ -247,7 +250,7 @@ fn slabs_are_checked() {
     assert!(memory.len() > bytes + align);
     for short in [0, 1, bytes / 2, bytes - 1] {
         let error = World::<u32>::new_in(&mut memory[..short], &config).err();
-        assert_eq!(error, Some(Error::SlabTooSmall { needed: bytes }), "{short} of {bytes} bytes");
+        assert_eq!(error, Some(Error::SlabTooSmall { needed: bytes, given: short }));
         assert!(World::<u32>::open(&mut memory[..short]).is_err());
     }
     let shifted = World::<u32>::new_in(&mut memory[1..], &config).err();
@@ -258,7 +261,7 @@ fn slabs_are_checked() {
     assert_eq!(World::<u16>::open(memory).err(), Some(Error::NotAWorld));
     assert_eq!(
         World::<u32>::open(&mut memory[..bytes - 1]).err(),
-        Some(Error::SlabTooSmall { needed: bytes })
+        Some(Error::SlabTooSmall { needed: bytes, given: bytes - 1 })
     );
     // Whatever lay in the memory before.
     memory.fill(0xa5);
@@ -281,8 +284,12 @@ fn capacities_beyond_the_index_width_are_refused() {
         assert!(layout::<u32>(&objects(10).with_workers(workers)).is_none(), "{workers} workers");
     }
     assert!(layout::<u32>(&objects(10).with_workers(32)).is_some());
-    let error = World::<u16>::new_in(&mut [], &objects(65_535)).err();
-    assert_eq!(error, Some(Error::CapacityTooLarge));
+    let too_large = |field, most| Some(Error::CapacityTooLarge { field, most });
+    let refused = |config: Config| World::<u16>::new_in(&mut [], &config).err();
+    assert_eq!(refused(objects(65_535)), too_large(Field::Objects, 65_534));
+    assert_eq!(refused(objects(257).with_lean()), too_large(Field::Objects, 256));
+    assert_eq!(refused(objects(10).with_workers(33)), too_large(Field::Workers, 32));
+    assert_eq!(refused(objects(10).with_workers(0)), too_large(Field::Workers, 32));
     // Sixteen bits take less room, and events, margins and workers take more.
     let bytes = |config: &Config| layout::<u32>(config).map(|layout| layout.bytes).expect("a small world");
     let plain = Config::new(ample(1000, 1000));

@@ -454,7 +454,7 @@ fn e18_pair_counts_are_those_of_brute_force() {
             let mut checked = Checked::<u32>::new(slab.world(&config));
             checked.insert_many(&boxes);
             let error = checked.try_step(Setup::REFERENCE).expect_err("no room for pairs");
-            assert_eq!(error, Error::PairsFull { needed: expected.len() as u64 });
+            assert_eq!(error, Error::PairsFull { needed: expected.len() as u64, room: 0 });
         }
     }
 }

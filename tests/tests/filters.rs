@@ -169,7 +169,10 @@ fn a_full_buffer_counts_only_pairs_that_pass() {
         assert_eq!(world.step(setup).pairs.len(), 10);
         world.set_filter(ids[7], Filter::groups(1, 1));
         for _ in 0..2 {
-            assert_eq!(world.try_step(setup), Err(Error::PairsFull { needed: 15 }));
+            assert_eq!(
+                world.try_step(setup),
+                Err(Error::PairsFull { needed: 15, room: config.capacity.pairs })
+            );
         }
         // Another change of mind before the first complete step.
         world.set_filter(ids[0], Filter::groups(2, 1));

@@ -100,7 +100,8 @@ impl Life<'_> {
         let mut world = World::<I>::open(self.slab.bytes_mut()).expect("the world");
         if u64::from(world.len()) == u64::from(self.config.capacity.objects) {
             let needed = world.len() + 1;
-            assert_eq!(world.insert(aabb), Err(Error::ObjectsFull { needed: u64::from(needed) }));
+            let full = Error::ObjectsFull { needed: u64::from(needed), room: needed - 1 };
+            assert_eq!(world.insert(aabb), Err(full));
             self.tally.grown_for_objects += 1;
             let more = needed + self.rng.below(needed as usize) as u32;
             self.grow::<I>(more, 0);
@@ -214,7 +215,7 @@ impl Life<'_> {
             self.model = checked.into_model();
             match said {
                 Ok(said) => break said,
-                Err(Error::PairsFull { needed }) => {
+                Err(Error::PairsFull { needed, .. }) => {
                     self.tally.grown_for_pairs += 1;
                     // Sometimes still not enough.
                     let room = u64::from(self.config.capacity.pairs);
@@ -328,6 +329,7 @@ fn what_cannot_change_is_named() {
         (no_margin, Field::Margin),
         (no_events, Field::Events),
         (base.with_filters(), Field::Filters),
+        (base.with_values(), Field::Values),
         (base.with_mode(Mode::Fat), Field::Mode),
     ];
     for (config, field) in others {

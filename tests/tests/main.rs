@@ -4,6 +4,7 @@
 //! `cargo test -p trisap-tests filters::` runs one file. A new file needs a line here.
 
 mod allocation;
+mod among;
 mod capacity;
 mod choices;
 mod cliffs;
@@ -29,6 +30,7 @@ mod resting;
 mod sequences;
 mod snapshots;
 mod tree;
+mod values;
 
 /// A file without a line in its `main.rs` would be no test at all, and nobody would know.
 #[test]

@@ -607,7 +607,8 @@ fn everything_overlaps() {
         world.insert_many(Boxes::new(&boxes)).expect("room for all");
         let error = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.pairs().len());
         let count = count as u64;
-        assert_eq!(error, Err(Error::PairsFull { needed: count * (count - 1) / 2 }), "{setup:?}");
+        let full = Error::PairsFull { needed: count * (count - 1) / 2, room: 1000 };
+        assert_eq!(error, Err(full), "{setup:?}");
         assert_eq!(world.pairs().len(), 1000);
         assert!(world.pairs().iter().all(|[a, b]| a < b && u64::from(*b) < count));
         assert!(world.found().is_empty() && world.lost().is_empty());
@@ -672,7 +673,7 @@ fn none_one_two_and_as_many_as_fit() {
                 checked.step(setup);
                 assert_eq!(
                     checked.refuse(|w| w.insert(cube(0.0, 0.0, 0.0))),
-                    Error::ObjectsFull { needed: capacity as u64 + 1 }
+                    Error::ObjectsFull { needed: capacity as u64 + 1, room: capacity as u32 }
                 );
                 checked.step_over(&boxes, setup);
                 checked.remove_many(&ids);
@@ -850,9 +851,9 @@ fn p4_a_full_buffer_is_an_error_that_says_the_need() {
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         let ids = checked.insert_many(&boxes);
-        assert_eq!(checked.refuse(|w| w.insert(boxes[0])), Error::ObjectsFull { needed: 1301 });
+        assert_eq!(checked.refuse(|w| w.insert(boxes[0])), Error::ObjectsFull { needed: 1301, room: 1300 });
         let error = checked.try_step(setup).expect_err("one pair too many");
-        assert_eq!(error, Error::PairsFull { needed: needed as u64 });
+        assert_eq!(error, Error::PairsFull { needed: needed as u64, room: needed as u32 - 1 });
         let in_pair = checked.model().pairs()[0][0];
         checked.remove(ids[in_pair as usize]);
         let outcome = checked.step(setup);

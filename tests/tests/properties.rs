@@ -270,7 +270,8 @@ fn apply<I: Index>(
             let boxes: Vec<Aabb> = (0..count).map(|_| case.style.place(case.objects, rng)).collect();
             if ids.len() + count > case.objects {
                 let error = world.refuse(|world| world.insert_many(Boxes::new(&boxes)).map(drop));
-                assert_eq!(error, Error::ObjectsFull { needed: (ids.len() + count) as u64 });
+                let needed = (ids.len() + count) as u64;
+                assert_eq!(error, Error::ObjectsFull { needed, room: case.objects as u32 });
             } else if let Op::Insert = op {
                 world.insert(boxes[0]);
             } else {

@@ -375,7 +375,7 @@ fn bad_queries_are_refused() {
         let told = world.set_kernels(kernels).first_hits(&[ray, cast], &Jobs::Serial, &mut out);
         assert_eq!((told, out), (Err(Error::BadQuery { index: 1 }), [None; 2]));
     }
-    let short = Error::LengthMismatch { needed: 2 };
+    let short = Error::LengthMismatch { needed: 2, given: 1 };
     let told = world.set_kernels(kernels).first_hits(&[ray, ray], &Jobs::Serial, &mut [None]);
     assert_eq!(told, Err(short));
     let told =

@@ -84,7 +84,11 @@ fn margins_need_no_room_for_pairs() {
         assert_eq!(step(&boxes), Ok((vec![[1, 2]], vec![[1, 2]], vec![[0, 1]])), "{others}");
         // Two pairs are too many, margins or not, and a step that fails is none to the events.
         boxes[0] = on_x(0.75, 2.75);
-        assert_eq!(step(&boxes), Err(Error::PairsFull { needed: 2 }), "{others}");
+        assert_eq!(
+            step(&boxes),
+            Err(Error::PairsFull { needed: 2, room: config.capacity.pairs }),
+            "{others}"
+        );
         boxes[2] = on_x(40.0, 41.0);
         assert_eq!(step(&boxes), Ok((vec![[0, 1]], vec![[0, 1]], vec![[1, 2]])), "{others}");
         // Where the surplus fits again.
@@ -229,7 +233,7 @@ fn what_init_refuses_has_no_size_and_the_error_says_why() {
     assert_eq!(layout::<u32>(&lean), None);
     let error = World::<u32>::new_in(&mut [], &lean).expect_err("too many");
     assert!(error.to_string().contains("lean"), "{error}");
-    assert!(!Error::LengthMismatch { needed: 1 }.to_string().contains("output"));
+    assert!(!Error::LengthMismatch { needed: 1, given: 2 }.to_string().contains("output"));
 }
 
 /// Only boxes as given are counted, not what stands around them.

@@ -245,3 +245,45 @@ fn a_full_buffer_in_a_calm_time() {
         }
     }
 }
+
+/// A pair has one who is awake until both are put to rest, be they still or not, and again when one gets a box or is woken.
+#[test]
+fn pairs_of_which_one_is_awake() {
+    for config in configs() {
+        for count in [5, 300, 900] {
+            let config = config.with_capacity(ample(count, 100 * count));
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = slab.world::<u32>(&config);
+            let boxes = crowd(count, 3);
+            let ids: Vec<_> = world.insert_many(trisap_core::Boxes::new(&boxes)).expect("room").collect();
+            // So still for so long that steps do not look at their pairs.
+            for _ in 0..4 {
+                world.step().expect("room");
+            }
+            assert!(world.awake_pairs().eq(world.pairs().iter().copied()), "nobody was put to rest");
+            let rest = &ids[..count * 3 / 4];
+            world.set_resting(rest).expect("alive");
+            let mut awake = vec![true; count];
+            rest.iter().for_each(|id| awake[id.slot() as usize] = false);
+            let mut fewer = 0;
+            for round in 0..4 {
+                match round {
+                    1 => world.wake(&ids[..2]).expect("alive"),
+                    2 => world.set_aabb(ids[2], boxes[2]).expect("alive"),
+                    _ => {}
+                }
+                awake[..[0, 2, 3, 3][round]].fill(true);
+                let step = world.step().expect("room");
+                let expected: Vec<_> = step
+                    .pairs()
+                    .iter()
+                    .copied()
+                    .filter(|pair| pair.iter().any(|slot| awake[*slot as usize]))
+                    .collect();
+                assert_eq!(step.awake_pairs().collect::<Vec<_>>(), expected, "{round}");
+                fewer += step.pairs().len() - expected.len();
+            }
+            assert!(count == 5 || fewer > 100);
+        }
+    }
+}

@@ -169,7 +169,7 @@ fn too_little_room_is_an_error() {
     let size = world.snapshot_size();
     for len in [0, 1, 23, 24, size - 1] {
         let mut out = vec![7; len];
-        assert_eq!(world.save(&mut out), Err(Error::OutputFull { needed: size as u64 }));
+        assert_eq!(world.save(&mut out), Err(Error::OutputFull { needed: size as u64, room: len }));
         assert!(out.iter().all(|byte| *byte == 7), "nothing is written");
     }
 }

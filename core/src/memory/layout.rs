@@ -13,6 +13,7 @@ use super::state::State;
 use super::stripes::{Member, Planes};
 use crate::access::bits;
 use crate::config::{Config, Mode};
+use crate::error::{Error, Field};
 use crate::filter::{CLASSES, FILTERS, Filter};
 use crate::geometry::key::KeyBox;
 use crate::geometry::record::{Frame, Record};
@@ -27,6 +28,9 @@ pub struct Layout {
     /// The boundary that the slab starts on.
     pub align: usize,
 }
+
+/// Whether there can be values. A lean program does without their code.
+pub(crate) const VALUES: bool = cfg!(feature = "large");
 
 /// A cache line; also more than any item asks for.
 pub(crate) const ALIGN: usize = CACHE_LINE;
@@ -46,6 +50,29 @@ pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     }
 }
 
+/// What a configuration has too much of that has no layout, though its margin is valid.
+pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
+    let objects = if config.lean {
+        SMALL as u32
+    } else if cfg!(feature = "large") {
+        I::MAX_OBJECTS
+    } else {
+        TINY as u32
+    };
+    let (field, most) = if config.workers == 0 || config.workers > 32 {
+        (Field::Workers, 32)
+    } else if config.capacity.objects > objects {
+        (Field::Objects, objects as u64)
+    } else if config.filters && !FILTERS {
+        (Field::Filters, 0)
+    } else if config.values && !VALUES {
+        (Field::Values, 0)
+    } else {
+        (Field::Bytes, isize::MAX as u64)
+    };
+    Error::CapacityTooLarge { field, most }
+}
+
 /// How many items of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sizes {
@@ -60,6 +87,9 @@ pub(crate) struct Sizes {
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,
     pub(crate) classes: usize,
+    /// Objects with a value, and those whose value is kept for the events.
+    pub(crate) values: usize,
+    pub(crate) former_values: usize,
     /// Objects in the tree: all, or none where one leaf holds them all.
     pub(crate) tree: usize,
     pub(crate) records: usize,
@@ -98,7 +128,10 @@ impl Sizes {
         // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
         let objects = capacity.objects as usize;
         let small = objects <= TINY || config.lean;
-        if small && objects > SMALL || !small && !cfg!(feature = "large") || config.filters && !FILTERS {
+        if small && objects > SMALL || !small && !cfg!(feature = "large") {
+            return None;
+        }
+        if config.filters && !FILTERS || config.values && !VALUES {
             return None;
         }
         let pairs = capacity.pairs as usize;
@@ -120,6 +153,8 @@ impl Sizes {
             changed: if config.events || moves_inside_margin && tree > 0 { objects } else { 0 },
             filters: if config.filters { objects } else { 0 },
             classes: if config.filters { CLASSES } else { 0 },
+            values: if config.values { objects } else { 0 },
+            former_values: if config.values && config.events { objects } else { 0 },
             tree,
             // Casts look at whole groups of records, also of the last leaf's.
             records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
@@ -166,6 +201,7 @@ impl Sizes {
         plan.add::<Filter>(self.filters);
         plan.add::<u32>(self.classes);
         plan.add::<u32>(SlotSet::len(self.filters));
+        plan.add::<u64>(self.values + self.former_values);
         plan.add::<u32>(objects);
         plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
         plan.add::<u32>(SlotSet::len(self.changed) + SlotSet::len(self.before));

@@ -1,6 +1,6 @@
 //! The slab of a world, carved into slices.
 
-use super::layout::{ALIGN, Sizes, layout, section};
+use super::layout::{ALIGN, Sizes, beyond, layout, section};
 use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::CHUNK;
 use super::scratch;
@@ -22,6 +22,7 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) state: &'m mut State,
     pub(crate) boxes: BoxParts<'m>,
     pub(crate) filters: FilterParts<'m>,
+    pub(crate) values: ValueParts<'m>,
     pub(crate) former: FormerParts<'m>,
     /// How many objects have held the slot.
     pub(crate) generations: &'m mut [u32],
@@ -83,15 +84,38 @@ pub(crate) struct FilterParts<'m> {
     pub(crate) changed: SlotSet<'m>,
 }
 
+/// With values: what the caller has given to the objects.
+pub(crate) struct ValueParts<'m> {
+    /// A free slot keeps the value of the object that had it.
+    pub(crate) of: &'m mut [u64],
+    /// With events: the values that belong to [`FormerParts::generations`].
+    pub(crate) former: &'m mut [u64],
+}
+
 impl FormerParts<'_> {
-    /// A slot goes to another object, which is the first one of all since the last complete step, or not.
-    pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) {
+    /// A slot goes to another object, which is the first one of all since the last complete step, or not. Returns whether who had
+    /// it before is kept from now on.
+    pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) -> bool {
         if is_first {
             self.reused.clear();
         }
-        if generation != 0 && !bits::test(self.reused.words, slot) {
+        let is_new = generation != 0 && !bits::test(self.reused.words, slot);
+        if is_new {
             self.reused.set(slot);
             self.generations.put(slot, generation);
+        }
+        is_new
+    }
+}
+
+impl ValueParts<'_> {
+    /// A slot goes to another object, before whom another one may have had it whom events may still name.
+    pub(crate) fn enter(&mut self, slot: usize, is_kept: bool) {
+        if let Some(value) = self.of.get_mut(slot) {
+            let former = core::mem::take(value);
+            if is_kept && let Some(to) = self.former.get_mut(slot) {
+                *to = former;
+            }
         }
     }
 }
@@ -213,6 +237,9 @@ impl<'m, I: Index> Parts<'m, I> {
             classes: slab.take(sizes.classes)?,
             changed: SlotSet::carve(slab.take(SlotSet::len(sizes.filters))?, sizes.filters)?,
         };
+        let values = slab.take::<u64>(sizes.values + sizes.former_values)?;
+        let (of, former_values) = values.split_at_mut_checked(sizes.values)?;
+        let values = ValueParts { of, former: former_values };
         let generations = slab.take(sizes.objects)?;
         let words = bits::words(sizes.objects);
         let (listed, rest) =
@@ -255,6 +282,7 @@ impl<'m, I: Index> Parts<'m, I> {
             boxes: BoxParts { now, fat, margins, before, tight: unused },
             former,
             filters,
+            values,
             generations,
             moved,
             resting,
@@ -285,17 +313,18 @@ impl<'m, I: Index> Parts<'m, I> {
         if let Some(margin) = config.margin {
             margin.check()?;
         }
-        Sizes::of::<I>(config).ok_or(Error::CapacityTooLarge)
+        Sizes::of::<I>(config).ok_or(beyond::<I>(config))
     }
 
     /// Makes a slab into an empty world.
     pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
         let sizes = Self::sizes(config)?;
-        let needed = layout::<I>(config).ok_or(Error::CapacityTooLarge)?.bytes;
+        let needed = layout::<I>(config).ok_or(beyond::<I>(config))?.bytes;
         check(slab, needed)?;
+        let given = slab.len();
         let slab = slab.get_mut(..needed).unwrap_or_default();
         slab.fill(0);
-        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })?;
+        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })?;
         *parts.state = State::new(config, size_of::<I>());
         parts.state.faults = faults();
         parts.clear();
@@ -347,7 +376,8 @@ impl<'m, I: Index> Parts<'m, I> {
         let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
         let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
         check(slab, needed)?;
-        Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed })
+        let given = slab.len();
+        Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })
     }
 
     /// Which pairs the world returns.
@@ -363,7 +393,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
 fn check(slab: &[u8], needed: usize) -> Result<(), Error> {
     if slab.len() < needed {
-        return Err(Error::SlabTooSmall { needed });
+        return Err(Error::SlabTooSmall { needed, given: slab.len() });
     }
     if slab.as_ptr().align_offset(ALIGN) != 0 {
         return Err(Error::SlabMisaligned { align: ALIGN });

@@ -24,6 +24,7 @@ impl Path {
 
 /// Why a step took its [`Path`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Reason {
     /// Unchanged: nothing has moved.
     #[default]
@@ -79,6 +80,7 @@ impl Route {
 /// What a step did, and what it chose. All are counts or follow from counts, so equal calls give equal statistics on any
 /// machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct Stats {
     /// Living objects.
     pub objects: u32,

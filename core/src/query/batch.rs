@@ -13,6 +13,22 @@ const BLOCK: usize = 32;
 /// Workers at most: queries need no scratch memory.
 const WORKERS: usize = 32;
 
+/// Many queries at once, on the workers of a job system.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let a = world.insert(cube(2.0))?;
+/// let down = [0.0, 0.0, -1.0];
+/// let rays = [Cast::ray([2.5, 0.5, 9.0], down, 100.0), Cast::ray([7.0, 0.5, 9.0], down, 100.0)];
+/// let mut hits = [None; 2];
+/// world.first_hits(&rays, &Serial, &mut hits)?;
+/// assert_eq!(hits.map(|hit| hit.map(|hit| hit.id)), [Some(a), None]);
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
@@ -24,7 +40,8 @@ impl<I: Index> World<'_, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        let out = out.get_mut(..casts.len()).ok_or(Error::LengthMismatch { needed: casts.len() })?;
+        let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
+        let out = out.get_mut(..casts.len()).ok_or(short)?;
         check(casts, Cast::is_valid)?;
         let claims = BlockQueue::new(Chunks::new(out, BLOCK));
         executor::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
@@ -52,8 +69,8 @@ impl<I: Index> World<'_, I> {
         out: &mut [Option<Id>],
         counts: &mut [u32],
     ) -> Result<(), Error> {
-        let counts =
-            counts.get_mut(..regions.len()).ok_or(Error::LengthMismatch { needed: regions.len() })?;
+        let short = Error::LengthMismatch { needed: regions.len(), given: counts.len() };
+        let counts = counts.get_mut(..regions.len()).ok_or(short)?;
         check(regions, Region::is_valid)?;
         let share = out.len() / regions.len().max(1);
         let claims = BlockQueue::new((
@@ -67,7 +84,7 @@ impl<I: Index> World<'_, I> {
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
                     *count = match self.overlaps(region, out) {
                         Ok(count) => count as u32,
-                        Err(Error::OutputFull { needed }) => needed as u32,
+                        Err(Error::OutputFull { needed, .. }) => needed as u32,
                         // The regions are valid.
                         Err(_) => 0,
                     };
@@ -76,7 +93,8 @@ impl<I: Index> World<'_, I> {
         });
         let most = counts.iter().copied().max().unwrap_or(0);
         if most as usize > share {
-            return Err(Error::OutputFull { needed: u64::from(most) * regions.len() as u64 });
+            let needed = u64::from(most) * regions.len() as u64;
+            return Err(Error::OutputFull { needed, room: out.len() });
         }
         Ok(())
     }

@@ -64,6 +64,28 @@ impl Hit {
     }
 }
 
+/// What a ray or a moving box meets.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let [a, b] = [world.insert(cube(2.0))?, world.insert(cube(5.0))?];
+/// let ray = Cast::ray([0.0, 0.5, 0.5], [1.0, 0.0, 0.0], f32::INFINITY);
+/// let hit = world.first_hit(&ray)?.expect("the nearer one");
+/// assert_eq!((hit.id, hit.distance), (a, 2.0));
+///
+/// let mut hits = [None; 8];
+/// assert_eq!(world.hits(&ray, &mut hits)?, 2);
+/// assert_eq!(hits[1].map(|hit| hit.id), Some(b));
+///
+/// // A box that moves by 4 meets the first one after a quarter of its way.
+/// let moving = Cast::swept(cube(0.0), [4.0, 0.0, 0.0]);
+/// assert_eq!(world.first_hit(&moving)?.map(|hit| hit.distance), Some(0.25));
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor returns how
     /// far to look on: the cast's distance to see everything, the hit's to see only nearer ones, less than zero to stop.
@@ -83,8 +105,20 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
+        self.first_hit_of(cast, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn first_hit_of(
+        &self,
+        cast: &Cast,
+        condition: impl Fn(Id) -> bool,
+    ) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
         self.visit_hits(cast, &mut |hit| {
+            if !condition(hit.id) {
+                return f64::INFINITY;
+            }
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
             first = Some(nearest);
             nearest.distance
@@ -98,8 +132,21 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
+        self.hits_of(cast, out, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn hits_of(
+        &self,
+        cast: &Cast,
+        out: &mut [Option<Hit>],
+        condition: impl Fn(Id) -> bool,
+    ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_hits(cast, &mut |hit| {
+            if !condition(hit.id) {
+                return f64::INFINITY;
+            }
             if let Some(place) = out.get_mut(count) {
                 *place = Some(hit);
             }
@@ -107,7 +154,7 @@ impl<I: Index> World<'_, I> {
             f64::INFINITY
         })?;
         if count > out.len() {
-            return Err(Error::OutputFull { needed: count as u64 });
+            return Err(Error::OutputFull { needed: count as u64, room: out.len() });
         }
         heapsort(out.span_mut(0, count), precedes);
         Ok(count)

@@ -4,11 +4,18 @@
 //! one by one, and so is everything before the first step with a tree. All numbers are computed in `f64` from the boxes'
 //! `f32`, in operations that keep the order of their operands, so that what the tree rules out the exact test would too.
 
-mod batch;
-mod cast;
-mod nearest;
+// In the order of use, in which the documentation lists the methods.
 mod region;
 
+mod cast;
+
+mod nearest;
+
+mod among;
+
+mod batch;
+
+pub use among::Among;
 pub use cast::{Cast, Hit};
 pub use region::Region;
 

@@ -7,13 +7,27 @@ use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
-use crate::id::Index;
+use crate::id::{Id, Index};
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
 use crate::tree::visit::{Probe, Visit};
 use crate::world::World;
 
+/// What is nearest to a point.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let ids = [world.insert(cube(2.0))?, world.insert(cube(5.0))?, world.insert(cube(9.0))?];
+/// let mut hits = [None; 2];
+/// assert_eq!(world.nearest([0.0; 3], &mut hits)?, 2);
+/// assert_eq!(hits.map(|hit| hit.map(|hit| (hit.id, hit.distance))), [Some((ids[0], 2.0)), Some((ids[1], 5.0))]);
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
     /// ones by ascending slot. Returns how many there are: less than `out` takes only if there are no more objects.
@@ -21,10 +35,20 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
+        self.nearest_of(point, out, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn nearest_of(
+        &self,
+        point: [f32; 3],
+        out: &mut [Option<Hit>],
+        condition: impl Fn(Id) -> bool,
+    ) -> Result<usize, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(self.kernels.run(Nearest { world: self, point, out }))
+        Ok(self.kernels.run(Nearest { world: self, point, out, condition }))
     }
 }
 
@@ -85,23 +109,26 @@ impl Probe for Around<'_> {
     }
 }
 
-struct Nearest<'q, 'm, I: Index> {
+struct Nearest<'q, 'm, I: Index, C> {
     world: &'q World<'m, I>,
     point: [f32; 3],
     out: &'q mut [Option<Hit>],
+    condition: C,
 }
 
-impl<I: Index> Phase for Nearest<'_, '_, I> {
+impl<I: Index, C: Fn(Id) -> bool> Phase for Nearest<'_, '_, I, C> {
     type Output = usize;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { world, point, out } = self;
+        let Self { world, point, out, condition } = self;
         let parts = &world.parts;
         let mut best = Best { heap: out, count: 0 };
         let offer = |best: &mut Best<'_>, slot: usize| {
             let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
-            if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot)) {
+            if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot))
+                && condition(id)
+            {
                 best.offer(Hit { id, distance: squared });
             }
         };

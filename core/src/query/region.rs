@@ -80,6 +80,29 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
     gap(0) + gap(1) + gap(2)
 }
 
+/// What overlaps a box, a ball or a point.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// # use core::ops::ControlFlow;
+/// let [a, b] = [world.insert(cube(0.0))?, world.insert(cube(3.0))?];
+/// let mut found = [None; 8];
+/// assert_eq!(world.overlaps(&Region::Point([0.5; 3]), &mut found)?, 1);
+/// assert_eq!(found[0], Some(a));
+///
+/// let ball = Region::Sphere { center: [2.0, 0.5, 0.5], radius: 1.0 };
+/// let mut touched = None;
+/// world.visit_overlaps(&ball, &mut |id| {
+///     touched = Some(id);
+///     ControlFlow::Break(()) // one is enough
+/// })?;
+/// assert!(touched == Some(a) || touched == Some(b));
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks; always in the same order for
     /// the same calls. O(log n + answers + movers since the last step), or O(n) where there is no tree yet.
@@ -101,8 +124,21 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
+        self.overlaps_of(region, out, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn overlaps_of(
+        &self,
+        region: &Region,
+        out: &mut [Option<Id>],
+        condition: impl Fn(Id) -> bool,
+    ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_overlaps(region, &mut |id| {
+            if !condition(id) {
+                return ControlFlow::Continue(());
+            }
             if let Some(place) = out.get_mut(count) {
                 *place = Some(id);
             }
@@ -110,7 +146,7 @@ impl<I: Index> World<'_, I> {
             ControlFlow::Continue(())
         })?;
         if count > out.len() {
-            return Err(Error::OutputFull { needed: count as u64 });
+            return Err(Error::OutputFull { needed: count as u64, room: out.len() });
         }
         // Slots are the low half of an id, and no two ids here share one.
         let slot = |id: Option<Id>| id.map_or(0, Id::slot);

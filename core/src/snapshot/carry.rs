@@ -12,17 +12,18 @@ use crate::validate::content::{Content, InSlab, Set};
 use crate::validate::pairs::previous;
 use crate::world::World;
 
+/// Growth.
 impl<I: Index> World<'_, I> {
     /// Moves the world to other memory and another configuration: larger, or smaller where all fits. `slab` is as for
     /// [`new_in`](Self::new_in); what was in it is gone. This world stays as it is. O(bytes of the new slab).
     ///
-    /// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what is found
+    /// Everything goes on: ids, boxes, margins, filters, values, who rests, and the last result, so that the next step tells what is found
     /// and lost since. After [`Error::PairsFull`] the world can move to where there is room for the pairs, and a step there tells
     /// the events as if there had been room from the beginning. Only the tree is made anew by the next step in which an object has
     /// moved, as in the first one of a world.
     ///
-    /// Capacities, workers, the margin of new objects and all choices about speed may change; mode, events, filters and whether
-    /// there are margins may not.
+    /// Capacities, workers, the margin of new objects and all choices about speed may change; mode, events, filters, values and
+    /// whether there are margins may not.
     ///
     /// # Errors
     /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is written then.
@@ -39,7 +40,7 @@ impl<I: Index> World<'_, I> {
     /// let mut world = memory.init::<u16>(&FEW)?;
     /// let ids = [world.insert(cube)?, world.insert(cube)?];
     /// world.step()?;
-    /// assert_eq!(world.insert(cube), Err(Error::ObjectsFull { needed: 3 }));
+    /// assert_eq!(world.insert(cube), Err(Error::ObjectsFull { needed: 3, room: 2 }));
     ///
     /// let mut world = larger.receive(&world, &MORE)?;
     /// world.insert(cube)?;
@@ -110,6 +111,7 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let (mut rank, mut former) = (0, 0);
     to.boxes.margins.fill(0.0);
     to.filters.of.fill(Default::default());
+    to.values.of.fill(0);
     for slot in 0..from.state().objects.slots as usize {
         to.boxes.now.put(slot, from.now(slot));
         to.generations.put(slot, from.generation(slot));
@@ -121,6 +123,9 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         if !to.filters.of.is_empty() {
             to.filters.of.put(slot, from.filter(slot));
         }
+        if !to.values.of.is_empty() {
+            to.values.of.put(slot, from.value(slot));
+        }
         if !to.boxes.before.is_empty() {
             let changed = from.is_in(Set::Changed, slot);
             let reported = if fat { from.fat(slot) } else { from.now(slot) };
@@ -128,6 +133,9 @@ fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
             rank += usize::from(changed);
             if from.is_in(Set::Reused, slot) {
                 to.former.generations.put(slot, from.former(slot, former));
+                if !to.values.former.is_empty() {
+                    to.values.former.put(slot, from.former_value(slot, former));
+                }
                 former += 1;
             }
         }

@@ -77,6 +77,7 @@ pub(super) struct Stored<'b, I> {
     pub(super) filters: Packed<'b, Filter>,
     pub(super) classes: Packed<'b, u32>,
     pub(super) refiltered: Packed<'b, u32>,
+    pub(super) values: Packed<'b, u64>,
     pub(super) generations: Packed<'b, u32>,
     pub(super) moved: Packed<'b, u32>,
     pub(super) resting: Packed<'b, u32>,
@@ -104,6 +105,7 @@ pub(super) struct Stored<'b, I> {
     pub(super) reused: Packed<'b, u32>,
     /// Of the reused slots.
     pub(super) former: Packed<'b, u32>,
+    pub(super) former_values: Packed<'b, u64>,
 }
 
 /// How long the sections are that do not depend on other sections.
@@ -153,6 +155,7 @@ impl<'b, I: Index> Stored<'b, I> {
         let filters = body.cut(kept(sizes.filters, slots))?;
         let classes = body.cut(sizes.classes)?;
         let refiltered = body.cut(kept(sizes.filters, words))?;
+        let values = body.cut(kept(sizes.values, slots))?;
         let generations = body.cut(slots)?;
         let moved = body.cut(words)?;
         let resting = body.cut(words)?;
@@ -177,6 +180,7 @@ impl<'b, I: Index> Stored<'b, I> {
         let before = body.cut(kept(sizes.before, ones(&changed)))?;
         let reused: Packed<'b, u32> = body.cut(kept(sizes.before, words))?;
         let former = body.cut(ones(&reused))?;
+        let former_values = body.cut(kept(sizes.former_values, ones(&reused)))?;
         let stored = Self {
             now,
             fat,
@@ -184,6 +188,7 @@ impl<'b, I: Index> Stored<'b, I> {
             filters,
             classes,
             refiltered,
+            values,
             generations,
             moved,
             resting,
@@ -204,6 +209,7 @@ impl<'b, I: Index> Stored<'b, I> {
             before,
             reused,
             former,
+            former_values,
         };
         body.rest.is_empty().then_some(stored)
     }
@@ -247,6 +253,14 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
 
     fn former(&self, _: usize, rank: usize) -> u32 {
         self.stored.former.at(rank)
+    }
+
+    fn former_value(&self, _: usize, rank: usize) -> u64 {
+        self.stored.former_values.at(rank)
+    }
+
+    fn value(&self, slot: usize) -> u64 {
+        self.stored.values.at(slot)
     }
 
     fn filter(&self, slot: usize) -> Filter {

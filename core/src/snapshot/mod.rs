@@ -39,6 +39,27 @@ struct Header {
 /// Also tells the version and the byte order.
 const MAGIC: u64 = 0x7472_6973_6170_0009;
 
+/// Snapshots: plain bytes, for rollback and for files.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let id = world.insert(cube(0.0))?;
+/// world.insert(cube(0.5))?;
+/// world.step()?;
+/// let mut snapshot = vec![0; world.snapshot_size()];
+/// world.save(&mut snapshot)?;
+///
+/// world.set_aabb(id, cube(5.0))?;
+/// assert_eq!(world.step()?.lost(), [[0, 1]]);
+/// world.load(&snapshot)?; // as if it had not been
+/// assert_eq!(world.pairs(), [[0, 1]]);
+/// assert!(world.step()?.lost().is_empty());
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// The bytes of a snapshot of the world as it is now. O(n / 32).
     #[must_use]
@@ -55,7 +76,7 @@ impl<I: Index> World<'_, I> {
     /// [`Error::OutputFull`]; nothing is written then.
     pub fn save(&self, out: &mut [u8]) -> Result<usize, Error> {
         let needed = self.snapshot_size();
-        let full = Error::OutputFull { needed: needed as u64 };
+        let full = Error::OutputFull { needed: needed as u64, room: out.len() };
         let out = out.get_mut(..needed).ok_or(full)?;
         let (header, body) = out.split_at_mut_checked(size_of::<Header>()).ok_or(full)?;
         saved(&self.parts, &mut Write(&mut *body));
@@ -199,6 +220,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.section(parts.filters.of.span(0, kept(sizes.filters, slots)));
     to.section(parts.filters.classes);
     to.section(parts.filters.changed.words.span(0, kept(sizes.filters, words)));
+    to.section(parts.values.of.span(0, kept(sizes.values, slots)));
     to.section(parts.generations.span(0, slots));
     to.section(parts.moved.words.span(0, words));
     to.section(parts.resting.span(0, words));
@@ -231,7 +253,10 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     let former = &parts.former;
     let reused = former.reused.words.span(0, kept(sizes.before, words));
     to.section(reused);
-    to.each(bits::count(reused) as usize, bits::ones(reused).map(|slot| former.generations.at(slot)));
+    let count = bits::count(reused) as usize;
+    to.each(count, bits::ones(reused).map(|slot| former.generations.at(slot)));
+    let former_values = bits::ones(reused).map(|slot| parts.values.former.at(slot));
+    to.each(kept(sizes.former_values, count), former_values);
 }
 
 /// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.

@@ -26,6 +26,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     stored.margins.copy_to(parts.boxes.margins, 0.0);
     stored.filters.copy_to(parts.filters.of, Default::default());
     stored.classes.copy_to(parts.filters.classes, 0);
+    stored.values.copy_to(parts.values.of, 0);
     stored.generations.copy_to(parts.generations, 0);
     stored.resting.copy_to(parts.resting, 0);
     stored.active.copy_to(parts.active, 0);
@@ -41,6 +42,9 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     }
     for (slot, generation) in bits::ones(parts.former.reused.words).zip(stored.former.iter()) {
         parts.former.generations.put(slot, generation);
+    }
+    for (slot, value) in bits::ones(parts.former.reused.words).zip(stored.former_values.iter()) {
+        parts.values.former.put(slot, value);
     }
     stored.stripes.copy_to(parts.output.planes, Default::default());
     // What stands behind the pairs means nothing.

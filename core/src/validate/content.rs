@@ -58,6 +58,9 @@ pub(crate) trait Content<I: Index> {
     fn before(&self, slot: usize, rank: usize) -> KeyBox;
     /// The generation of the object that had a reused slot: the slot, and how many such slots there are below it.
     fn former(&self, slot: usize, rank: usize) -> u32;
+    /// The value of that object.
+    fn former_value(&self, slot: usize, rank: usize) -> u64;
+    fn value(&self, slot: usize) -> u64;
     fn filter(&self, slot: usize) -> Filter;
     /// A row of the class matrix.
     fn class(&self, class: usize) -> u32;
@@ -127,6 +130,14 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
 
     fn former(&self, slot: usize, _: usize) -> u32 {
         self.0.former.generations.at(slot)
+    }
+
+    fn former_value(&self, slot: usize, _: usize) -> u64 {
+        self.0.values.former.at(slot)
+    }
+
+    fn value(&self, slot: usize) -> u64 {
+        self.0.values.of.at(slot)
     }
 
     fn filter(&self, slot: usize) -> Filter {

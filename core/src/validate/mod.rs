@@ -36,6 +36,7 @@ fn check(holds: bool, what: &'static str, at: usize) -> Result<(), Invalid> {
     if holds { Ok(()) } else { Err(Invalid { what, at }) }
 }
 
+/// Tests of an embedding.
 impl<I: Index> World<'_, I> {
     /// Checks every invariant of the world: slots, boxes, lists, tree and pairs. Never called by a step. O(n log n + pairs), and
     /// as long again as a step that finds all pairs.

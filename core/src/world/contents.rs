@@ -1,17 +1,71 @@
 //! All that is in a world, one after another.
 
 use super::{Step, World};
+use crate::access::Access;
 use crate::config::Capacity;
+use crate::error::Error;
 use crate::geometry::aabb::Aabb;
 use crate::id::{Id, Index};
 use core::fmt;
 
 /// Looking around.
+///
+/// ```
+/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// let [a, b] = [world.insert(Aabb::new([0.0; 3], [1.0; 3]))?, world.insert(Aabb::new([1.0; 3], [2.0; 3]))?];
+/// world.step()?;
+/// assert!(world.pairs_of(a).eq([b]));
+/// assert_eq!((world.id_at(1), world.aabb(b)), (Some(b), Some(Aabb::new([1.0; 3], [2.0; 3]))));
+///
+/// world.remove(a)?;
+/// assert!(world.ids().eq([b]) && !world.contains(a));
+/// assert_eq!((world.len(), world.capacity().objects), (1, 8));
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// How much fits into the world.
     #[must_use]
     pub fn capacity(&self) -> Capacity {
         self.config().capacity
+    }
+
+    /// Living objects.
+    #[must_use]
+    pub fn len(&self) -> u32 {
+        self.parts.state.objects.live
+    }
+
+    /// Whether there is no object.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether `id` names a living object.
+    #[must_use]
+    pub fn contains(&self, id: Id) -> bool {
+        self.slot_of(id).is_ok()
+    }
+
+    /// The object that lives in `slot`.
+    #[must_use]
+    pub fn id_at(&self, slot: u32) -> Option<Id> {
+        let lives =
+            slot < self.parts.state.objects.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
+        if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
+    }
+
+    /// The box of an object, as it was given last.
+    #[must_use]
+    pub fn aabb(&self, id: Id) -> Option<Aabb> {
+        self.slot_of(id).ok().map(|slot| self.parts.boxes.now.at(slot).to_aabb())
+    }
+
+    pub(crate) fn slot_of(&self, id: Id) -> Result<usize, Error> {
+        if self.id_at(id.slot()) == Some(id) { Ok(id.slot() as usize) } else { Err(Error::StaleId { id }) }
     }
 
     /// The living objects by ascending slot. O(slots that have been in use).

@@ -3,9 +3,34 @@
 use super::World;
 use crate::access::Access;
 use crate::error::Error;
-use crate::filter::{CLASSES, Filter};
+use crate::filter::{CLASSES, FILTERS, Filter, meet};
 use crate::id::{Id, Index};
 
+/// Whom objects meet. A rule of the caller's own comes with a step: [`with_rule`](World::with_rule).
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_filters();
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// const STATIC: u32 = 1;
+/// let floor = world.insert(cube(0.0))?;
+/// let wall = world.insert(cube(0.5))?;
+/// let ball = world.insert(cube(0.75))?;
+/// world.set_filter(floor, Filter::class(STATIC))?;
+/// world.set_filter(wall, Filter::class(STATIC))?;
+/// assert_eq!(world.step()?.pairs().len(), 3);
+///
+/// let mut meets = [u32::MAX; 32];
+/// meets[STATIC as usize] &= !(1 << STATIC); // what is static does not meet what is
+/// world.set_classes(&meets)?;
+/// assert_eq!(world.step()?.pairs().len(), 2);
+///
+/// world.set_filter(ball, Filter::groups(1, 0))?; // meets nobody
+/// assert!(world.step()?.pairs().is_empty());
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// Sets whom an object meets. Its pairs follow at the next step. O(1).
     ///
@@ -30,6 +55,16 @@ impl<I: Index> World<'_, I> {
     #[must_use]
     pub fn filter(&self, id: Id) -> Option<Filter> {
         self.slot_of(id).ok().and_then(|slot| self.parts.filters.of.get(slot).copied())
+    }
+
+    /// Whether an object meets what has a filter, by groups and classes: for queries, see [`among`](Self::among). Objects of a world
+    /// without filters have [`Filter::ALL`]. False of a stale id. O(1).
+    #[must_use]
+    pub fn meets(&self, id: Id, filter: &Filter) -> bool {
+        let classes = &*self.parts.filters.classes;
+        let row = |class: usize| if FILTERS && !classes.is_empty() { classes.at(class) } else { u32::MAX };
+        let of = |slot: usize| self.parts.filters.of.get(slot).copied().unwrap_or_default();
+        self.slot_of(id).is_ok_and(|slot| meet(&of(slot), filter, row))
     }
 
     /// Sets which classes meet: bit `b` of `meets[a]` says whether `a` meets `b`, and the same for `meets[b]`; both have to

@@ -1,14 +1,28 @@
 //! The public world. [`World::advance`] is a step: its phases in order.
 
-mod contents;
-mod filters;
 mod inline;
-mod names;
+
+// In the order of use, in which the documentation lists the methods.
+mod making;
+
 mod objects;
+
+mod values;
+
+mod filters;
+
 mod rest;
-mod result;
-mod shift;
+
 mod stepper;
+
+mod result;
+
+mod names;
+
+mod contents;
+
+mod shift;
+
 mod view;
 
 pub use inline::InlineWorld;
@@ -18,12 +32,11 @@ pub use stepper::Stepper;
 pub use view::{LeafView, PlaneView};
 
 use crate::access::{Access, faults};
-use crate::config::Config;
 use crate::error::{Error, Rejected};
-use crate::geometry::aabb::{Aabb, Boxes};
-use crate::id::{Id, Index, Pair};
+use crate::geometry::aabb::Boxes;
+use crate::id::{Id, Index};
 use crate::memory::slab::Parts;
-use crate::memory::stats::{Path, Progress, Route, Stats};
+use crate::memory::stats::{Path, Progress, Route};
 use crate::objects::intake::ingest;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
@@ -37,6 +50,12 @@ use crate::tree::keep;
 ///
 /// A view of a slab that the caller lends; all state is in the slab, so a world can be dropped and
 /// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
+///
+/// Its methods are listed in the order of use: [make](Self::new_in) a world; [insert](Self::insert) objects and give them other boxes,
+/// [values](Self::set_value), [filters](Self::set_filter) or [rest](Self::set_resting); [step](Self::step); look at the
+/// [results](Self::pairs) by slot, id or value, and at [what is there](Self::iter). Between two steps
+/// [queries](Self::overlaps) answer, [snapshots](Self::save) are taken and loaded, and the world [moves](Self::move_into) to where there
+/// is more room.
 pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
     pub(crate) kernels: Kernels,
@@ -143,7 +162,7 @@ impl<I: Index> World<'_, I> {
         results::sort_out(parts, fitting as usize, complete, progress.found, context);
         parts.state.pairs.complete = u8::from(complete);
         if !complete {
-            return Err(Error::PairsFull { needed: pairs });
+            return Err(Error::PairsFull { needed: pairs, room: fitting as u32 });
         }
         parts.changed.move_to(&mut parts.outdated);
         parts.moved.clear();
@@ -157,104 +176,5 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.has_inserted = 0;
         parts.state.objects.dirty = 0;
         Ok(())
-    }
-}
-
-/// Making and asking.
-impl<'m, I: Index> World<'m, I> {
-    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What was
-    /// in the slab does not matter; what is beyond the needed length is not touched. O(bytes).
-    ///
-    /// # Errors
-    /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
-    pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
-        Parts::init(slab, config).map(Self::of)
-    }
-
-    /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
-    ///
-    /// # Errors
-    /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
-    pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        Parts::open(slab).map(Self::of)
-    }
-
-    fn of(parts: Parts<'m, I>) -> Self {
-        Self { parts, kernels: Kernels::detect() }
-    }
-
-    /// What the world was made for.
-    #[must_use]
-    pub fn config(&self) -> Config {
-        // The state of an opened world is known to be good.
-        self.parts.state.setup.config(size_of::<I>()).unwrap_or(Config::new(crate::Capacity::for_objects(0)))
-    }
-
-    /// Living objects.
-    #[must_use]
-    pub fn len(&self) -> u32 {
-        self.parts.state.objects.live
-    }
-
-    /// Whether there is no object.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Whether `id` names a living object.
-    #[must_use]
-    pub fn contains(&self, id: Id) -> bool {
-        self.slot_of(id).is_ok()
-    }
-
-    /// The object that lives in `slot`.
-    #[must_use]
-    pub fn id_at(&self, slot: u32) -> Option<Id> {
-        let lives =
-            slot < self.parts.state.objects.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
-        if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
-    }
-
-    /// The box of an object, as it was given last.
-    #[must_use]
-    pub fn aabb(&self, id: Id) -> Option<Aabb> {
-        self.slot_of(id).ok().map(|slot| self.parts.boxes.now.at(slot).to_aabb())
-    }
-
-    pub(crate) fn slot_of(&self, id: Id) -> Result<usize, Error> {
-        if self.id_at(id.slot()) == Some(id) { Ok(id.slot() as usize) } else { Err(Error::StaleId { id }) }
-    }
-}
-
-/// Results.
-impl<I: Index> World<'_, I> {
-    /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
-    /// always the same for the same calls. After [`Error::PairsFull`] those that fitted.
-    #[must_use]
-    pub fn pairs(&self) -> &[Pair<I>] {
-        let result = self.parts.state.pairs.result();
-        self.parts.output.pairs.span(result.start, result.len())
-    }
-
-    /// With events: the pairs that the last step has and the complete step before it had not. A pair of other objects in
-    /// the same slots counts as another pair.
-    #[must_use]
-    pub fn found(&self) -> &[Pair<I>] {
-        let found = self.parts.state.pairs.found as usize;
-        self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
-    }
-
-    /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's
-    /// slot may hold a new one by now.
-    #[must_use]
-    pub fn lost(&self) -> &[Pair<I>] {
-        self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
-    }
-
-    /// What the last step did.
-    #[must_use]
-    pub fn stats(&self) -> Stats {
-        self.parts.state.stats()
     }
 }

@@ -4,7 +4,24 @@ use super::{Step, World};
 use crate::access::{Access, bits};
 use crate::id::{Id, Index, Pair};
 
-/// Results by id.
+/// Results by id, also of objects that are gone.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let [a, b] = [world.insert(cube(0.0))?, world.insert(cube(0.5))?];
+/// assert!(world.step()?.found_ids().eq([[a, b]]));
+/// world.remove(b)?;
+/// let other = world.insert(cube(9.0))?;
+/// assert_eq!(other.slot(), b.slot()); // so a pair of slots no longer says who it was
+/// let step = world.step()?;
+/// assert_eq!(step.lost(), [[0, 1]]);
+/// assert!(step.lost_ids().eq([[a, b]]));
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// [`pairs`](Self::pairs) by id. A pair of which an object has been removed since the step is left out.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {

@@ -8,9 +8,31 @@ use crate::geometry::aabb::{Aabb, Boxes};
 use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
 use crate::lists::links;
+use crate::memory::layout::VALUES;
 use crate::objects::margins::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let one = world.insert(cube(0.0))?;
+/// let boxes = [cube(2.0), cube(4.0)];
+/// let more: Vec<Id> = world.insert_many(Boxes::new(&boxes))?.collect();
+///
+/// world.set_aabb(one, cube(1.5))?;
+/// world.update_many(&more, Boxes::new(&[cube(2.25), cube(9.0)]))?;
+/// assert_eq!(world.step()?.pairs(), [[0, 1]]);
+///
+/// world.remove(one)?;
+/// assert_eq!(world.remove(one), Err(Error::StaleId { id: one })); // nothing happens by an id that is old
+/// world.remove_many(&more)?;
+/// assert!(world.is_empty());
+/// # Ok::<(), Error>(())
+/// ```
 impl<'m, I: Index> World<'m, I> {
     /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
     ///
@@ -67,7 +89,7 @@ impl<'m, I: Index> World<'m, I> {
     pub fn insert_many<'w, 'b>(&'w mut self, boxes: Boxes<'b>) -> Result<Inserted<'w, 'm, 'b, I>, Error> {
         let needed = u64::from(self.len()) + boxes.len() as u64;
         if needed > self.parts.sizes.objects as u64 {
-            return Err(Error::ObjectsFull { needed });
+            return Err(Error::ObjectsFull { needed, room: self.parts.sizes.objects as u32 });
         }
         check_all(&boxes)?;
         Ok(Inserted { world: self, boxes, next: 0 })
@@ -79,7 +101,7 @@ impl<'m, I: Index> World<'m, I> {
     /// [`Error::LengthMismatch`] where there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
     pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
         if ids.len() != boxes.len() {
-            return Err(Error::LengthMismatch { needed: ids.len() });
+            return Err(Error::LengthMismatch { needed: ids.len(), given: boxes.len() });
         }
         for id in ids {
             self.slot_of(*id)?;
@@ -123,7 +145,8 @@ impl<'m, I: Index> World<'m, I> {
         let free = parts.state.objects.free;
         let slot = if free > 0 { free - 1 } else { parts.state.objects.slots };
         if slot as usize >= parts.sizes.objects {
-            return Err(Error::ObjectsFull { needed: u64::from(parts.state.objects.live) + 1 });
+            let needed = u64::from(parts.state.objects.live) + 1;
+            return Err(Error::ObjectsFull { needed, room: parts.sizes.objects as u32 });
         }
         let at = slot as usize;
         if free > 0 {
@@ -143,9 +166,13 @@ impl<'m, I: Index> World<'m, I> {
         if let Some(filter) = parts.filters.of.get_mut(at) {
             *filter = Filter::ALL;
         }
+        let mut is_kept = false;
         if !parts.boxes.before.is_empty() {
             let is_first = parts.state.objects.has_inserted == 0;
-            parts.former.note(at, former, is_first);
+            is_kept = parts.former.note(at, former, is_first);
+        }
+        if VALUES {
+            parts.values.enter(at, is_kept);
         }
         parts.state.objects.has_inserted = 1;
         parts.state.objects.dirty = 1;

@@ -3,11 +3,29 @@
 
 use crate::access::bits;
 use crate::error::Error;
-use crate::id::{Id, Index};
+use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
 use crate::world::World;
 
 /// Objects that the caller knows to rest, beside those that are seen to.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let sleeping = [world.insert(cube(0.0))?, world.insert(cube(0.5))?];
+/// world.insert(cube(1.25))?;
+/// world.set_resting(&sleeping)?;
+/// let step = world.step()?;
+/// assert_eq!(step.pairs().len(), 2);
+/// assert!(step.awake_pairs().eq([[1, 2]])); // whose contacts may have changed
+///
+/// world.wake(&sleeping)?; // so does a box of its own
+/// assert!(!world.is_resting(sleeping[0]));
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// Puts objects to rest, all or none: the next step parks their pairs with each other, and steps do not look at
     /// what the bounds array has for them. An object that gets another box by [`set_aabb`](Self::set_aabb) or
@@ -45,6 +63,13 @@ impl<I: Index> World<'_, I> {
             bits::clear(self.parts.resting, id.slot() as usize);
         }
         Ok(())
+    }
+
+    /// The [`pairs`](Self::pairs) of which at least one object is awake: has not been put to rest, or has been woken since. These are
+    /// what a narrow phase has to look at that keeps the contacts of those that rest. O(pairs).
+    pub fn awake_pairs(&self) -> impl Iterator<Item = Pair<I>> {
+        let rests = |slot: I| bits::test(self.parts.resting, slot.at());
+        self.pairs().iter().copied().filter(move |[a, b]| !rests(*a) || !rests(*b))
     }
 
     /// Whether the object was put to rest and has not been woken since.

@@ -6,6 +6,58 @@ use crate::error::Rejected;
 use crate::id::{Index, Pair};
 use crate::memory::stats::Stats;
 
+/// Results of the last step by slot, which stay until the next one.
+///
+/// ```
+/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// let mut masses = [2.0, 3.0, 5.0]; // the caller's own arrays, by slot
+/// let boxes = [0.0, 0.5, 9.0].map(|x| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]));
+/// for aabb in boxes {
+///     world.insert(aabb)?;
+/// }
+/// world.step()?;
+/// for [a, b] in world.pairs().iter().map(|pair| pair.map(usize::from)) {
+///     masses[a] += masses[b];
+/// }
+/// assert_eq!(masses, [5.0, 3.0, 5.0]);
+/// assert_eq!((world.found().len(), world.lost().len(), world.stats().pairs), (1, 0, 1));
+/// # Ok::<(), Error>(())
+/// ```
+impl<I: Index> World<'_, I> {
+    /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
+    /// always the same for the same calls. After [`Error::PairsFull`](crate::Error::PairsFull) those that
+    /// fitted.
+    #[must_use]
+    pub fn pairs(&self) -> &[Pair<I>] {
+        let result = self.parts.state.pairs.result();
+        self.parts.output.pairs.span(result.start, result.len())
+    }
+
+    /// With events: the pairs that the last step has and the complete step before it had not. A pair of other objects in
+    /// the same slots counts as another pair.
+    #[must_use]
+    pub fn found(&self) -> &[Pair<I>] {
+        let found = self.parts.state.pairs.found as usize;
+        self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
+    }
+
+    /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's
+    /// slot may hold a new one by now.
+    #[must_use]
+    pub fn lost(&self) -> &[Pair<I>] {
+        self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
+    }
+
+    /// What the last step did.
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        self.parts.state.stats()
+    }
+}
+
 /// The result of a step, and a view of the world as it is after it.
 pub struct Step<'w, I: Index = u32> {
     pub(super) world: &'w World<'w, I>,
@@ -29,6 +81,11 @@ impl<'w, I: Index> Step<'w, I> {
     #[must_use]
     pub fn lost(&self) -> &'w [Pair<I>] {
         self.world.lost()
+    }
+
+    /// See [`World::awake_pairs`].
+    pub fn awake_pairs(&self) -> impl Iterator<Item = Pair<I>> + use<'w, I> {
+        self.world.awake_pairs()
     }
 
     /// The world after the step: for ids, boxes and queries while its pairs are looked at.

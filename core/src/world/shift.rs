@@ -7,6 +7,7 @@ use crate::geometry::key::{KeyBox, key};
 use crate::id::Index;
 use crate::world::World;
 
+/// Large scenes.
 impl<I: Index> World<'_, I> {
     /// Moves the origin to the point `by`: subtracts it from all boxes. From then on boxes are given relative to the new
     /// origin. The next step finds the pairs in the leaves of a new tree; it takes as long as the first one. O(n).

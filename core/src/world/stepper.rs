@@ -18,7 +18,28 @@ pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
     rule: Option<&'e Rule<'e>>,
 }
 
-/// Stepping.
+/// Steps.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Config, Error, InlineWorld, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_filters();
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let teams = [1, 1, 2];
+/// let mut boxes = [cube(0.0), cube(0.5), cube(1.25)];
+/// for aabb in boxes {
+///     world.insert(aabb)?; // slots are the positions in the array
+/// }
+/// assert_eq!(world.step()?.pairs().len(), 2);
+///
+/// // All boxes from the caller's array, and pairs of two teams alone.
+/// boxes[0] = cube(0.75);
+/// let rule = |a: u32, b: u32| teams[a as usize] != teams[b as usize];
+/// let step = world.on(&Serial).with_rule(&rule).step_over(Boxes::new(&boxes))?;
+/// assert_eq!(step.pairs().len(), 2);
+/// # Ok::<(), Error>(())
+/// ```
 impl<'m, I: Index> World<'m, I> {
     /// Finds all overlapping pairs of the boxes as they are now, on this thread.
     ///

@@ -9,6 +9,7 @@ use crate::world::World;
 
 /// A leaf of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LeafView {
     /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
     pub cell: Aabb,
@@ -18,6 +19,7 @@ pub struct LeafView {
 
 /// A plane of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlaneView {
     /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
     pub axis: usize,
@@ -30,6 +32,21 @@ pub struct PlaneView {
 }
 
 /// What the tree of the last step looks like; nothing where there is none.
+///
+/// ```
+/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
+/// const CONFIG: Config = Config::new(Capacity::for_objects(1000));
+/// # let mut memory = Box::new(InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY);
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// for i in 0..1000u16 {
+///     world.insert(Aabb::from_center([f32::from(i), 0.0, 0.0], [0.25; 3]))?;
+/// }
+/// world.step()?;
+/// assert_eq!(world.leaves().map(|leaf| leaf.objects).sum::<u32>(), 1000);
+/// assert_eq!(world.planes().count() + 1, world.leaves().count());
+/// assert!(world.planes().all(|plane| plane.axis == 0)); // all objects stand in a row along x
+/// # Ok::<(), Error>(())
+/// ```
 impl<I: Index> World<'_, I> {
     /// The leaves, from left to right. O(leaves).
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {

@@ -126,8 +126,8 @@ impl Local {
         loop {
             self.config.capacity = capacity;
             match self.fill(&gone, &living, means) {
-                Err(Error::PairsFull { needed }) => {
-                    let needed = u32::try_from(needed).map_err(|_| Error::PairsFull { needed })?;
+                Err(Error::PairsFull { needed, room }) => {
+                    let needed = u32::try_from(needed).map_err(|_| Error::PairsFull { needed, room })?;
                     capacity.pairs = needed.saturating_add(needed / 4);
                 }
                 result => return result,

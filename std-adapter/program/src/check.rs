@@ -47,7 +47,7 @@ impl Checker {
                 expected.len()
             ));
         }
-        if let Some([a, b]) = reported.array_windows().find(|[a, b]| a == b).map(|[a, _]| a) {
+        if let Some([a, b]) = reported.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
             return Err(format!("the pair {a} {b} is reported twice"));
         }
         if let Some([a, b]) = reported.iter().find(|[a, b]| a >= b) {

@@ -98,7 +98,7 @@ fn pass<I: Index>(
                 return Ok(Some(2 * u64::from(config.capacity.pairs.max(1))));
             }
             Ok(step) => step,
-            Err(Error::PairsFull { needed }) => return Ok(Some(needed)),
+            Err(Error::PairsFull { needed, .. }) => return Ok(Some(needed)),
             Err(error) => return Err(error).with_context(|| format!("frame {number}")),
         };
         let frame = Frame {

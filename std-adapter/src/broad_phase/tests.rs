@@ -133,3 +133,28 @@ fn a_key_that_comes_back_is_another_object() {
     assert_eq!(step.found().collect::<Vec<_>>(), [['a', 'b']]);
     assert_eq!(step.lost().collect::<Vec<_>>(), [['a', 'b']]);
 }
+
+/// As systems of an ECS look at a resource.
+#[test]
+fn several_threads_look_at_once() {
+    let mut broad_phase = BroadPhase::new();
+    for x in 0..100u8 {
+        broad_phase.insert(x, Aabb::from_center([f32::from(x), 0.0, 0.0], [0.5; 3])).expect("room");
+    }
+    broad_phase.step().expect("room");
+    let shared = &broad_phase;
+    std::thread::scope(|scope| {
+        for x in 0..100u8 {
+            scope.spawn(move || {
+                let at = [f32::from(x), 0.0, 0.0];
+                assert_eq!(shared.nearest(at, 1).expect("a point"), [(x, 0.0)]);
+                assert_eq!(shared.overlaps(&Region::Point(at)).expect("a point"), [x]);
+                let ray = Cast::ray([at[0], 9.0, 0.0], [0.0, -1.0, 0.0], 20.0);
+                assert_eq!(shared.first_hit(&ray).expect("a ray"), Some((x, 8.5)));
+                assert!(shared.aabb(&x).expect("its box").contains(&Aabb::new(at, at)));
+                let pairs = shared.as_world().pairs_of(shared.id(&x).expect("its id"));
+                assert_eq!(pairs.count(), if x % 99 == 0 { 1 } else { 2 });
+            });
+        }
+    });
+}

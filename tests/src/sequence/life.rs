@@ -225,7 +225,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
             }
             Err(error) if aabb.is_valid() => {
                 assert!(full);
-                assert_eq!(error, Error::ObjectsFull { needed: live + 1 });
+                assert_eq!(error, Error::ObjectsFull { needed: live + 1, room: self.objects() });
             }
             Err(error) => assert_eq!(error, Error::BadBox { index: 0 }),
         }
@@ -241,7 +241,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         let needed = (self.checked.model().len() + boxes.len()) as u64;
         let bad = boxes.iter().position(|aabb| !aabb.is_valid());
         let expected = if needed > u64::from(self.objects()) {
-            Err(Error::ObjectsFull { needed })
+            Err(Error::ObjectsFull { needed, room: self.objects() })
         } else {
             bad.map_or(Ok(()), |index| Err(Error::BadBox { index: index as u32 }))
         };

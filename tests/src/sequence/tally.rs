@@ -114,7 +114,7 @@ impl Tally {
                 self.full += 1;
                 self.say(status(error));
                 self.say_pairs(prefix);
-                let Error::PairsFull { needed } = error else { panic!("{error}") };
+                let Error::PairsFull { needed, .. } = error else { panic!("{error}") };
                 self.say(*needed);
             }
         }

@@ -17,12 +17,14 @@ const FIXED_MARGINS: u32 = 1 << 5;
 /// From here on the hooks, which are no part of a snapshot.
 const HOOKS: u32 = 6;
 const PORTABLE: u32 = !(Hooks::MASK << HOOKS);
+const VALUES: u32 = 1 << 12;
 
 const fn flags(config: &Config) -> u32 {
-    let Config { mode, margin, events, filters, lean, fixed_margins, hooks, .. } = *config;
+    let Config { mode, margin, events, filters, values, lean, fixed_margins, hooks, .. } = *config;
     flag(EVENTS, events)
         | flag(LEAN, lean)
         | flag(FILTERS, filters)
+        | flag(VALUES, values)
         | flag(MARGIN, margin.is_some())
         | flag(FAT, matches!(mode, Mode::Fat))
         | flag(FIXED_MARGINS, fixed_margins)
@@ -75,6 +77,7 @@ impl Setup {
             events: self.flags & EVENTS != 0,
             lean: self.flags & LEAN != 0,
             filters: self.flags & FILTERS != 0,
+            values: self.flags & VALUES != 0,
             workers: self.workers,
             fixed_margins: self.has_fixed_margins(),
             hooks: Hooks::from_bits(self.flags >> HOOKS)?,
@@ -121,6 +124,7 @@ impl Setup {
             (differs(MARGIN), Field::Margin),
             (differs(EVENTS), Field::Events),
             (differs(FILTERS), Field::Filters),
+            (differs(VALUES), Field::Values),
             (self.index_bytes != to.index_bytes, Field::Index),
         ];
         fields.into_iter().find(|(differs, _)| *differs).map(|(_, field)| field)

@@ -128,7 +128,7 @@ fn runner<'c>(contender: &Contender<'c>, mut config: Config) -> Result<Started<'
 
 /// The same world with room for as many pairs as there were, and some more.
 pub(super) fn roomier(config: &Config, error: &anyhow::Error) -> Option<Config> {
-    let Some(Error::PairsFull { needed }) = error.downcast_ref() else { return None };
+    let Some(Error::PairsFull { needed, .. }) = error.downcast_ref() else { return None };
     let pairs = u32::try_from(needed + needed / 4).ok()?;
     Some(config.with_capacity(config.capacity.with_pairs(pairs)))
 }
@@ -168,7 +168,7 @@ fn checked<'c, I: Index>(contender: &Contender<'c>, config: &Config) -> Result<S
 /// Compares the pairs of one step.
 pub(super) fn compare(expected: &[Pair], reported: &[Pair], mode: Mode, told_surplus: u64) -> Verdict {
     let (missing, surplus) = differences(expected, reported);
-    let twice = reported.array_windows().filter(|[a, b]| a == b).count() as u64;
+    let twice = reported.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
     let allowed = mode == Mode::Fat && surplus.len() as u64 == told_surplus;
     Verdict {
         frames: 1,

@@ -82,7 +82,7 @@ impl Instructions {
 fn step(world: &mut World<'_, u16>, boxes: Boxes<'_>) -> Result<usize, Error> {
     match world.step_over(boxes) {
         Ok(step) => Ok(step.pairs().len()),
-        Err(Error::PairsFull { needed }) => Ok(needed as usize),
+        Err(Error::PairsFull { needed, .. }) => Ok(needed as usize),
         Err(error) => Err(error),
     }
 }

@@ -44,7 +44,7 @@ fn counts(kernels: Kernels) -> Result<()> {
     for count in 0..=MOST {
         let seen = match world.set_kernels(kernels).step() {
             Ok(step) => step.pairs().len() as u32,
-            Err(Error::PairsFull { needed }) => needed as u32,
+            Err(Error::PairsFull { needed, .. }) => needed as u32,
             Err(error) => return Err(error.into()),
         };
         ensure!(seen == pairs, "{count} objects have {seen} pairs instead of {pairs}");
@@ -53,7 +53,8 @@ fn counts(kernels: Kernels) -> Result<()> {
             inserted?;
             pairs += count;
         } else {
-            ensure!(inserted == Err(Error::ObjectsFull { needed: u64::from(MOST) + 1 }), "{inserted:?}");
+            let full = Error::ObjectsFull { needed: u64::from(MOST) + 1, room: MOST };
+            ensure!(inserted == Err(full), "{inserted:?}");
         }
     }
     Ok(())
@@ -65,7 +66,7 @@ fn full_buffer(kernels: Kernels) -> Result<()> {
     let mut world = owned.world();
     let ids: Vec<_> = world.insert_many(Boxes::new(&[CUBE; 6]))?.collect();
     let error = world.set_kernels(kernels).step().err();
-    ensure!(error == Some(Error::PairsFull { needed: 15 }), "{error:?}");
+    ensure!(error == Some(Error::PairsFull { needed: 15, room: 10 }), "{error:?}");
     ensure!(world.pairs().len() == 10 && world.found().is_empty() && world.lost().is_empty(), "the prefix");
     for id in ids.iter().take(2) {
         world.remove(*id)?;

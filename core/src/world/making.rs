@@ -1,0 +1,58 @@
+//! Worlds come to be in memory, and are found there again.
+
+use super::World;
+use crate::config::{Capacity, Config};
+use crate::error::Error;
+use crate::id::Index;
+use crate::memory::slab::Parts;
+use crate::simd::kernels::Kernels;
+
+/// Making.
+///
+/// ```
+/// use trisap_core::{Aabb, Capacity, Config, Error, World, layout};
+///
+/// const CONFIG: Config = Config::new(Capacity::for_objects(100).with_pairs(400)).with_events();
+/// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+///
+/// // From wherever it comes: a static, an arena, the heap. Or from an `InlineWorld`, which is as large and as aligned as it has to be.
+/// #[repr(align(64))]
+/// struct Memory([u8; BYTES]);
+/// let mut memory = Box::new(Memory([0; BYTES]));
+///
+/// let mut world = World::<u16>::new_in(&mut memory.0, &CONFIG)?;
+/// let id = world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// // The view can go; the world stays in its memory.
+/// let world = World::<u16>::open(&mut memory.0)?;
+/// assert!(world.contains(id) && world.config() == CONFIG);
+/// # Ok::<(), Error>(())
+/// ```
+impl<'m, I: Index> World<'m, I> {
+    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What was
+    /// in the slab does not matter; what is beyond the needed length is not touched. O(bytes).
+    ///
+    /// # Errors
+    /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
+        Parts::init(slab, config).map(Self::of)
+    }
+
+    /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
+    ///
+    /// # Errors
+    /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
+    pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
+        Parts::open(slab).map(Self::of)
+    }
+
+    fn of(parts: Parts<'m, I>) -> Self {
+        Self { parts, kernels: Kernels::detect() }
+    }
+
+    /// What the world was made for.
+    #[must_use]
+    pub fn config(&self) -> Config {
+        // The state of an opened world is known to be good.
+        self.parts.state.setup.config(size_of::<I>()).unwrap_or(Config::new(Capacity::for_objects(0)))
+    }
+}

@@ -1,0 +1,101 @@
+//! Values of objects, which mean what the caller likes: an entity, an index, a pointer.
+
+use super::{Step, World};
+use crate::access::bits;
+use crate::error::Error;
+use crate::id::{Id, Index, Pair};
+
+/// Values of objects.
+///
+/// ```
+/// use trisap_core::{Aabb, Capacity, Config, InlineWorld, Region, layout};
+///
+/// const CONFIG: Config = Config::new(Capacity::for_objects(16)).with_events().with_values();
+/// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+///
+/// let mut memory = InlineWorld::<BYTES>::EMPTY;
+/// let mut world = memory.init::<u16>(&CONFIG)?;
+/// let door = world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// let hand = world.insert(Aabb::new([1.0; 3], [2.0; 3]))?;
+/// world.set_value(door, 4711)?;
+/// world.set_value(hand, 12)?;
+/// assert!(world.step()?.found_values().eq([[4711, 12]]));
+///
+/// world.visit_overlaps(&Region::Point([0.5; 3]), &mut |id| {
+///     assert_eq!(world.value(id), Some(4711));
+///     core::ops::ControlFlow::Continue(())
+/// })?;
+/// world.remove(door)?;
+/// world.insert(Aabb::new([8.0; 3], [9.0; 3]))?; // has the slot of the door from now on, and the value 0
+/// assert!(world.step()?.lost_values().eq([[4711, 12]]));
+/// # Ok::<(), trisap_core::Error>(())
+/// ```
+impl<I: Index> World<'_, I> {
+    /// Gives an object a value; a new object has 0. It stays through snapshots and [moves](Self::move_into). O(1).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`] or [`Error::NoValues`].
+    pub fn set_value(&mut self, id: Id, value: u64) -> Result<(), Error> {
+        let slot = self.slot_of(id)?;
+        *self.parts.values.of.get_mut(slot).ok_or(Error::NoValues)? = value;
+        Ok(())
+    }
+
+    /// The value of an object, for instance of one that a query has found; `None` for a stale id, and in a world without values.
+    /// O(1).
+    #[must_use]
+    pub fn value(&self, id: Id) -> Option<u64> {
+        self.slot_of(id).ok().and_then(|slot| self.parts.values.of.get(slot).copied())
+    }
+
+    /// [`pairs`](Self::pairs) by value. A pair of which an object has been removed since the step is left out; in a world without
+    /// values all are.
+    pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> {
+        self.living_values(self.pairs())
+    }
+
+    /// [`found`](Self::found) by value. A pair of which an object has been removed since the step is left out.
+    pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> {
+        self.living_values(self.found())
+    }
+
+    /// [`lost`](Self::lost) by the values of the objects that were the pair, also where they are no more and others have their
+    /// slots. To be asked before an object comes, as [`lost_ids`](Self::lost_ids).
+    pub fn lost_values(&self) -> impl Iterator<Item = [u64; 2]> {
+        self.lost().iter().filter_map(|pair| {
+            let [a, b] = pair.map(|slot| self.former_value(slot.at()));
+            Some([a?, b?])
+        })
+    }
+
+    fn living_values(&self, pairs: &[Pair<I>]) -> impl Iterator<Item = [u64; 2]> {
+        pairs.iter().filter_map(|pair| {
+            let [a, b] = pair.map(|slot| self.value(self.id_at(slot.slot())?));
+            Some([a?, b?])
+        })
+    }
+
+    /// The value of the object that had a slot in the complete step before the last one.
+    fn former_value(&self, slot: usize) -> Option<u64> {
+        let values = &self.parts.values;
+        let is_reused = bits::test(self.parts.former.reused.words, slot);
+        if is_reused { values.former.get(slot).copied() } else { values.of.get(slot).copied() }
+    }
+}
+
+impl<'w, I: Index> Step<'w, I> {
+    /// See [`World::pair_values`]; here nobody is missing.
+    pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> + use<'w, I> {
+        self.world.pair_values()
+    }
+
+    /// See [`World::found_values`]; here nobody is missing.
+    pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> + use<'w, I> {
+        self.world.found_values()
+    }
+
+    /// See [`World::lost_values`].
+    pub fn lost_values(&self) -> impl Iterator<Item = [u64; 2]> + use<'w, I> {
+        self.world.lost_values()
+    }
+}
