@@ -80,7 +80,7 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
                 }
             }
             Some(Operation { kind: Kind::Grow, argument, .. }) => {
-                grow::<I>(&header, *argument, &mut slabs, &mut past, model.ids().len());
+                grow::<I>(&header, *argument, &mut slabs, &mut past, &model);
             }
             _ => {}
         }
