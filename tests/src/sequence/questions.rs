@@ -61,7 +61,7 @@ impl<I: Index> Life<'_, '_, I> {
         let Ok(count) = said else { return };
         self.say_hits(&hits[..count]);
         // All of them, or only those that are nearer than the last.
-        let all = op.argument % 2 == 0;
+        let all = op.argument.is_multiple_of(2);
         let mut visited = Vec::new();
         let mut visit = |hit: Hit| {
             visited.push(Some(hit));
