@@ -44,7 +44,7 @@ fn large_objects_stay_in_their_list_as_others_grow_and_shrink() {
     let side = scenes::side(COUNT);
     let mut boxes = scenes::uniform(COUNT, 5);
     for aabb in &mut boxes[..LARGE] {
-        *aabb = at(rng.point(0.0, 0.3 * side), [0.6 * side, 0.6 * side, 0.5]);
+        *aabb = at(rng.point(0.0, 0.3 * side), [4.0 * side, 4.0 * side, 0.02]);
     }
     let mut config = Config::new(ample(COUNT, 40 * COUNT)).with_events();
     config.capacity.leaf_refs = 2 * COUNT as u32;
