@@ -35,7 +35,7 @@ play="$out/small/release/trisap-mutants-play"
 stage() {
     echo "$1 $play ${*:2} $("$play" "${@:2}" | sed -n 's/^hash: //p')" >>"$stages"
 }
-stage 60 0 40 60
+stage 40 0 40 60
 stage 200 1000 400 100
 "$tool" exclude "$out/list.json" "$unviable" "$files" >"$excluded"
 "$tool" run "$out/list.json" "$excluded" "$stages" "$results" "$(nproc)" "$sample"

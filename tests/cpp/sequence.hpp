@@ -37,10 +37,10 @@ private:
 enum class Kind : std::uint8_t {
     insert, insert_many, set, update_many, remove, remove_many, set_margin, set_filter, set_classes, refilter,
     set_resting, wake, shift, step, step_over, overlaps, cast, nearest, batches, view, save, load, load_damaged,
-    load_forged, reopen, copy, clear, grow,
+    load_forged, reopen, copy, clear, grow, set_filter_many,
 };
 
-constexpr std::size_t kinds = static_cast<std::size_t>(Kind::grow) + 1;
+constexpr std::size_t kinds = static_cast<std::size_t>(Kind::set_filter_many) + 1;
 
 struct Operation {
     Kind kind;
@@ -54,6 +54,9 @@ struct Operation {
         }
         if (kind == Kind::remove_many && argument % 8 == 7) {
             kind = Kind::clear;
+        }
+        if (kind == Kind::set_filter && argument % 4 == 3) {
+            kind = Kind::set_filter_many;
         }
     }
 
@@ -157,6 +160,34 @@ public:
         return aabb;
     }
 
+    /// A box in `double`, seen from an origin.
+    trisap::Aabb from_f64(Rng &rng) const {
+        const trisap::Aabb box = aabb(rng);
+        double min[3], max[3], origin[3];
+        for (double &part : origin) {
+            part = static_cast<double>(static_cast<int>(rng.below(2001)) - 1000) * 0.1;
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            min[axis] = static_cast<double>(box.min[axis]) + origin[axis];
+            max[axis] = static_cast<double>(box.max[axis]) + origin[axis];
+        }
+        return trisap_aabb_from_f64(min, max, origin);
+    }
+
+    /// A box in fixed point: on the lattice, or with more bits than a float has.
+    trisap::Aabb from_fixed(Rng &rng) const {
+        const std::uint32_t all[] = {2, 10, 26};
+        const std::uint32_t bits = all[rng.below(3)];
+        const std::int32_t unit = std::int32_t{1} << (bits - 2);
+        std::int32_t min[3], max[3];
+        for (int axis = 0; axis < 3; axis++) {
+            const std::int32_t low = (static_cast<std::int32_t>(rng.below(steps())) - 8) * unit;
+            min[axis] = low + static_cast<std::int32_t>(rng.below(static_cast<std::uint32_t>(unit)));
+            max[axis] = min[axis] + static_cast<std::int32_t>(rng.below(5)) * unit;
+        }
+        return trisap_aabb_from_fixed(min, max, bits);
+    }
+
     trisap::Aabb moved(trisap::Aabb box, std::uint32_t argument, Rng &rng) const {
         const std::uint32_t motion = argument / 8 % 4;
         if (motion == 2) {
@@ -236,7 +267,10 @@ public:
         cast.distance = kind == 0  ? -1.0f
                         : kind < 8 ? std::numeric_limits<float>::infinity()
                                    : static_cast<float>(rng.below(33)) * 0.25f;
-        return cast;
+        if (std::memcmp(cast.start.min, cast.start.max, sizeof cast.start.min) == 0) {
+            return trisap_cast_ray(cast.start.min, cast.direction, cast.distance);
+        }
+        return cast.distance == 1.0f ? trisap_cast_swept(&cast.start, cast.direction) : cast;
     }
 
 private:

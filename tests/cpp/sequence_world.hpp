@@ -50,9 +50,15 @@ protected:
         say(bits);
     }
 
-    bool say_status(trisap::Status status) {
-        tally_.refused += status != TRISAP_STATUS_OK;
+    bool say_status(trisap::Status status) { return say_status(status, world_); }
+
+    /// And what the world that was asked says of it, so many times.
+    bool say_status(trisap::Status status, const trisap_world *asked, std::size_t times = 1) {
         say(static_cast<std::uint64_t>(status));
+        if (status != TRISAP_STATUS_OK) {
+            tally_.refused++;
+            say(trisap_world_error_detail(asked) * times);
+        }
         return status == TRISAP_STATUS_OK;
     }
 

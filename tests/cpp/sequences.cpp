@@ -35,6 +35,7 @@ public:
         case Kind::remove_many: remove_many(op); break;
         case Kind::set_margin: set_margin(op); break;
         case Kind::set_filter: set_filter(op); break;
+        case Kind::set_filter_many: set_filter_many(op); break;
         case Kind::set_classes: set_classes(op); break;
         case Kind::refilter: refilter(op); break;
         case Kind::set_resting:
@@ -61,7 +62,10 @@ public:
 
 private:
     void insert(Operation &op) {
-        const trisap::Aabb aabb = op.argument < 240 ? header_.aabb(op.rng) : Header::bad_box(op.rng);
+        const trisap::Aabb aabb = op.argument < 208   ? header_.aabb(op.rng)
+                                  : op.argument < 224 ? header_.from_f64(op.rng)
+                                  : op.argument < 240 ? header_.from_fixed(op.rng)
+                                                      : Header::bad_box(op.rng);
         trisap::Id id = trisap::null_id;
         if (say_status(trisap_world_insert(world_, &aabb, &id))) {
             born(id);
@@ -144,7 +148,35 @@ private:
         const trisap::Id id = any(op);
         if (id != trisap::null_id) {
             const trisap::Filter filter = Header::filter(op.rng);
-            say_status(trisap_world_set_filter(world_, id, &filter));
+            if (say_status(trisap_world_set_filter(world_, id, &filter))) {
+                check_filter(id, filter);
+            }
+        }
+    }
+
+    void check_filter(trisap::Id id, const trisap::Filter &expected) {
+        trisap::Filter filter = {};
+        CHECK_OK(trisap_world_filter(world_, id, &filter));
+        CHECK(filter.group == expected.group && filter.mask == expected.mask);
+        CHECK(filter.object_class == expected.object_class);
+    }
+
+    /// The same for all, by a stride of zero, or each its own.
+    void set_filter_many(Operation &op) {
+        Ids ids = some(op);
+        const bool same = (op.argument & 4) == 0;
+        std::vector<trisap::Filter> filters(1, Header::filter(op.rng));
+        for (std::size_t at = 0; at < ids.size() && !same; at++) {
+            filters.push_back(Header::filter(op.rng));
+        }
+        const std::size_t stride = same ? 0 : sizeof(trisap::Filter);
+        if (say_status(trisap_world_set_filter_many(world_, data(ids), filters.data(), stride, ids.size()))) {
+            for (std::size_t at = 0; at < ids.size(); at++) {
+                // Of one that comes twice the last filter stays.
+                if (std::count(ids.begin() + static_cast<std::ptrdiff_t>(at), ids.end(), ids[at]) == 1) {
+                    check_filter(ids[at], filters[same ? 0 : at]);
+                }
+            }
         }
     }
 
@@ -166,7 +198,11 @@ private:
     void set_resting(Operation &op) {
         Ids ids = some(op);
         const auto call = op.kind == Kind::wake ? trisap_world_wake : trisap_world_set_resting;
-        say_status(call(world_, data(ids), ids.size()));
+        if (say_status(call(world_, data(ids), ids.size()))) {
+            for (const trisap::Id id : ids) {
+                CHECK(trisap_world_is_resting(world_, id) == (op.kind == Kind::set_resting));
+            }
+        }
     }
 
     void shift(Operation &op) {
@@ -259,13 +295,15 @@ private:
         if (say_status(trisap_world_overlaps(world_, &region, ids.data(), ids.size(), &count))) {
             tally_.answers += count;
             std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
-            std::size_t visited = 0;
-            const auto visit = [](void *user, trisap::Id) -> std::uint32_t {
-                ++*static_cast<std::size_t *>(user);
+            Ids visited;
+            const auto visit = [](void *user, trisap::Id id) -> std::uint32_t {
+                static_cast<Ids *>(user)->push_back(id);
                 return 1;
             };
             CHECK_OK(trisap_world_visit_overlaps(world_, &region, visit, &visited));
-            CHECK(visited == count);
+            CHECK(visited.size() == count);
+            tally_.answers += count;
+            std::for_each(visited.begin(), visited.end(), [this](trisap::Id id) { say(id); });
         }
     }
 
@@ -283,10 +321,29 @@ private:
         std::size_t count = 0;
         if (say_status(trisap_world_hits(world_, &cast, hits.data(), hits.size(), &count))) {
             say_hits(hits, count);
+            visit_hits(op, cast);
             trisap::Hit first = {};
             CHECK_OK(trisap_world_first_hit(world_, &cast, &first));
             CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
         }
+    }
+
+    struct Visit {
+        /// How far to look on; less than zero: as far as the last hit.
+        double far;
+        std::vector<trisap::Hit> hits;
+    };
+
+    /// All of them, or only those that are nearer than the last.
+    void visit_hits(const Operation &op, const trisap::Cast &cast) {
+        Visit visit = {op.argument % 2 == 0 ? static_cast<double>(cast.distance) : -1.0, {}};
+        const auto each = [](void *user, trisap::Hit hit) -> double {
+            auto &its = *static_cast<Visit *>(user);
+            its.hits.push_back(hit);
+            return its.far < 0 ? hit.distance : its.far;
+        };
+        CHECK_OK(trisap_world_visit_hits(world_, &cast, each, &visit));
+        say_hits(visit.hits, visit.hits.size());
     }
 
     void nearest(Operation &op) {
@@ -316,7 +373,8 @@ private:
         std::vector<std::uint32_t> counts(length);
         const trisap::Status status = trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), length,
                                                                  nullptr, data(ids), 3, data(counts));
-        say_status(status);
+        // The room of a region is told here, in Rust that of all.
+        say_status(status, world_, status == TRISAP_STATUS_OUTPUT_FULL ? length : 1);
         if (good && status != TRISAP_STATUS_BAD_QUERY) {
             say_hits(hits, length);
             std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
@@ -333,6 +391,49 @@ private:
         CHECK_OK(trisap_world_large(world_, large.data(), large.size(), &counts[2]));
         std::for_each(std::begin(counts), std::end(counts), [this](std::size_t count) { say(std::uint64_t{count}); });
         say(std::uint64_t{trisap_world_len(world_)});
+        check_config();
+        say_contents();
+    }
+
+    void check_config() {
+        trisap::Config config = trisap::config(0), expected = config_;
+        CHECK_OK(trisap_world_config(world_, &config));
+        if (expected.has_margin == 0) {
+            expected.margin_per_extent = config.margin_per_extent;
+            expected.margin_min = config.margin_min;
+            expected.margin_max = config.margin_max;
+        }
+        // Numbers of four bytes each, and nothing between them.
+        static_assert(sizeof config == 17 * sizeof(std::uint32_t), "a config with another size");
+        CHECK(std::memcmp(&config, &expected, sizeof config) == 0);
+        CHECK(trisap_world_bytes(world_) == bytes_);
+    }
+
+    /// All that is known of the objects, and the last result.
+    void say_contents() {
+        for (std::uint32_t slot = 0; slot < objects_; slot++) {
+            const trisap::Id id = id_at(slot);
+            if (id == trisap::null_id) {
+                continue;
+            }
+            say(id);
+            say(std::uint64_t{trisap_world_is_resting(world_, id)});
+            const trisap::Aabb box = box_of(id);
+            std::uint32_t bits[6];
+            std::memcpy(bits, &box, sizeof bits);
+            std::for_each(std::begin(bits), std::end(bits), [this](std::uint32_t part) { say(std::uint64_t{part}); });
+            trisap::Filter filter = {};
+            const trisap::Status status = trisap_world_filter(world_, id, &filter);
+            CHECK(status == (config_.filters ? TRISAP_STATUS_OK : TRISAP_STATUS_NO_FILTERS));
+            if (config_.filters) {
+                say(std::uint64_t{filter.group});
+                say(std::uint64_t{filter.mask});
+                say(std::uint64_t{filter.object_class});
+            }
+        }
+        trisap_result result = trisap_default_result();
+        CHECK_OK(trisap_world_result(world_, &result));
+        say_result(result);
     }
 
     Bytes snapshot() {
@@ -408,14 +509,16 @@ private:
         Memory other = allocate(bytes);
         trisap_world *there = nullptr;
         trisap::Status status = TRISAP_STATUS_OK;
+        const trisap_world *asked = world_;
         if (op.argument / 64 % 2 == 0) {
             status = trisap_world_move(world_, other.get(), bytes, &config, &there);
         } else {
             const Bytes saved = snapshot();
             CHECK_OK(trisap_world_init(other.get(), bytes, &config, &there));
             status = trisap_world_load(there, saved.data(), saved.size());
+            asked = there;
         }
-        if (!say_status(status)) {
+        if (!say_status(status, asked)) {
             return;
         }
         memory_ = std::move(other);

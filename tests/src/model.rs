@@ -200,6 +200,12 @@ impl Model {
         pairs
     }
 
+    /// How many pairs the last complete step had.
+    #[must_use]
+    pub fn last_pairs(&self) -> usize {
+        self.last.len()
+    }
+
     /// Takes the pairs of a complete step (ascending) and tells what has changed since the last one.
     pub fn complete(&mut self, pairs: &[SlotPair]) -> Events {
         let generation = |slot: u32| self.generations[slot as usize];

@@ -63,6 +63,7 @@ impl Life<'_> {
         to.validate().expect("a valid world");
         assert_eq!((to.config(), to.len()), (config, objects));
         assert_eq!((to.pairs().to_vec(), to.found().to_vec(), to.lost().to_vec()), result);
+        assert!(to.lost_ids().eq(from.lost_ids()), "also of objects that are no more");
         let is_less = config.capacity.objects < was.objects || config.capacity.pairs < was.pairs;
         self.tally.moved_into_less += usize::from(is_less);
         self.tally.moved += 1;
@@ -351,4 +352,64 @@ fn what_cannot_change_is_named() {
     let said = world.move_into(&mut room.bytes_mut()[..short], &base).map(|_| ());
     assert!(matches!(said, Err(Error::SlabTooSmall { .. })));
     assert!(room.bytes().iter().all(|byte| *byte == 3), "nothing is written");
+}
+
+/// The pairs that a step has lost come along, and need their room.
+#[test]
+fn lost_pairs_need_room_too() {
+    for base in configs() {
+        let Some(few) = base.events.then(|| base.with_capacity(ample(12, 66))) else { continue };
+        let mut slab = Slab::new::<u32>(&few);
+        let mut world = slab.world::<u32>(&few);
+        let ids: Vec<Id> =
+            world.insert_many(Boxes::new(&[scenes::cube(0.0, 0.0, 0.0); 12])).expect("room").collect();
+        world.step().expect("room");
+        for (id, x) in ids.iter().zip(0..) {
+            world.set_aabb(*id, scenes::cube(9.0 * x as f32, 0.0, 0.0)).expect("alive");
+        }
+        assert_eq!(world.step().expect("room").lost().len(), 66);
+        let (saved, lost) = (saved(&world), world.lost().to_vec());
+        for pairs in [65, 66] {
+            let config = few.with_capacity(few.capacity.with_pairs(pairs));
+            let expected = if pairs == 66 {
+                Ok(lost.clone())
+            } else {
+                Err(Error::NoRoom { field: Field::Pairs, needed: 66, room: 65 })
+            };
+            let mut room = Slab::new::<u32>(&config);
+            let moved = world.move_into(room.bytes_mut(), &config).map(|there| there.lost().to_vec());
+            assert_eq!(moved, expected);
+            let mut room = Slab::new::<u32>(&config);
+            let mut there = room.world::<u32>(&config);
+            assert_eq!(there.load(&saved).map(|()| there.lost().to_vec()), expected);
+        }
+    }
+}
+
+/// An object that had a slot before others keeps its id in the pairs that it has lost, wherever the world goes.
+#[test]
+fn lost_pairs_keep_the_ids_of_objects_that_are_no_more() {
+    let config = Config::new(ample(4, 6)).with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let floor = world.insert(scenes::cube(0.0, 0.0, 0.0)).expect("room");
+    let mut gone = floor;
+    for _ in 0..3 {
+        let ball = world.insert(scenes::cube(0.5, 0.0, 0.0)).expect("room");
+        world.step().expect("room");
+        world.remove(ball).expect("alive");
+        gone = ball;
+    }
+    assert_eq!(gone.generation(), 3);
+    world.insert(scenes::cube(7.0, 0.0, 0.0)).expect("room");
+    world.step().expect("room");
+    let lost = vec![[floor, gone]];
+    assert_eq!(world.lost_ids().collect::<Vec<_>>(), lost);
+    let mut room = Slab::new::<u32>(&config);
+    let there = world.move_into(room.bytes_mut(), &config).expect("room");
+    assert_eq!(there.lost_ids().collect::<Vec<_>>(), lost);
+    let mut room = Slab::new::<u32>(&config);
+    let mut loaded = room.world::<u32>(&config);
+    loaded.load(&saved(&there)).expect("a good snapshot");
+    assert_eq!(loaded.lost_ids().collect::<Vec<_>>(), lost);
 }

@@ -1,10 +1,10 @@
 //! A world of 200,000 objects against an independent sweep. (`examples/million.rs` has five times as many.)
 
 use trisap_core::{Boxes, Config, World};
-use trisap_tests::checked::slots;
+use trisap_tests::checked::{Checked, slots};
 use trisap_tests::jobs::Jobs;
-use trisap_tests::scenes::{Brownian, Rng, walk};
-use trisap_tests::worlds::{Slab, ample};
+use trisap_tests::scenes::{self, Brownian, Rng, at, shifted, walk};
+use trisap_tests::worlds::{Setup, Slab, ample};
 use trisap_tests::{oracle, sorted};
 
 const COUNT: usize = 200_000;
@@ -31,5 +31,35 @@ fn a_large_brownian_world_is_exact() {
         assert_eq!(before + stats.found - stats.lost, stats.pairs);
         before = stats.pairs;
         world.validate().expect("a valid world");
+    }
+}
+
+/// Leaves that are kept while more and fewer boxes reach beyond them, so that the list of large objects behind theirs moves a little
+/// to and fro, over itself.
+#[test]
+fn large_objects_stay_in_their_list_as_others_grow_and_shrink() {
+    const COUNT: usize = 2400;
+    const LARGE: usize = 24;
+    let rng = &mut Rng::new(6);
+    let side = scenes::side(COUNT);
+    let mut boxes = scenes::uniform(COUNT, 5);
+    for aabb in &mut boxes[..LARGE] {
+        *aabb = at(rng.point(0.0, 0.3 * side), [4.0 * side, 4.0 * side, 0.02]);
+    }
+    let mut config = Config::new(ample(COUNT, 40 * COUNT)).with_events();
+    config.capacity.leaf_refs = 2 * COUNT as u32;
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    world.insert_many(&boxes);
+    for step in 0..40 {
+        for (index, aabb) in boxes.iter_mut().enumerate() {
+            *aabb = shifted(aabb, rng.point(-0.01, 0.01));
+            // A few at a time become long, or short again.
+            if index >= LARGE && index % 400 == step / 2 * 7 % 400 {
+                aabb.max[0] = aabb.min[0] + if step % 2 == 0 { 0.3 * side } else { 1.0 };
+            }
+        }
+        let stats = world.step_over(&boxes, Setup::REFERENCE).stats;
+        assert!(stats.large >= LARGE as u32 / 2, "{stats:?}");
     }
 }

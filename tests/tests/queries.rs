@@ -286,6 +286,39 @@ fn casts_meet_a_wall() {
     }
 }
 
+/// A cast visits nearer leaves before farther ones, whichever way it goes and wherever it starts.
+#[test]
+fn casts_visit_nearer_leaves_first() {
+    const COUNT: usize = 8000;
+    let boxes: Vec<Aabb> = (0..COUNT).map(|x| cube(2.0 * x as f32, 0.0, 0.0)).collect();
+    let config = Config::new(ample(COUNT, 100));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    world.insert_many(Boxes::new(&boxes)).expect("room for all");
+    world.step().expect("no pairs");
+    let ends: Vec<f32> = world.leaves().map(|leaf| leaf.cell.min[0]).collect();
+    assert!(ends.len() >= 8 && ends.is_sorted(), "leaves side by side");
+    let leaf_of = |slot: u32| ends.partition_point(|end| *end <= boxes[slot as usize].min[0]);
+    for setup in Setup::each(&[Jobs::Serial]) {
+        let world = &*world.set_kernels(setup.kernels);
+        for start in [-10.0, 1000.5, 8000.5, 15_000.5, 16_010.0] {
+            for direction in [1.0, -1.0] {
+                let cast = Cast::ray([start, 0.5, 0.5], [direction, 0.0, 0.0], f32::INFINITY);
+                let mut leaves = Vec::new();
+                let mut visit = |hit: Hit| {
+                    leaves.push(leaf_of(hit.id.slot()));
+                    f64::INFINITY
+                };
+                world.visit_hits(&cast, &mut visit).expect("a good cast");
+                if direction < 0.0 {
+                    leaves.reverse();
+                }
+                assert!(leaves.is_sorted(), "{setup:?}: from {start} by {direction}: {leaves:?}");
+            }
+        }
+    }
+}
+
 /// Along an axis, so that the other two alone decide, from where a step of the grid is nothing.
 #[test]
 fn rays_come_from_far_away() {

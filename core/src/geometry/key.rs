@@ -228,6 +228,24 @@ mod tests {
     }
 
     #[test]
+    fn keys_are_the_order_of_all_floats() {
+        // From one infinity to the other, a block at a time: each float is below the next, and stands at its key. Where other
+        // processors are emulated, some blocks are enough: the machine code differs, not the rule.
+        let blocks = (NEGATIVE_INFINITY..POSITIVE_INFINITY).step_by(1 << 16);
+        for block in blocks.step_by(if cfg!(target_arch = "x86_64") { 1 } else { 61 }) {
+            let stands = |k: i32| value(k) < value(k.wrapping_add(1)) && key(value(k)) == k;
+            let right = (block..block + (1 << 16)).fold(true, |right, k| right & stands(k));
+            assert!(right, "between {:?} and the next 65,536 floats", value(block));
+        }
+        // Beyond them is what is no number.
+        for bits in (0x7f80_0001..=0x7fff_ffff_u32).step_by(if cfg!(target_arch = "x86_64") { 1 } else { 61 })
+        {
+            assert!(key(f32::from_bits(bits)) > POSITIVE_INFINITY);
+            assert!(key(f32::from_bits(bits | 1 << 31)) < NEGATIVE_INFINITY);
+        }
+    }
+
+    #[test]
     fn nan_of_either_sign_is_refused() {
         for nan in [f32::NAN, -f32::NAN] {
             for k in 0..3 {

@@ -33,6 +33,8 @@ mod narrow;
 #[path = "absent.rs"]
 mod narrow;
 pub(crate) mod scalar;
+#[cfg(test)]
+mod tests;
 
 use crate::access::Access;
 use crate::geometry::key::KeyBox;

@@ -347,3 +347,27 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn chunks_come_into_the_order_of_blocks_whoever_claimed_them() {
+        // All orders of six chunks, of which two are of one block.
+        for number in 0..720 {
+            let (mut left, mut chunks, mut rest) = (
+                Vec::from([[0, 1, 7], [0, 3, 0], [1, 0, 9], [2, 2, 2], [5, 4, 1], [6, 5, 1]]),
+                Vec::new(),
+                number,
+            );
+            while !left.is_empty() {
+                chunks.push(left.remove(rest % left.len()));
+                rest /= left.len() + 1;
+            }
+            insertion_sort(&mut chunks);
+            assert_eq!(chunks, [[0, 1, 7], [0, 3, 0], [1, 0, 9], [2, 2, 2], [5, 4, 1], [6, 5, 1]]);
+        }
+    }
+}

@@ -130,6 +130,9 @@ pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) ->
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
+#[cfg(test)]
+mod tests;
+
 /// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.
 fn are_few(large: u64, depth: u32, live: u32) -> bool {
     large << depth <= 8 * u64::from(live)

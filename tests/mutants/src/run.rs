@@ -4,13 +4,13 @@ use crate::list::Mutant;
 use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
-use std::os::unix::process::CommandExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// A run of tests: seconds that it may take, a program and its arguments.
+/// A run of tests: processor seconds that it may take, a program and its arguments.
 struct Stage {
     seconds: u64,
     words: Vec<String>,
@@ -25,8 +25,10 @@ enum End {
 
 impl Stage {
     fn run(&self, number: u32) -> End {
-        let mut child = Command::new(&self.words[0])
-            .args(&self.words[1..])
+        // Of the processor, so that a busy machine makes no mutant look endless; and memory, of which an endless loop may ask for all.
+        let mut child = Command::new("sh")
+            .args(["-c", "ulimit -t \"$0\" && ulimit -v 8000000 && exec \"$@\"", &self.seconds.to_string()])
+            .args(&self.words)
             .env("TRISAP_MUTANT", number.to_string())
             .env("RUST_BACKTRACE", "0")
             .stdout(Stdio::null())
@@ -38,9 +40,14 @@ impl Stage {
         let mut pause = Duration::from_millis(2);
         loop {
             if let Some(status) = child.try_wait().expect("a child") {
-                return if status.success() { End::Passed } else { End::Failed };
+                return match status.signal() {
+                    _ if status.success() => End::Passed,
+                    Some(XCPU | KILL) => End::RanForEver,
+                    _ => End::Failed,
+                };
             }
-            if start.elapsed() > Duration::from_secs(self.seconds) {
+            // Whoever waits for ever takes no processor.
+            if start.elapsed() > Duration::from_secs(20 * self.seconds) {
                 child.kill().expect("a child that runs");
                 child.wait().expect("a child");
                 return End::RanForEver;
@@ -50,6 +57,10 @@ impl Stage {
         }
     }
 }
+
+/// What ends a process that has used up its processor seconds.
+const XCPU: i32 = 24;
+const KILL: i32 = 9;
 
 /// A line of `stages` is a stage; those before are cheaper or see more. The results are added to a file, in which what stands is
 /// not run again.

@@ -47,6 +47,27 @@ pub(super) fn aabb(header: &Header, rng: &mut Rng) -> Aabb {
     aabb
 }
 
+/// A box in `f64`, seen from an origin: its corners are rounded outward.
+pub(super) fn from_f64(header: &Header, rng: &mut Rng) -> Aabb {
+    let aabb = aabb(header, rng);
+    let origin = [(); 3].map(|()| f64::from(rng.below(2001) as i32 - 1000) * 0.1);
+    let corner = |corner: [f32; 3]| [0, 1, 2].map(|k| f64::from(corner[k]) + origin[k]);
+    Aabb::from_f64(corner(aabb.min), corner(aabb.max), origin)
+}
+
+/// A box in fixed point: on the lattice, or with more bits than a float has.
+pub(super) fn from_fixed(header: &Header, rng: &mut Rng) -> Aabb {
+    let bits = [2, 10, 26][rng.below(3)];
+    let unit = 1 << (bits - 2);
+    let (mut min, mut max) = ([0; 3], [0; 3]);
+    for axis in 0..3 {
+        let low = (rng.below(header.lattice().0) as i32 - 8) * unit;
+        min[axis] = low + rng.below(unit as usize) as i32;
+        max[axis] = min[axis] + rng.below(5) as i32 * unit;
+    }
+    Aabb::from_fixed(min, max, bits)
+}
+
 /// Where a box goes: a little way, about its size, anywhere, or nowhere but to another size.
 pub(super) fn moved(aabb: Aabb, header: &Header, argument: usize, rng: &mut Rng) -> Aabb {
     let (reach, step) = match argument / 8 % 4 {

@@ -170,6 +170,8 @@ pub enum Kind {
     Clear,
     /// The world moves into other capacities, or is loaded there.
     Grow,
+    /// Some get filters.
+    SetFilterMany,
 }
 
 /// As often as they are here.
@@ -221,7 +223,7 @@ const KINDS: [Kind; 41] = {
 };
 
 /// How many kinds there are.
-pub const KIND_COUNT: usize = Kind::Grow as usize + 1;
+pub const KIND_COUNT: usize = Kind::SetFilterMany as usize + 1;
 
 /// An operation.
 #[derive(Clone, Debug)]
@@ -245,6 +247,9 @@ impl Operation {
         }
         if kind == Kind::RemoveMany && argument % 8 == 7 {
             kind = Kind::Clear;
+        }
+        if kind == Kind::SetFilter && argument % 4 == 3 {
+            kind = Kind::SetFilterMany;
         }
         Self { kind, argument, rng: Rng::new(u64::from(u16::from_le_bytes([low, high]))) }
     }

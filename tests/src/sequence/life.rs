@@ -80,7 +80,7 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
                 }
             }
             Some(Operation { kind: Kind::Grow, argument, .. }) => {
-                grow::<I>(&header, *argument, &mut slabs, &mut past, model.ids().len());
+                grow::<I>(&header, *argument, &mut slabs, &mut past, &model);
             }
             _ => {}
         }
@@ -93,10 +93,11 @@ impl<'m, I: Index> Life<'m, '_, I> {
         self.past.tally.kinds[op.kind as usize] += 1;
         match op.kind {
             Kind::Insert => {
-                let aabb = if op.argument < 240 {
-                    draw::aabb(&self.header, &mut op.rng)
-                } else {
-                    draw::bad_box(&mut op.rng)
+                let aabb = match op.argument {
+                    0..208 => draw::aabb(&self.header, &mut op.rng),
+                    208..224 => draw::from_f64(&self.header, &mut op.rng),
+                    224..240 => draw::from_fixed(&self.header, &mut op.rng),
+                    _ => draw::bad_box(&mut op.rng),
                 };
                 self.insert(aabb);
             }
@@ -114,6 +115,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
             Kind::RemoveMany => self.remove_many(&mut op),
             Kind::SetMargin => self.set_margin(&mut op),
             Kind::SetFilter => self.set_filter(&mut op),
+            Kind::SetFilterMany => self.set_filter_many(&mut op),
             Kind::SetClasses => self.set_classes(&mut op),
             Kind::Refilter => self.refilter(&mut op),
             Kind::SetResting | Kind::Wake => self.set_resting(&mut op),
@@ -165,7 +167,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
     }
 
     /// An id: of three slots the first with an object, or the last id of the third.
-    fn any(&self, op: &mut Operation) -> Option<Id> {
+    pub(super) fn any(&self, op: &mut Operation) -> Option<Id> {
         let mut id = None;
         for _ in 0..3 {
             let slot = self.slot(op);
@@ -179,7 +181,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
     }
 
     /// Several ids. One batch in sixteen has an id twice or a stale one.
-    fn some(&self, op: &mut Operation) -> Vec<Id> {
+    pub(super) fn some(&self, op: &mut Operation) -> Vec<Id> {
         let mut taken = vec![false; self.objects() as usize];
         let mut ids = Vec::new();
         for _ in 0..self.share(op) {
@@ -198,7 +200,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         ids
     }
 
-    fn stale(&self, id: Id) -> Result<(), Error> {
+    pub(super) fn stale(&self, id: Id) -> Result<(), Error> {
         if self.checked.model().contains(id) { Ok(()) } else { Err(Error::StaleId { id }) }
     }
 
@@ -206,11 +208,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         ids.iter().try_for_each(|id| self.stale(*id))
     }
 
-    fn has_filters(&self) -> Result<(), Error> {
-        if self.past.config.filters { Ok(()) } else { Err(Error::NoFilters) }
-    }
-
-    fn model(&mut self) -> &mut Model {
+    pub(super) fn model(&mut self) -> &mut Model {
         self.checked.model_mut()
     }
 
@@ -327,37 +325,6 @@ impl<'m, I: Index> Life<'m, '_, I> {
         if expected.is_ok() {
             let margin = self.past.config.margin.map(|_| length);
             assert_eq!(self.checked.world().margin(id), margin, "the margin of {id}");
-        }
-    }
-
-    fn set_filter(&mut self, op: &mut Operation) {
-        let Some(id) = self.any(op) else { return };
-        let filter = draw::filter(&mut op.rng);
-        let good = if filter.class < 32 { Ok(()) } else { Err(Error::BadClass { class: filter.class }) };
-        let expected = self.stale(id).and(self.has_filters()).and(good);
-        assert_eq!(self.both(|world| world.set_filter(id, filter)), expected);
-        if expected.is_ok() {
-            self.model().set_filter(id, filter);
-        }
-    }
-
-    fn set_classes(&mut self, op: &mut Operation) {
-        let mut meets = [u32::MAX; 32];
-        meets[op.rng.below(3)] = op.rng.bits() as u32;
-        let expected = self.has_filters();
-        assert_eq!(self.both(|world| world.set_classes(&meets)), expected);
-        if expected.is_ok() {
-            self.model().set_classes(&meets);
-        }
-    }
-
-    fn refilter(&mut self, op: &mut Operation) {
-        let Some(id) = self.any(op) else { return };
-        let expected = self.stale(id).and(self.has_filters());
-        assert_eq!(self.both(|world| world.refilter(id)), expected);
-        if expected.is_ok() {
-            let opinion = op.argument as u32 % 3;
-            self.model().set_opinion(id, opinion);
         }
     }
 

@@ -11,6 +11,7 @@
 //! In a build with `--cfg fuzzing` worlds have a tree from 17 objects on instead of 513, so that small ones take all paths.
 
 mod draw;
+mod filters;
 pub mod format;
 mod life;
 mod loading;

@@ -4,6 +4,7 @@ use super::format::Header;
 use super::life::Past;
 use crate::checked::slots;
 use crate::lives::saved;
+use crate::model::Model;
 use crate::worlds::Slab;
 use trisap_core::{Config, Error, Field, Index, World};
 
@@ -28,6 +29,8 @@ pub(super) fn moved<I: Index>(
     there.validate().expect("a valid world");
     let result = |world: &World<'_, I>| [slots(world.pairs()), slots(world.found()), slots(world.lost())];
     assert_eq!(result(&there), result(&world), "the last result comes along");
+    assert!(there.found_ids().eq(world.found_ids()), "the ids of found pairs");
+    assert!(there.lost_ids().eq(world.lost_ids()), "the ids of lost pairs, also of objects that are no more");
     assert_eq!(there.config(), config);
     Ok(room)
 }
@@ -38,8 +41,13 @@ pub(super) fn grow<I: Index>(
     argument: usize,
     slabs: &mut [Slab; 2],
     past: &mut Past,
-    live: usize,
+    model: &Model,
 ) {
+    let live = model.ids().len();
+    // What moves along: the result, and the pairs that are lost; or, after a step without room, those of the last complete one.
+    let world = World::<I>::open(slabs[0].bytes_mut()).expect("the world that is there");
+    let pairs = world.pairs().len();
+    let moving = [world.lost().len(), model.last_pairs()].map(|others| others.max(pairs) as u32);
     let grown = slabs.each_mut().map(|slab| {
         let configure = |config| header.grown(&config, argument);
         moved::<I>(slab, configure, argument / 64 % 2 == 1)
@@ -57,8 +65,9 @@ pub(super) fn grow<I: Index>(
             past.known.resize(past.known.len().max(objects), None);
             past.tally.grown += 1;
         }
-        (Err(Error::NoRoom { field: Field::Objects | Field::Pairs, needed, room }), _) => {
-            assert!(needed > room)
+        (Err(Error::NoRoom { field, needed, room }), _) => {
+            assert!(needed > room && [Field::Objects, Field::Pairs].contains(&field));
+            assert!(field == Field::Objects || moving.contains(&needed), "{needed}, not one of {moving:?}");
         }
         (said, _) => panic!("{said:?}"),
     }

@@ -3,9 +3,11 @@
 use super::draw;
 use super::format::Operation;
 use super::life::Life;
+use crate::checked::slots;
 use crate::queries::{Questions, ask_cast, ask_nearest, ask_region};
 use crate::worlds::Setup;
-use trisap_core::{Cast, Error, Hit, Id, Index, Kernels, Region};
+use std::ops::ControlFlow::Continue;
+use trisap_core::{Cast, Error, Filter, Hit, Id, Index, Kernels, Region};
 
 fn is_good(region: &Region) -> bool {
     if let Region::Aabb(aabb) = region { aabb.is_valid() } else { true }
@@ -37,6 +39,13 @@ impl<I: Index> Life<'_, '_, I> {
         assert_eq!(said.map(|_| ()), expected(is_good(&region)));
         let Ok(count) = said else { return };
         self.say_ids(&ids[..count]);
+        let mut visited = Vec::new();
+        let mut visit = |id: Id| {
+            visited.push(Some(id));
+            Continue(())
+        };
+        self.checked.world().visit_overlaps(&region, &mut visit).expect("a good region");
+        self.say_ids(&visited);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
         ask_region(world, model, &region, Setup::REFERENCE);
@@ -51,6 +60,15 @@ impl<I: Index> Life<'_, '_, I> {
         assert_eq!(said.map(|_| ()), expected(cast.distance >= 0.0));
         let Ok(count) = said else { return };
         self.say_hits(&hits[..count]);
+        // All of them, or only those that are nearer than the last.
+        let all = op.argument.is_multiple_of(2);
+        let mut visited = Vec::new();
+        let mut visit = |hit: Hit| {
+            visited.push(Some(hit));
+            if all { f64::from(cast.distance) } else { hit.distance }
+        };
+        self.checked.world().visit_hits(&cast, &mut visit).expect("a good cast");
+        self.say_hits(&visited);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
         ask_cast(world, model, &cast, Setup::REFERENCE);
@@ -127,5 +145,22 @@ impl<I: Index> Life<'_, '_, I> {
         for number in [leaves.len(), planes.len(), large.len(), len as usize] {
             self.past.tally.say(number as u64);
         }
+        self.say_contents();
+    }
+
+    /// All that is known of the objects, and the last result.
+    fn say_contents(&mut self) {
+        let (world, tally) = (self.checked.world(), &mut self.past.tally);
+        for (id, aabb) in world.iter() {
+            tally.say(id.to_bits());
+            tally.say(u64::from(world.is_resting(id)));
+            aabb.min.iter().chain(&aabb.max).for_each(|x| tally.say(u64::from(x.to_bits())));
+            if let Some(Filter { group, mask, class }) = world.filter(id) {
+                [group, mask, class].iter().for_each(|part| tally.say(u64::from(*part)));
+            }
+        }
+        tally.say_pairs(&slots(world.pairs()));
+        tally.say_pairs(&slots(world.found()));
+        tally.say_pairs(&slots(world.lost()));
     }
 }

@@ -90,11 +90,16 @@ impl Tally {
         pairs.iter().for_each(|[a, b]| self.say(u64::from(*a) << 32 | u64::from(*b)));
     }
 
-    /// What became of a call: the number of its status in C.
+    /// What became of a call: the number of its status in C, and the detail of one that was refused.
     pub(super) fn say_status<T>(&mut self, result: &Result<T, Error>) {
-        let status = result.as_ref().err().map_or(0, status);
-        self.refused += u64::from(status != 0);
-        self.say(status);
+        match result {
+            Ok(_) => self.say(0),
+            Err(error) => {
+                self.refused += 1;
+                self.say(status(error));
+                self.say(detail(error));
+            }
+        }
     }
 
     pub(super) fn step(&mut self, outcome: &Result<Outcome, Error>, prefix: &[SlotPair]) {
@@ -206,5 +211,22 @@ fn status(error: &Error) -> u64 {
         Error::NoRoom { .. } => 14,
         Error::OtherConfig { .. } => 23,
         other => panic!("{other} is no answer to what a sequence does"),
+    }
+}
+
+/// The detail of an error in C.
+fn detail(error: &Error) -> u64 {
+    match *error {
+        Error::ObjectsFull { needed } | Error::PairsFull { needed } | Error::OutputFull { needed } => needed,
+        Error::BadBox { index } | Error::BadQuery { index } => u64::from(index),
+        Error::StaleId { id } => id.to_bits(),
+        Error::BadClass { class } => u64::from(class),
+        Error::NoRoom { needed, .. } => u64::from(needed),
+        Error::OtherConfig { field: Field::Mode } => 1,
+        Error::OtherConfig { field: Field::Margin } => 2,
+        Error::OtherConfig { field: Field::Events } => 3,
+        Error::OtherConfig { field: Field::Filters } => 4,
+        Error::OtherConfig { field: Field::Index } => 5,
+        _ => 0,
     }
 }

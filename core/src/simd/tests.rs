@@ -1,0 +1,105 @@
+//! What every level must do with all coordinates, or with so many that none is between them for long.
+
+use super::{Phase, Simd};
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
+use crate::geometry::record::Frame;
+use crate::simd::kernels::Kernels;
+use std::vec::Vec;
+
+/// All keys whose lower half is zero, the infinities included.
+fn coarse_keys() -> impl Iterator<Item = i32> + Clone {
+    (NEGATIVE_INFINITY..=POSITIVE_INFINITY).step_by(1 << 16)
+}
+
+/// Finite keys to put frames between: zero, powers of two, what is far off on either side.
+fn corners() -> Vec<i32> {
+    let mut corners: Vec<i32> = (NEGATIVE_INFINITY + 1..POSITIVE_INFINITY).step_by(1 << 27).collect();
+    corners.extend([-1, 0, 1, key(-1.0), key(1.0), POSITIVE_INFINITY - 1]);
+    corners.sort_unstable();
+    corners
+}
+
+/// In a frame, records of ascending coordinates ascend, and a minimum never lies above the maximum at its place.
+/// So a minimum that is not above a maximum is not so in the frame either: boxes that overlap have records that do.
+struct Ascends<K>(Frame, K);
+
+impl<K: Iterator<Item = i32>> Phase for Ascends<K> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let Self(frame, keys) = self;
+        let mut last = [0; 6];
+        let mut holds = true;
+        for x in keys {
+            let lanes = simd.record(&frame, simd.keys(&KeyBox::at([x; 3])), 0).lanes;
+            for k in 0..3 {
+                let (min, max) = (lanes[k], !lanes[3 + k]);
+                holds &= last[k] <= min && last[3 + k] <= max && min <= max;
+                (last[k], last[3 + k]) = (min, max);
+            }
+        }
+        holds
+    }
+}
+
+#[test]
+fn records_keep_the_order_of_all_coarse_coordinates() {
+    let corners = corners();
+    for (at, low) in corners.iter().enumerate() {
+        for (to, high) in corners.iter().enumerate().skip(at) {
+            // Another side on each axis.
+            let between = corners[(at + to) / 2];
+            let frame = Frame::over([*low, *low, between], [*high, between, *high]);
+            assert!(frame.is_sound(), "from {low} to {high}");
+            for kernels in Kernels::all() {
+                let holds = kernels.run_wide(Ascends(frame, coarse_keys()));
+                assert!(holds, "{}: from {low} to {high}", kernels.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
+    for low in corners() {
+        for size in (0..25).map(|bits| 1 << bits) {
+            let high = low.saturating_add(size).min(POSITIVE_INFINITY - 1);
+            let frame = Frame::over([low; 3], [high; 3]);
+            let from = low.saturating_sub(size).max(NEGATIVE_INFINITY);
+            let until = high.saturating_add(size).min(POSITIVE_INFINITY);
+            let keys = (from..=until).step_by((size as usize / 1024).max(1));
+            for kernels in Kernels::all() {
+                let holds = kernels.run_wide(Ascends(frame, keys.clone()));
+                assert!(holds, "{}: from {low}, of {size} keys", kernels.name());
+            }
+        }
+    }
+}
+
+/// The keys of a box of one coordinate are those of the definition.
+struct Encodes;
+
+impl Phase for Encodes {
+    type Output = Option<f32>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<f32> {
+        (0..=u16::MAX).flat_map(|top| [0, 1, 0x8000, 0xffff].map(|low| u32::from(top) << 16 | low)).find_map(
+            |bits| {
+                let x = f32::from_bits(bits);
+                let corner: [u8; 12] = bytemuck::cast([x; 3]);
+                let keys = simd.encode(&corner, &corner).map(|keys| simd.bounds(keys));
+                let expected = if x.is_nan() { None } else { Some(KeyBox::at([key(x); 3])) };
+                (keys != expected).then_some(x)
+            },
+        )
+    }
+}
+
+#[test]
+fn boxes_of_all_coarse_floats_get_their_keys() {
+    for kernels in Kernels::all() {
+        assert_eq!(kernels.run_wide(Encodes), None, "{}", kernels.name());
+    }
+}

@@ -1,0 +1,110 @@
+//! The rule of the corner: each pair in one cell, whatever the planes are.
+
+use super::{UNSPLIT, plane};
+use crate::config::{Capacity, Choice, Config};
+use crate::geometry::aabb::{Aabb, Boxes};
+use crate::geometry::key::key;
+use crate::memory::stats::Path;
+use crate::simd::kernels::Kernels;
+use crate::world::World;
+use bytemuck::{Pod, Zeroable};
+use std::vec;
+use std::vec::Vec;
+
+/// Corners have the coordinates 0 to 3.
+const STEPS: usize = 4;
+/// All planes that part them, and one that parts nothing.
+const PLANES: usize = 3 * STEPS + 1;
+/// Where other processors are emulated, some planes are enough: the machine code differs, not the rule.
+const LESS: usize = if cfg!(target_arch = "x86_64") { 1 } else { 7 };
+/// Levels of planes: a cell has up to three sides.
+const LEVELS: u32 = 3;
+
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Line([u8; 64]);
+
+/// All boxes whose corners are on the lattice, flat ones and points too.
+fn boxes() -> Vec<Aabb> {
+    let sides: Vec<[f32; 2]> =
+        (0..STEPS).flat_map(|low| (low..STEPS).map(move |high| [low as f32, high as f32])).collect();
+    let mut boxes = Vec::new();
+    for x in &sides {
+        for y in &sides {
+            boxes.extend(sides.iter().map(|z| Aabb::new([x[0], y[0], z[0]], [x[1], y[1], z[1]])));
+        }
+    }
+    boxes
+}
+
+/// Pairs of slots that were told, each at most once.
+struct Told {
+    words: Vec<u64>,
+    count: usize,
+}
+
+impl Told {
+    fn note(&mut self, a: usize, b: usize) -> bool {
+        let at = b * (b - 1) / 2 + a;
+        let (word, bit) = (&mut self.words[at / 64], 1 << (at % 64));
+        let is_new = *word & bit == 0;
+        *word |= bit;
+        self.count += usize::from(is_new);
+        is_new
+    }
+}
+
+/// Has the next full step use these planes, one for all nodes of a level, however uneven the leaves are.
+fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS as usize]) {
+    let parts = &mut world.parts;
+    for (level, number) in levels.into_iter().enumerate() {
+        let cut = if number == 0 { UNSPLIT } else { plane((number - 1) % 3, key(((number - 1) / 3) as f32)) };
+        for node in 1 << level..2 << level {
+            parts.tree.planes[node] = cut;
+        }
+    }
+    for leaf in &mut *parts.tree.leaves {
+        leaf.baseline = 1 << 30;
+    }
+    let tree = &mut parts.state.tree;
+    (tree.depth, tree.baseline, tree.divisible, tree.planes_in) = (LEVELS, 1 << 50, 0, u8::MAX);
+    (tree.deeper_in, tree.heavy, parts.state.step.kept) = (u8::MAX, 0, 0);
+}
+
+#[test]
+fn each_pair_is_counted_in_one_cell_for_all_planes_on_a_lattice() {
+    let boxes = boxes();
+    let count = boxes.len() as u32;
+    let capacity = Capacity::for_objects(4096).with_leaf_refs(16 * count).with_pairs(count * count / 2);
+    let config = Config::new(capacity).with_movers_only(Choice::Never).with_fine_leaves(Choice::Never);
+    let bytes = crate::layout::<u16>(&config).unwrap().bytes;
+    let mut slab = vec![Line::zeroed(); bytes.div_ceil(64)];
+    let mut world = World::<u16>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
+    assert_eq!(world.insert_many(Boxes::new(&boxes)).unwrap().len() as u32, count);
+    world.step().unwrap();
+    let overlapping: Vec<Vec<bool>> =
+        boxes.iter().map(|a| boxes.iter().map(|b| a.overlaps(b)).collect()).collect();
+    let expected = (0..boxes.len()).map(|b| overlapping[b][..b].iter().filter(|it| **it).count()).sum();
+    let kernels: Vec<Kernels> = Kernels::all().collect();
+    let mut told = Told { words: vec![0; boxes.len() * boxes.len() / 128 + 1], count: 0 };
+    let mut used = 0;
+    // The order of the levels does not matter: the cells are the same.
+    for x in 0..PLANES {
+        for y in x..PLANES {
+            for z in (y..PLANES).step_by(LESS) {
+                set_planes(&mut world, [x, y, z]);
+                let step = world.set_kernels(kernels[used % kernels.len()]).step().unwrap();
+                used += 1;
+                assert_eq!(step.stats().path, Path::Full, "no planes of its own");
+                told.words.fill(0);
+                told.count = 0;
+                for [a, b] in step.pairs().iter().map(|pair| pair.map(usize::from)) {
+                    assert!(a < b && overlapping[b][a], "planes {x} {y} {z}: {a} and {b} do not meet");
+                    assert!(told.note(a, b), "planes {x} {y} {z}: {a} and {b} twice");
+                }
+                assert_eq!(told.count, expected, "planes {x} {y} {z}: a pair is missing");
+                assert_eq!(world.parts.state.tree.depth, LEVELS);
+            }
+        }
+    }
+}

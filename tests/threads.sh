@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# ThreadSanitizer over whatever runs on several threads: parts of the core, the executors of the conformance tests, sequences of
+# operations whose twin runs on threads, the pool of the std adapter, and C++ programs with job systems of their own. std is
+# built with it too. Needs a nightly toolchain with rust-src (`rustup component add --toolchain nightly rust-src`) and clang; says
+# so and skips all where they are missing.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+target=x86_64-unknown-linux-gnu
+sysroot="$(rustc +nightly --print sysroot 2>/dev/null || true)"
+runtime="$sysroot/lib/rustlib/$target/lib/librustc-nightly_rt.tsan.a"
+if ! [ -d "$sysroot/lib/rustlib/src/rust/library/std" ] || ! [ -f "$runtime" ] || ! command -v clang++ >/dev/null; then
+    echo "skipped: ThreadSanitizer needs a nightly toolchain with rust-src, and clang"
+    exit
+fi
+# Trees of 17 objects, so that small worlds take all paths.
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/threads"
+export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-Zsanitizer=thread --cfg=fuzzing"
+export TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS-}"
+on() {
+    local command=$1
+    shift
+    cargo +nightly "$command" --quiet -Zbuild-std --target "$target" --config profile.dev.package.std.opt-level=2 \
+        --config profile.dev.package.core.opt-level=2 --config profile.dev.package.alloc.opt-level=2 "$@"
+}
+# A race that there is on purpose: where it is not seen, nothing below says anything.
+folder="$CARGO_TARGET_DIR/programs"
+mkdir -p "$folder"
+cat >"$folder/race.rs" <<'RACE'
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+static mut SUM: u32 = 0;
+static HERE: AtomicU32 = AtomicU32::new(0);
+fn main() {
+    let add = || {
+        // Relaxed: both are here at the same time, and nothing puts the one before the other.
+        HERE.fetch_add(1, Relaxed);
+        while HERE.load(Relaxed) < 2 {
+            std::thread::yield_now();
+        }
+        (0..100_000_u32).for_each(|_| unsafe { SUM ^= 1 });
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(add);
+        scope.spawn(add);
+    });
+}
+RACE
+cat >"$folder/Cargo.toml" <<'RACE'
+[package]
+name = "race"
+version = "0.0.0"
+edition = "2021"
+[[bin]]
+name = "race"
+path = "race.rs"
+[workspace]
+RACE
+if on run --manifest-path "$folder/Cargo.toml" >"$folder/race.txt" 2>&1 || ! grep -q "data race" "$folder/race.txt"; then
+    cat "$folder/race.txt" && echo "ThreadSanitizer does not see a race" >&2 && exit 1
+fi
+on test -p trisap-core --lib threads
+on test -p trisap-core --lib parallel::
+on test -p trisap --lib
+on test -p trisap-tests --test conformance executors::
+on test -p trisap-tests --test conformance sequences::
+# The C ABI, linked into programs that clang instruments, with the same runtime.
+on rustc --release -p trisap-ffi --lib --crate-type staticlib
+for source in tests/cpp/jobs.cpp ffi/examples/engine.cpp; do
+    program="$folder/$(basename "$source" .cpp)"
+    clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -c "$source" -o "$program.o"
+    clang++ "$program.o" "$CARGO_TARGET_DIR/$target/release/libtrisap.a" -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
+        -pthread -ldl -lm -lrt -lresolv -o "$program"
+    "$program"
+done
+echo "ThreadSanitizer has seen no race"
