@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Counts the instructions of a step by callgrind, for three recordings, and of queries, for all kernels, and compares them with
-# tests/instructions.txt: more than 5 % above it fails. `--write` writes the file anew. Needs valgrind, and installs it
-# where it may. The counts are those of one compiler and one kind of CPU; they repeat exactly there.
+# Counts the instructions of a step by callgrind, for three recordings, and of queries, for all kernels, and the branches that its
+# model of a predictor guesses wrong, and compares them with tests/instructions.txt: more than 5 % above it fails, and more than 10 %
+# of wrong guesses, as they are few. `--write` writes the file anew. Needs valgrind, and installs it where it may. The counts are those
+# of one compiler and one kind of CPU; they repeat exactly there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,26 +14,29 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
 count() {
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null --collect-atstart=no --toggle-collect='*measured*' \
+    valgrind --tool=callgrind --branch-sim=yes --callgrind-out-file=/dev/null --collect-atstart=no --toggle-collect='*measured*' \
         "$program" "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
-    local steps total
-    steps=$(sed -n 's/^\([0-9]*\) object steps.*/\1/p' "$log")
-    total=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$log")
-    echo $((total / steps))
+    # Instructions, conditional branches, of these wrong, jumps through a register, of these wrong. In tenths what is wrong.
+    awk '/^[0-9]+ object steps/ { steps = $1 } /Collected :/ { sub(/.*Collected : /, ""); total = $1; wrong = $3 + $5 }
+        END { printf "%d %d\n", total / steps, 10 * wrong / steps }' "$log"
 }
 
 result=0
 fresh=
 # compare NAME KERNELS WHAT ARGUMENTS...: a name in the file, what is counted, and what the program is called with.
 compare() {
-    local name=$1 kernels=$2 what=$3 now was
+    local name=$1 kernels=$2 what=$3 now wrong was were
     shift 3
-    now=$(count "$@")
-    fresh+="$name $kernels $now"$'\n'
-    was=$(awk -v n="$name" -v k="$kernels" '$1 == n && $2 == k { print $3 }' "$known" 2>/dev/null || true)
-    echo "$name, $kernels: $now instructions $what (recorded: ${was:-none})"
+    read -r now wrong < <(count "$@")
+    fresh+="$name $kernels $now $wrong"$'\n'
+    read -r was were < <(awk -v n="$name" -v k="$kernels" '$1 == n && $2 == k { print $3, $4 }' "$known" 2>/dev/null) || true
+    echo "$name, $kernels: $now instructions (recorded: ${was:-none}) and $wrong tenths of a wrong guess (${were:-none}) $what"
     if [ -n "$was" ] && [ $((now * 100)) -gt $((was * 105)) ]; then
         echo "more than 5 % above the recorded count" >&2
+        result=1
+    fi
+    if [ -n "$were" ] && [ $((wrong * 100)) -gt $((were * 110 + 100)) ]; then
+        echo "more than 10 % above the recorded wrong guesses" >&2
         result=1
     fi
 }
