@@ -217,7 +217,9 @@ fn status(error: &Error) -> u64 {
 /// The detail of an error in C.
 fn detail(error: &Error) -> u64 {
     match *error {
-        Error::ObjectsFull { needed } | Error::PairsFull { needed } | Error::OutputFull { needed } => needed,
+        Error::ObjectsFull { needed, .. }
+        | Error::PairsFull { needed, .. }
+        | Error::OutputFull { needed, .. } => needed,
         Error::BadBox { index } | Error::BadQuery { index } => u64::from(index),
         Error::StaleId { id } => id.to_bits(),
         Error::BadClass { class } => u64::from(class),
