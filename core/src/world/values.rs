@@ -3,7 +3,7 @@
 use super::{Step, World};
 use crate::access::bits;
 use crate::error::Error;
-use crate::id::{Id, Index, Pair};
+use crate::id::{Id, Index};
 
 /// Values of objects.
 ///
@@ -51,12 +51,12 @@ impl<I: Index> World<'_, I> {
     /// [`pairs`](Self::pairs) by value. A pair of which an object has been removed since the step is left out; in a world without
     /// values all are.
     pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> {
-        self.living_values(self.pairs())
+        self.values_of(self.pair_ids())
     }
 
     /// [`found`](Self::found) by value. A pair of which an object has been removed since the step is left out.
     pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> {
-        self.living_values(self.found())
+        self.values_of(self.found_ids())
     }
 
     /// [`lost`](Self::lost) by the values of the objects that were the pair, also where they are no more and others have their
@@ -68,11 +68,8 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    fn living_values(&self, pairs: &[Pair<I>]) -> impl Iterator<Item = [u64; 2]> {
-        pairs.iter().filter_map(|pair| {
-            let [a, b] = pair.map(|slot| self.value(self.id_at(slot.slot())?));
-            Some([a?, b?])
-        })
+    fn values_of(&self, pairs: impl Iterator<Item = [Id; 2]>) -> impl Iterator<Item = [u64; 2]> {
+        pairs.filter_map(|[a, b]| Some([self.value(a)?, self.value(b)?]))
     }
 
     /// The value of the object that had a slot in the complete step before the last one.
