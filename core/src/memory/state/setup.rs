@@ -14,10 +14,10 @@ const FILTERS: u32 = 1 << 2;
 const MARGIN: u32 = 1 << 3;
 const FAT: u32 = 1 << 4;
 const FIXED_MARGINS: u32 = 1 << 5;
+const VALUES: u32 = 1 << 6;
 /// From here on the hooks, which are no part of a snapshot.
-const HOOKS: u32 = 6;
+const HOOKS: u32 = 7;
 const PORTABLE: u32 = !(Hooks::MASK << HOOKS);
-const VALUES: u32 = 1 << 12;
 
 const fn flags(config: &Config) -> u32 {
     let Config { mode, margin, events, filters, values, lean, fixed_margins, hooks, .. } = *config;
