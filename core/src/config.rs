@@ -10,7 +10,7 @@ pub struct Capacity {
     /// Objects that can live at once. One more is [`Error::ObjectsFull`].
     pub objects: u32,
     /// Boxes that may reach beyond the leaf that they live in; of no meaning in worlds for up to 64 objects and lean ones, which
-    /// have no tree. With fewer than a scene needs, the tree uses larger leaves, which is slower; zero means no tree at all. Half of
+    /// have no tree. With fewer than a scene needs, the tree uses larger leaves, which is slower; zero means one leaf. Half of
     /// `objects` suits most scenes.
     pub leaf_refs: u32,
     /// Pairs that a step can return. More are counted and reported as [`Error::PairsFull`]. An exact world with margins keeps
@@ -94,7 +94,7 @@ impl Choice {
 pub struct Hooks {
     /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most one in
     /// nine has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
-    /// where nothing has moved. Up to 512 objects are all swept where one has moved.
+    /// where nothing has moved.
     pub movers_only: Choice,
     /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while at most one in sixteen has
     /// moved. Always: from the first one on.

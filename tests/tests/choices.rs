@@ -68,10 +68,15 @@ fn other_reasons_have_their_names() {
     let mut world = Checked::<u32>::new(slab.world(&config));
     let setup = Setup::REFERENCE;
     let route = |outcome: Outcome| (outcome.stats.path, outcome.stats.reason);
-    world.insert_many(&scenes::uniform(400, 1));
-    assert_eq!(route(world.step(setup)), (Path::Lists, Reason::FewObjects));
-    world.insert_many(&scenes::uniform(600, 2));
+    let lean = on_every_setup(PLAIN.with_lean(), &[scenes::uniform(100, 1)], &Jobs::USUAL);
+    assert_eq!(lean.into_iter().map(route).collect::<Vec<_>>(), [(Path::Lists, Reason::FewObjects)]);
+    world.insert_many(&scenes::uniform(100, 1));
     assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::NothingKept));
+    // In one leaf as before, but the planes below it were made for a fourth.
+    world.insert_many(&scenes::uniform(350, 2));
+    assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
+    world.insert_many(&scenes::uniform(550, 2));
+    assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
     world.insert_many(&scenes::uniform(3000, 3));
     assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
     // All in one corner.

@@ -139,7 +139,7 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
         };
         seen.push(outcome.stats.path);
     }
-    if count > 512 {
+    if count >= 450 {
         for path in [Path::Movers, Path::Full] {
             assert!(seen.contains(&path), "no step was {path:?}: {seen:?}");
         }

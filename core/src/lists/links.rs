@@ -4,17 +4,16 @@
 //! object's position in a list needs no array of its own, since a search by its key finds it.
 //!
 //! Small worlds keep the list of their sweep axis in order from step to step; an insertion sort does that as long
-//! as few objects overtake each other, and a radix sort beyond (erratum E13). Larger worlds sort when planes are
-//! made and let the lists go stale in between.
+//! as few objects overtake each other, and a heap sort beyond (erratum E13). Others sort by radix when planes are
+//! made, and let the lists go stale in between.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::lists::radix::{self, Sharing};
 use crate::memory::slab::Parts;
 use crate::sort::heapsort;
 
-/// Overtakings per object beyond which a radix sort is cheaper.
+/// Overtakings per object beyond which another sort is cheaper.
 pub(crate) const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
@@ -67,11 +66,9 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// Puts one list in order: by insertion as long as that is cheap, else by radix. `spare` holds 4 words an object.
-///
-/// O(n + inversions) at best, O(n) with a larger factor beyond; never quadratic.
+/// Puts one list in order: by insertion as long as that is cheap, else by a heap sort. O(n + inversions), or O(n log n).
 #[inline(never)]
-pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, spare: &mut [u32]) {
+pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
     let Some(&first) = order.first() else { return };
@@ -92,10 +89,7 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize, s
         order.put(to, slot);
         match budget.checked_sub(index - to) {
             Some(left) => budget = left,
-            None if spare.len() < 4 * order.len() => {
-                return heapsort(order, |a, b| precedes(boxes, axis, a, b));
-            }
-            None => return radix::sort(order, boxes, axis, spare, &mut [[0; 256]], Sharing::NONE),
+            None => return heapsort(order, |a, b| precedes(boxes, axis, a, b)),
         }
     }
 }
@@ -115,6 +109,7 @@ pub(crate) fn position_of<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, 
 mod tests {
     use super::*;
     use crate::geometry::aabb::Aabb;
+    use crate::lists::radix::{self, Sharing};
     use proptest::prelude::*;
     use std::vec;
     use std::vec::Vec;
@@ -137,13 +132,11 @@ mod tests {
             if shuffled {
                 order.reverse();
             }
-            let (mut repaired, mut in_place) = (order.clone(), order.clone());
+            let mut repaired = order.clone();
             radix::sort(&mut order, &boxes, 1, &mut spare, &mut [[0; 256]], Sharing::NONE);
-            repair(&mut repaired, &boxes, 1, &mut spare);
-            repair(&mut in_place, &boxes, 1, &mut []);
+            repair(&mut repaired, &boxes, 1);
             prop_assert_eq!(&order, &expected);
             prop_assert_eq!(&repaired, &expected);
-            prop_assert_eq!(&in_place, &expected);
             for (position, &slot) in order.iter().enumerate() {
                 prop_assert_eq!(position_of(&order, &boxes, 1, slot), position);
             }

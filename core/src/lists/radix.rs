@@ -4,7 +4,7 @@ use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::parallel::block_queue::{BlockQueue, Chunks};
-use crate::parallel::executor::{self, Executor, Serial};
+use crate::parallel::executor::{self, Executor};
 use crate::parallel::shared::Shared;
 
 /// The fewest slots in a block.
@@ -20,9 +20,10 @@ pub(crate) struct Sharing<'e> {
     pub(crate) workers: usize,
 }
 
+#[cfg(test)]
 impl Sharing<'static> {
     /// The calling thread alone.
-    pub(crate) const NONE: Self = Self { executor: &Serial, workers: 1 };
+    pub(crate) const NONE: Self = Self { executor: &executor::Serial, workers: 1 };
 }
 
 /// A slot behind its key, whose order is that of unsigned integers.

@@ -5,7 +5,7 @@
 
 use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::{
-    CHUNK, LEAF_TARGET, LEAVES_PER_BLOCK, ONE_LEAF, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, histogram_row,
+    CHUNK, LEAF_TARGET, LEAVES_PER_BLOCK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, histogram_row,
 };
 use super::scratch;
 use super::slot_set::SlotSet;
@@ -90,7 +90,7 @@ pub(crate) struct Sizes {
     /// Objects with a value, and those whose value is kept for the events.
     pub(crate) values: usize,
     pub(crate) former_values: usize,
-    /// Objects in the tree: all, or none where one leaf holds them all.
+    /// Objects in the tree: all, or none where the world is swept box by box.
     pub(crate) tree: usize,
     pub(crate) records: usize,
     pub(crate) straddlers: usize,
@@ -135,7 +135,7 @@ impl Sizes {
             return None;
         }
         let pairs = capacity.pairs as usize;
-        let tree = if objects > ONE_LEAF && !small { objects } else { 0 };
+        let tree = if small { 0 } else { objects };
         let mut depth = 0;
         while tree > LEAF_TARGET << depth {
             depth += 1;

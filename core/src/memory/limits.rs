@@ -6,10 +6,8 @@ use super::slot_set::GROUP;
 pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
 /// Lean worlds have at most this many objects.
 pub(crate) const SMALL: usize = 256;
-/// Up to this many objects are swept straight from a sorted list, without a tree. For random sequences of operations trees begin
-/// early, as they need many small worlds that take all paths.
-pub(crate) const ONE_LEAF: usize = if cfg!(fuzzing) { 16 } else { 512 };
-/// Objects that a leaf should have at most when planes are new.
+/// Objects that a leaf should have at most when planes are new. For random sequences of operations there are few, as they need many
+/// small worlds that take all paths.
 pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
 /// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
 /// few objects here and there.

@@ -8,7 +8,7 @@ pub enum Path {
     /// Nothing has moved: the pairs stay.
     #[default]
     Unchanged,
-    /// A small world: swept straight from a sorted list.
+    /// A world for few objects, or a lean one: swept box by box from a sorted list.
     Lists,
     /// Few have moved: each mover was tested against the leaves that it reaches, the other pairs stay.
     Movers,
@@ -29,7 +29,7 @@ pub enum Reason {
     /// Unchanged: nothing has moved.
     #[default]
     NoMovers,
-    /// Lists: there are too few objects for a tree.
+    /// Lists: the world is swept box by box.
     FewObjects,
     /// Movers: at most one object in nine has moved.
     FewMovers,

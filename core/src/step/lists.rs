@@ -1,4 +1,4 @@
-//! Steps of worlds without a tree: a sorted list is swept.
+//! Steps of worlds that are swept box by box, from a sorted list.
 
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
@@ -13,12 +13,10 @@ use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
-use crate::sweep::Collector;
-use crate::sweep::list::SweepList;
 use crate::sweep::small;
 use crate::sweep::stripes::Striped;
+use crate::tree::assign;
 use crate::tree::cells::{Sample, longest_axis};
-use crate::tree::{Frame, assign};
 
 /// Steps of a small world from one choice of its axes to the next.
 const SCAN_EVERY: u8 = 8;
@@ -44,7 +42,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         context.executor.enter(Stage::Sweep);
         striped.sweep(pair_filter, output.pairs)
     } else {
-        links::repair(order, boxes, axis, &mut []);
+        links::repair(order, boxes, axis);
         context.executor.enter(Stage::Sweep);
         small::sweep(order, boxes, axis, pair_filter, output.pairs)
     };
@@ -67,58 +65,11 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
     Some(bounds_scan.is_coarse(state.objects.live))
 }
 
-/// A world for one leaf: keep the list of one axis in order and sweep it.
-pub(super) fn lists<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
-    persistent::start_over(parts);
-    context.executor.enter(Stage::Build);
-    // Records of a tree that the world may have had are not kept up to date.
-    parts.state.tree.filled = 0;
-    clean_lists(parts);
-    let Parts { state, boxes, order, output, .. } = parts;
-    let boxes = boxes.swept();
-    let spare = bytemuck::try_cast_slice_mut(output.scratch).unwrap_or_default();
-    let Sorted { order, axis, bounds_scan, frame } = sort_list(order, state, boxes, spare);
-    context.executor.enter(Stage::Sweep);
-    let mut collector = Collector::new(
-        output,
-        &parts.sizes,
-        PairFilter::if_needed(&parts.filters, state.objects.slots, &context),
-    );
-    let (pairs, work) = collector.collect(context.executor, 0, 1, &|_, scratch, sink| {
-        context.kernels.run_wide(SweepList { order, axis, frame, boxes, scratch, sink });
-    });
-    let coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
-    Progress { pairs, work, leaves: 1, coarse, ..Progress::default() }
-}
-
 /// Makes the lists hold the living objects, where they do not.
 fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
         links::list_all(parts);
     }
-}
-
-/// The list of one axis, in order.
-struct Sorted<'o, I> {
-    order: &'o [I],
-    axis: usize,
-    bounds_scan: BoundsScan,
-    /// The grid for the whole world.
-    frame: Frame,
-}
-
-/// Puts the list of the longest axis in order.
-fn sort_list<'o, I: Index>(
-    order: &'o mut [&mut [I]; 3],
-    state: &mut State,
-    boxes: &[KeyBox],
-    spare: &mut [u32],
-) -> Sorted<'o, I> {
-    let (bounds_scan, extent) = scan_bounds(order[0].span(0, state.objects.live as usize), state, boxes);
-    let axis = state.lists.axis as usize;
-    let order = list_of(order, axis, state);
-    links::repair(order, boxes, axis, spare);
-    Sorted { order, axis, bounds_scan, frame: Frame::over(extent.low, extent.high) }
 }
 
 /// Looks at all boxes and chooses the axis of the list: by where most of them are.

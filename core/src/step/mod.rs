@@ -25,12 +25,11 @@ pub(crate) fn find<I: Index>(
     match route.path {
         Path::Unchanged => (route, unchanged(parts)),
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
-        Path::Lists => (route, lists::lists(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), None, context),
         },
-        Path::Full | Path::Rebuilt => full::full(parts, route, settled, context),
+        Path::Lists | Path::Full | Path::Rebuilt => full::full(parts, route, settled, context),
     }
 }
 

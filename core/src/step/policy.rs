@@ -3,7 +3,6 @@
 
 use crate::config::Choice;
 use crate::id::Index;
-use crate::memory::limits::ONE_LEAF;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::margins;
@@ -38,7 +37,7 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
     }
     let fixed =
         parts.state.setup.has_fixed_margins() || parts.state.setup.hooks().movers_only.fixed().is_some();
-    if !parts.has_surplus() || fixed || parts.state.objects.live as usize <= ONE_LEAF {
+    if !parts.has_surplus() || fixed || parts.sizes.is_small() {
         return false;
     }
     let many = moved > parts.state.objects.live / MOVERS_SHARE;
@@ -61,7 +60,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let fixed = state.setup.hooks().movers_only.fixed();
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
-    } else if parts.sizes.is_small() || state.objects.live as usize <= ONE_LEAF {
+    } else if parts.sizes.is_small() {
         Route { path: Path::Lists, reason: Reason::FewObjects }
     } else if !known || state.tree.filled == 0 {
         anew(parts, Reason::NothingKept)

@@ -9,7 +9,7 @@ use crate::access::{Access, bits};
 use crate::filter::Rule;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::limits::ONE_LEAF;
+use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::{Filtered, PairFilter};
@@ -92,8 +92,8 @@ fn is_all<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool 
     if !context.is_small() && parts.state.tree.filled != 0 {
         return in_tree(parts, context) == known;
     }
-    // With more objects there is a tree, or a step that keeps nothing.
-    parts.state.objects.live as usize <= ONE_LEAF && one_by_one(parts, context.rule) == known
+    // The tree stays behind where a world moves to another configuration. Of more objects a step finds all pairs anew then.
+    parts.state.objects.live as usize <= LEAF_TARGET && one_by_one(parts, context.rule) == known
 }
 
 /// All overlaps of few objects that have not moved.

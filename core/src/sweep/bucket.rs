@@ -14,7 +14,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::LeafScratch;
 use crate::simd::Simd;
-use crate::tree::{Frame, Record};
+use crate::tree::Record;
 
 /// The ends of the runs of equal sort bytes, in a sorted bucket.
 type Ends = [u16; 256];
@@ -68,36 +68,6 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
             (left_ends[run] as usize, reach_of(record, axis, left_ends))
         }
     });
-}
-
-/// Sweeps the objects of a list that is in ascending order of their minimum on `axis`.
-#[inline(always)]
-pub(crate) fn sweep_listed<S: Simd, I: Index>(
-    simd: S,
-    order: &[I],
-    frame: &Frame,
-    axis: usize,
-    leaf_scratch: &mut LeafScratch<'_, I>,
-    boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
-) {
-    let axis = axis.min(2);
-    let mut ends: Ends = [0; 256];
-    let lanes = simd.axis(axis);
-    for (at, slot) in order.iter().enumerate() {
-        let record = simd.record(frame, simd.keys(&boxes.at(slot.at())), slot.slot());
-        leaf_scratch.sorted.put(at, record);
-        leaf_scratch.rows.put(at, simd.row(lanes, &record));
-        ends[high(record.lanes[axis]) as usize] = at as u16 + 1;
-    }
-    let mut end = 0;
-    for run in &mut ends {
-        end = end.max(*run);
-        *run = end;
-    }
-    let scan = Scan::new(axis, order.len(), leaf_scratch, boxes, sink);
-    let ends = &ends;
-    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
 }
 
 /// Sorts records into the scratch of the leaf, from position `start` on.

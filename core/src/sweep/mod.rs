@@ -5,7 +5,6 @@
 
 pub(crate) mod bucket;
 pub(crate) mod leaves;
-pub(crate) mod list;
 pub(crate) mod movers;
 mod rounds;
 mod scan;

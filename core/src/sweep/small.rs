@@ -114,7 +114,7 @@ pub(crate) mod tests {
         #[test]
         fn each_pair_is_found_once(boxes in boxes(), axis in 0usize..3, full in any::<bool>()) {
             let mut order: Vec<u16> = (0..boxes.len() as u16).collect();
-            repair(&mut order, &boxes, axis, &mut []);
+            repair(&mut order, &boxes, axis);
             check(&boxes, full, |pairs| sweep(&order, &boxes, axis, None, pairs));
         }
     }

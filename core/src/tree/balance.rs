@@ -55,7 +55,7 @@ pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
     let TreeState { built, divisible, .. } = parts.state.tree;
     let live = parts.state.objects.live;
     let depth = |objects| depth_for(objects as usize, parts.sizes.depth);
-    built == 0 || divisible != 0 || depth(live) > depth(built) || live < built / 4
+    built == 0 || divisible != 0 || depth(live) > depth(built) || live < built / 4 || built < live / 4
 }
 
 /// Whether the leaves that have just been counted are so uneven that the whole tree needs new planes now.
@@ -187,7 +187,8 @@ pub(crate) fn build_planes<I: Index>(parts: &mut Parts<'_, I>, context: StepCont
     let depth = depth_for(live, parts.sizes.depth);
     links::list_all(parts);
     parts.state.tree.depth = depth;
-    parts.state.tree.built = parts.state.objects.live;
+    // Zero would say that there are no planes.
+    parts.state.tree.built = parts.state.objects.live.max(1);
     parts.state.tree.divisible = 0;
     let boxes = parts.boxes.swept();
     let slots = parts.order[0].span(0, live);

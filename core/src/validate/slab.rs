@@ -6,7 +6,7 @@ use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
-use crate::memory::limits::ONE_LEAF;
+use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::memory::stats::Path;
 use crate::simd::kernels::Kernels;
@@ -199,7 +199,7 @@ fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &*parts.state;
     let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0 && state.pairs.unproven == 0;
     let filled = !parts.sizes.is_small() && state.tree.filled != 0;
-    let few = state.objects.live as usize <= ONE_LEAF && parts.moved.count() == 0;
+    let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() == 0;
     if !known || !parts.filters.of.is_empty() || !filled && !few {
         return Ok(());
     }
