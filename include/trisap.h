@@ -76,7 +76,7 @@
 /// Unchanged: nothing had moved.
 #define TRISAP_REASON_NO_MOVERS 0
 
-/// Lists: there were too few objects for a tree.
+/// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
 /// Movers: at most one object in nine had moved.

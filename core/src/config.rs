@@ -198,7 +198,7 @@ pub struct Config {
     /// feature `large`.
     pub values: bool,
     /// Whether up to 256 objects are swept box by box, without vectors and their scratch memory, as worlds for up to 64
-    /// are anyway: about three quarters of the bytes, and faster on a microcontroller. On a processor with vectors it costs
+    /// are anyway: a third to half of the bytes, and faster on a microcontroller. On a processor with vectors it costs
     /// time from about 100 objects on.
     pub lean: bool,
     /// The most workers that a step may use at once (1 to 32); each has its own scratch memory, and more than
