@@ -79,7 +79,7 @@
 /// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
-/// Movers: at most one object in nine had moved.
+/// Movers: at most one object in sixteen had moved.
 #define TRISAP_REASON_FEW_MOVERS 2
 
 /// Full: more had moved.

@@ -93,7 +93,7 @@ impl Choice {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hooks {
     /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most one in
-    /// nine has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
+    /// sixteen has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
     /// where nothing has moved.
     pub movers_only: Choice,
     /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while at most one in sixteen has

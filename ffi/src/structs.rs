@@ -234,7 +234,7 @@ pub const TRISAP_PATH_REBUILT: u32 = 4;
 pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
 /// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
 pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
-/// Movers: at most one object in nine had moved.
+/// Movers: at most one object in sixteen had moved.
 pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
 /// Full: more had moved.
 pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;

@@ -31,7 +31,7 @@ pub enum Reason {
     NoMovers,
     /// Lists: the world is swept box by box.
     FewObjects,
-    /// Movers: at most one object in nine has moved.
+    /// Movers: at most one object in sixteen has moved.
     FewMovers,
     /// Full: more have moved.
     ManyMovers,
