@@ -7,7 +7,7 @@ use crate::config::{Margin, Mode};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::simd::{MAXIMA, MINIMA, Simd};
+use crate::simd::Simd;
 
 /// The fat boxes of some consecutive slots; none in a world without margins, or that leaves them unused.
 pub(crate) struct FatBoxes<'o> {
@@ -47,9 +47,8 @@ impl FatBoxes<'_> {
     /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box.
     #[inline(always)]
     pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, keys: S::Keys) -> bool {
-        let fat = simd.keys(KeyBox::of(self.boxes, at));
-        let outside = simd.above(fat, keys) & MINIMA | simd.above(keys, fat) & MAXIMA;
-        if outside == 0 && (self.fixed_margins || !simd.dwarfs(fat, keys, self.margins.at(at))) {
+        let margin = if self.fixed_margins { None } else { Some(self.margins.at(at)) };
+        if simd.suits(KeyBox::of(self.boxes, at), keys, margin) {
             self.motions.moved_inside_margin = true;
             return true;
         }

@@ -252,8 +252,8 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn dwarfs(self, fat: __m256i, inner: __m256i, margin: f32) -> bool {
-        lengths::dwarfs(self, fat, inner, margin)
+    fn suits(self, fat: &KeyBox, inner: __m256i, margin: Option<f32>) -> bool {
+        lengths::suits(self, fat, inner, margin)
     }
 
     #[inline(always)]

@@ -115,8 +115,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn dwarfs(self, fat: Self::Keys, inner: Self::Keys, margin: f32) -> bool {
-        self.0.dwarfs(fat, inner, margin)
+    fn suits(self, fat: &KeyBox, inner: Self::Keys, margin: Option<f32>) -> bool {
+        self.0.suits(fat, inner, margin)
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
 //! Lengths between keys, in 256-bit vectors.
 
 use super::detect::Avx2;
-use super::{MAXIMA, MINIMA};
-use crate::geometry::key::SHORTEST;
+use super::{MAXIMA, MINIMA, Simd};
+use crate::geometry::key::{KeyBox, SHORTEST};
 use core::arch::x86_64::*;
 
 /// The numbers of eight keys.
@@ -26,9 +26,18 @@ fn apart(_: Avx2, a: __m256, b: __m256) -> __m256 {
     }
 }
 
-/// As [`KeyBox::dwarfs`](crate::geometry::key::KeyBox::dwarfs).
+/// As [`KeyBox::suits`].
 #[inline(always)]
-pub(super) fn dwarfs(simd: Avx2, fat: __m256i, inner: __m256i, margin: f32) -> bool {
+pub(super) fn suits(simd: Avx2, fat: &KeyBox, inner: __m256i, margin: Option<f32>) -> bool {
+    let fat = simd.keys(fat);
+    let outside = simd.above(fat, inner) & MINIMA | simd.above(inner, fat) & MAXIMA;
+    let Some(margin) = margin else { return outside == 0 };
+    outside == 0 && !dwarfs(simd, fat, inner, margin)
+}
+
+/// As [`KeyBox::dwarfs`].
+#[inline(always)]
+fn dwarfs(simd: Avx2, fat: __m256i, inner: __m256i, margin: f32) -> bool {
     let (fat, inner) = (values(simd, fat), values(simd, inner));
     // SAFETY: the token proves AVX2.
     unsafe {

@@ -151,10 +151,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether the two keys of some axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
 
-    /// As [`KeyBox::dwarfs`].
+    /// As [`KeyBox::suits`].
     #[inline(always)]
-    fn dwarfs(self, fat: Self::Keys, inner: Self::Keys, margin: f32) -> bool {
-        self.bounds(fat).dwarfs(&self.bounds(inner), margin)
+    fn suits(self, fat: &KeyBox, inner: Self::Keys, margin: Option<f32>) -> bool {
+        fat.suits(&self.bounds(inner), margin)
     }
 
     /// Prepares the rows of a sweep along an axis.
