@@ -148,18 +148,12 @@ impl KeyBox {
         fat
     }
 
-    /// Whether this fat box may stay that of the box: it holds it, and does not dwarf it where objects have a margin that adapts.
-    // As a call: it is as long as the rest of an intake.
-    #[inline(never)]
-    pub(crate) fn suits(&self, inner: &Self, margin: Option<f32>) -> bool {
-        self.contains(inner) && margin.is_none_or(|margin| !self.dwarfs(inner, margin))
-    }
-
     /// Whether this fat box is much larger than one that is anchored at the box inside would be: on some side it is
     /// farther away than four margins and half of the box. It is never farther than two margins from a box of the size
     /// that it was anchored at, and rounding at most doubles a margin.
-    fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
-        let [fat, inner] = [self, inner].map(|bounds| bytemuck::cast::<KeyBox, [i32; 6]>(*bounds).map(value));
+    pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
+        let fat = bytemuck::cast::<KeyBox, [i32; 6]>(*self).map(value);
+        let inner = bytemuck::cast::<KeyBox, [i32; 6]>(*inner).map(value);
         let mut dwarfs = false;
         for k in 0..6 {
             let near = 4.0 * margin + 0.5 * flushed(inner[k % 3 + 3] - inner[k % 3]);

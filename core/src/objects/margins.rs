@@ -52,18 +52,23 @@ impl FatBoxes<'_> {
             self.motions.moved_inside_margin = true;
             return true;
         }
-        self.leave(at, old, &simd.bounds(keys));
-        false
+        self.stays(at, old, &simd.bounds(keys))
     }
 
-    /// Anchors a fat box anew that no longer holds its box, or is too large for it.
+    /// The same without vectors. A call, as it is as long as the rest of an intake.
     #[inline(never)]
-    fn leave(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
+    fn stays(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        let fat = KeyBox::of(self.boxes, at);
         let margin = self.margins.at(at);
+        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
+            self.motions.moved_inside_margin = true;
+            return true;
+        }
         // The last box says how fast the object is: a margin around it would not have held this one either.
         let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
         self.motions.outran += u32::from(outran);
         self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
+        false
     }
 }
 

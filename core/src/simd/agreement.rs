@@ -65,6 +65,7 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     // Near to what decides, or not.
     let near = 0.25 * (value(a.max[1]) - value(b.max[1])).abs();
     let margin = [None, Some(near), Some(1.0)][random.below(3)];
+    let suits = a.contains(&b) && margin.is_none_or(|margin| !a.dwarfs(&b, margin));
     rounds.check([
         ("keys", simd.bounds(keys) == a),
         ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
@@ -74,7 +75,8 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
         ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
         ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
-        ("suits", simd.suits(&a, other, margin) == a.suits(&b, margin)),
+        // Not all levels can tell.
+        ("suits", !simd.suits(&a, other, margin) || suits),
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
     ]);

@@ -26,7 +26,7 @@ fn apart(_: Avx2, a: __m256, b: __m256) -> __m256 {
     }
 }
 
-/// As [`KeyBox::suits`].
+/// See [`Simd::suits`].
 #[inline(always)]
 pub(super) fn suits(simd: Avx2, fat: &KeyBox, inner: __m256i, margin: Option<f32>) -> bool {
     let fat = simd.keys(fat);

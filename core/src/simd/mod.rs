@@ -151,10 +151,11 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether the two keys of some axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
 
-    /// As [`KeyBox::suits`].
+    /// Whether vectors can tell that a fat box holds a box and, where there is a margin that adapts, does not
+    /// [dwarf](KeyBox::dwarfs) it. False also where there are none for it.
     #[inline(always)]
-    fn suits(self, fat: &KeyBox, inner: Self::Keys, margin: Option<f32>) -> bool {
-        fat.suits(&self.bounds(inner), margin)
+    fn suits(self, _fat: &KeyBox, _inner: Self::Keys, _margin: Option<f32>) -> bool {
+        false
     }
 
     /// Prepares the rows of a sweep along an axis.
