@@ -376,3 +376,24 @@ fn an_inline_world_is_a_world() {
     assert_eq!(inline.world::<u16>().expect("the same world again").len(), 600);
     assert_eq!(inline.world::<u32>().err(), Some(Error::NotAWorld));
 }
+
+/// Boxes that reach beyond their leaves are counted in all blocks of slots: here in the last ones, which alone have more of them than
+/// there is room for.
+#[test]
+fn copies_are_counted_wherever_their_slots_are() {
+    const COUNT: usize = 6000;
+    let edge = 0.2 * scenes::side(COUNT);
+    let mut boxes = scenes::uniform(COUNT, 11);
+    for aabb in &mut boxes[COUNT / 2..] {
+        *aabb = scenes::at(aabb.min, [edge; 3]);
+    }
+    for leaf_refs in [0, 200, 1000] {
+        let mut base = config(COUNT, 200 * COUNT);
+        base.capacity.leaf_refs = leaf_refs;
+        let mut slab = Slab::new::<u32>(&base);
+        let mut world = Checked::<u32>::new(slab.world(&base));
+        world.insert_many(&boxes);
+        let stats = world.step(Setup::REFERENCE).stats;
+        assert!(stats.leaves < 16, "fewer leaves than without large boxes: {stats:?}");
+    }
+}
