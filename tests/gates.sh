@@ -2,7 +2,7 @@
 # The gates, from anywhere in the repository. Quick ones by default; `--all` adds the slow ones: more random cases,
 # a million objects, more pairs than 32 bits can count, other targets, the package for the web, packages for C and
 # C++, Windows under Wine, many ranks where Open MPI is installed, the folder of recordings that TRISAP_RECORDINGS names, a sample of
-# mutants, ThreadSanitizer, and Miri where it is installed.
+# mutants, and Miri where it is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,7 +32,6 @@ if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-ffi sequences::
     tests/soak.sh 0.1
     tests/mutants.sh 60
-    tests/threads.sh
     if cargo +nightly fuzz --version >/dev/null 2>&1; then
         tests/fuzz/run.sh 60
     else

@@ -4,7 +4,8 @@
 # operations and no build. What fails, or comes to another tally than the core as it is, is killed; the rest is to be judged.
 # A sample of one mutant in SAMPLE is spread over all files of the core but its kernels; it is always the same one.
 #
-# `mutants.txt` has those that were judged. The script fails if others are not noticed, by their change and function, as lines move.
+# `mutants.txt` has those that were judged; others that are not noticed are listed in the end, by their change and function, as lines
+# move. The script fails where more than one in six are not noticed: then the sequences do not do what they should.
 #
 #     tests/mutants.sh [SAMPLE [FILES]]      FILES: parts of paths, as core/src/sweep/,core/src/tree/; by default those of the table
 #                                            the results are left in target/mutants/results.txt
@@ -50,4 +51,5 @@ change() {
 }
 new="$(grep -E ' (survived|for-ever-[0-9]) ' "$results" | cut -d' ' -f4- | change | sort -u |
     comm -23 - <(cut -f2 "$folder/tests/mutants.txt" | change | sort -u))"
-[ -z "$new" ] || { echo "not in tests/mutants.txt:" && echo "$new" && exit 1; }
+[ -z "$new" ] || { echo "to be judged, as they are not in tests/mutants.txt:" && echo "$new"; }
+[ "$(($(grep -c ' survived' "$results" || true) * 6))" -le "$(wc -l <"$results")" ]

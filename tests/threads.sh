@@ -13,9 +13,8 @@ if ! [ -d "$sysroot/lib/rustlib/src/rust/library/std" ] || ! [ -f "$runtime" ] |
     echo "skipped: ThreadSanitizer needs a nightly toolchain with rust-src, and clang"
     exit
 fi
-# Trees of 17 objects, so that small worlds take all paths.
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/threads"
-export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-Zsanitizer=thread --cfg=fuzzing"
+export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-Zsanitizer=thread"
 export TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS-}"
 on() {
     local command=$1
