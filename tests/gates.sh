@@ -51,7 +51,8 @@ if $all; then
     if cargo +nightly miri --version >/dev/null 2>&1; then
         MIRIFLAGS=-Zmiri-many-seeds=0..32 cargo +nightly miri test -p trisap-core --lib threads_
         cargo +nightly miri test -p trisap-tests --test conformance executors::a_small_tree
-        cargo +nightly miri test -p trisap-ffi --test abi border::
+        # Threads that look at one world: see `Look::world`.
+        MIRIFLAGS=-Zmiri-tree-borrows cargo +nightly miri test -p trisap-ffi --test abi border::
     else
         echo "skipped: Miri is not installed"
     fi
