@@ -164,7 +164,6 @@ pub(crate) mod bits {
 #[cfg(all(test, not(debug_assertions)))]
 mod tests {
     use super::*;
-    use crate::parallel::executor::Serial;
     use crate::{Aabb, Boxes, Capacity, Config, Error, Kernels, World, layout};
     use std::{vec, vec::Vec};
 

@@ -38,8 +38,23 @@ pub(crate) fn ingest<I: Index>(
 ) -> Intake {
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
-        return ingest_small(parts, bounds, slots, kernels);
+        ingest_small(parts, bounds, slots, kernels)
+    } else {
+        ingest_large(parts, bounds, slots, settle, kernels, executor)
     }
+}
+
+/// Takes in the first slots of a world with a tree.
+// Its frame does not stand below those of the sweep.
+#[inline(never)]
+fn ingest_large<I: Index>(
+    parts: &mut Parts<'_, I>,
+    bounds: &Boxes<'_>,
+    slots: usize,
+    settle: bool,
+    kernels: Kernels,
+    executor: &dyn Executor,
+) -> Intake {
     // Those that have changed before.
     let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
     let len = block_len(slots);
