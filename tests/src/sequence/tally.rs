@@ -229,6 +229,7 @@ fn detail(error: &Error) -> u64 {
         Error::OtherConfig { field: Field::Events } => 3,
         Error::OtherConfig { field: Field::Filters } => 4,
         Error::OtherConfig { field: Field::Index } => 5,
+        Error::OtherConfig { field: Field::Values } => 6,
         _ => 0,
     }
 }
