@@ -73,13 +73,16 @@
 /// As full, after new planes for the whole tree.
 #define TRISAP_PATH_REBUILT 4
 
+/// Some have moved, and the others have many pairs: all leaves were filled, and swept for the pairs of the movers alone; the others stay.
+#define TRISAP_PATH_MOVERS_BY_LEAF 5
+
 /// Unchanged: nothing had moved.
 #define TRISAP_REASON_NO_MOVERS 0
 
 /// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
-/// Movers: at most one object in sixteen had moved.
+/// Movers: few had moved: one object in thirteen, or fewer where objects have many pairs.
 #define TRISAP_REASON_FEW_MOVERS 2
 
 /// Full: more had moved.

@@ -33,7 +33,7 @@ for ((done = 0; done + 2 * turn <= seconds && turn > 0; done += 2 * turn)); do
     seed=$((seed + 100000000))
 done
 awk '/ operations, / { operations += $1; steps += $3 }
-    /^paths:/ { trees += $6 + $8 + $10 }
+    /^paths:/ { trees += $6 + $8 + $10 + $12 }
     /^loads:/ { refused += $5; loaded += $7 }
     END {
         printf "in all: %d operations, %d steps compared with brute force, %d of them in a tree; ", operations, steps, trees

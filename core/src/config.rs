@@ -92,38 +92,56 @@ impl Choice {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hooks {
-    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where at most one in
-    /// sixteen has moved. Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
+    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where few have
+    /// moved (see [`Reason::FewMovers`](crate::Reason::FewMovers)). Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
     /// where nothing has moved.
     pub movers_only: Choice,
-    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while at most one in sixteen has
+    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while few have
     /// moved. Always: from the first one on.
     pub fine_leaves: Choice,
     /// Whether steps are shared between the workers of the executor. Automatic: from 4,096 objects on. Worlds that are swept
     /// box by box never are.
     pub sharing: Choice,
+    /// Whether steps that fill all leaves sweep them for the pairs of objects that have moved alone, and keep the others. Automatic:
+    /// where more have moved and enough pairs stay. Always: wherever `movers_only` is automatic and there is a
+    /// complete step to go on from.
+    pub movers_by_leaf: Choice,
 }
 
 impl Hooks {
     /// Steps choose.
-    pub const AUTOMATIC: Self =
-        Self { movers_only: Choice::Automatic, fine_leaves: Choice::Automatic, sharing: Choice::Automatic };
+    pub const AUTOMATIC: Self = Self {
+        movers_only: Choice::Automatic,
+        fine_leaves: Choice::Automatic,
+        sharing: Choice::Automatic,
+        movers_by_leaf: Choice::Automatic,
+    };
     /// The bits that [`bits`](Self::bits) uses.
-    pub(crate) const MASK: u32 = 0x3f;
+    pub(crate) const MASK: u32 = 0xff;
 
     /// Two bits each, the first ones lowest.
     #[must_use]
     pub const fn bits(self) -> u32 {
-        self.movers_only as u32 | (self.fine_leaves as u32) << 2 | (self.sharing as u32) << 4
+        self.movers_only as u32
+            | (self.fine_leaves as u32) << 2
+            | (self.sharing as u32) << 4
+            | (self.movers_by_leaf as u32) << 6
     }
 
     /// `None` of bits that [`bits`](Self::bits) does not give.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Option<Self> {
-        let choices = [Choice::from_bits(bits), Choice::from_bits(bits >> 2), Choice::from_bits(bits >> 4)];
+        let choices = [
+            Choice::from_bits(bits),
+            Choice::from_bits(bits >> 2),
+            Choice::from_bits(bits >> 4),
+            Choice::from_bits(bits >> 6),
+        ];
         match choices {
-            [Some(movers_only), Some(fine_leaves), Some(sharing)] if bits <= Self::MASK => {
-                Some(Self { movers_only, fine_leaves, sharing })
+            [Some(movers_only), Some(fine_leaves), Some(sharing), Some(movers_by_leaf)]
+                if bits <= Self::MASK =>
+            {
+                Some(Self { movers_only, fine_leaves, sharing, movers_by_leaf })
             }
             _ => None,
         }
@@ -332,6 +350,14 @@ impl Config {
     #[must_use]
     pub const fn with_sharing(mut self, choice: Choice) -> Self {
         self.hooks.sharing = choice;
+        self
+    }
+
+    /// The same with another [`Hooks::movers_by_leaf`].
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn with_movers_by_leaf(mut self, choice: Choice) -> Self {
+        self.hooks.movers_by_leaf = choice;
         self
     }
 }

@@ -229,12 +229,14 @@ pub const TRISAP_PATH_MOVERS: u32 = 2;
 pub const TRISAP_PATH_FULL: u32 = 3;
 /// As full, after new planes for the whole tree.
 pub const TRISAP_PATH_REBUILT: u32 = 4;
+/// Some have moved, and the others have many pairs: all leaves were filled, and swept for the pairs of the movers alone; the others stay.
+pub const TRISAP_PATH_MOVERS_BY_LEAF: u32 = 5;
 
 /// Unchanged: nothing had moved.
 pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
 /// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
 pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
-/// Movers: at most one object in sixteen had moved.
+/// Movers: few had moved: one object in thirteen, or fewer where objects have many pairs.
 pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
 /// Full: more had moved.
 pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;

@@ -288,7 +288,9 @@ fn hooks_cross_the_border() {
     second[0].max[0] += 0.25;
     let plain = trisap_default_config(OBJECTS as u32);
     assert_eq!(plain.test_hooks, 0);
-    let hooks = |movers_only, fine_leaves, sharing| Hooks { movers_only, fine_leaves, sharing }.bits();
+    let hooks = |movers_only, fine_leaves, sharing| {
+        Hooks { movers_only, fine_leaves, sharing, ..Hooks::AUTOMATIC }.bits()
+    };
     let (automatic, never, always) = (Choice::Automatic, Choice::Never, Choice::Always);
     for (config, path, reason, fine_leaves, shared) in [
         (plain, TRISAP_PATH_MOVERS, TRISAP_REASON_FEW_MOVERS, 0, u32::from(cfg!(miri))),

@@ -108,7 +108,7 @@ public:
         config.filters = flag(1);
         config.lean = flag(5) && objects() <= 256;
         config.workers = 2 + bytes_[4] % 4u;
-        config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4;
+        config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4 | bytes_[2] / 27u % 3 << 6;
         config.fixed_margins = flag(6);
         return config;
     }

@@ -13,7 +13,7 @@
 
 struct Tally {
     std::array<std::uint64_t, kinds> ran{};
-    std::array<std::uint64_t, 5> paths{};
+    std::array<std::uint64_t, 6> paths{};
     std::uint64_t refused = 0, full = 0, rejecting = 0, pairs = 0, found = 0, lost = 0, fine = 0, large = 0, answers = 0,
                   loaded = 0, forged_refused = 0, forged_loaded = 0, grown = 0;
 };

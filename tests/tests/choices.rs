@@ -45,7 +45,7 @@ fn the_number_of_movers_chooses_the_path_or_the_caller_does() {
     for (choice, thousandths, later) in [
         (Automatic, 0, STILL),
         (Automatic, 20, (Path::Movers, Reason::FewMovers)),
-        (Automatic, 300, (Path::Full, Reason::ManyMovers)),
+        (Automatic, 900, (Path::Full, Reason::ManyMovers)),
         (Never, 0, FULL),
         (Never, 20, FULL),
         (Never, 300, FULL),
@@ -92,7 +92,10 @@ fn other_reasons_have_their_names() {
     // Objects go into one leaf, few in each step: its neighbours make room, but not for too many.
     let mut crowded = boxes.clone();
     let mut crowd = |count: usize| {
-        crowded[..count].fill(boxes[3990]);
+        for (at, aabb) in crowded[..count].iter_mut().enumerate() {
+            // Side by side, since many pairs would be a reason for steps of another kind.
+            *aabb = scenes::at(boxes[3990].min.map(|x| x + at as f32 * 1e-6), [5e-7; 3]);
+        }
         route(world.step_over(&crowded, setup))
     };
     assert_eq!([200, 440].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);

@@ -202,7 +202,7 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             ("found without events", &|b| put(b, FOUND, 1)),
             ("lost without events", &|b| put(b, LOST, 1)),
             ("neither complete nor not", &|b| b[COMPLETE] = 2),
-            ("a path that there is not", &|b| put(b, CHOSEN, 5)),
+            ("a path that there is not", &|b| put(b, CHOSEN, 6)),
             ("a reason that there is not", &|b| put(b, CHOSEN, 10 << 8)),
             ("a box that is none", &|b| put(b, p.boxes + 24 * slot, i32::MAX as u32)),
             ("NaN in a box", &|b| put(b, p.boxes + 24 * slot + 12, 0x7fc0_0000)),

@@ -5,6 +5,8 @@
 
 mod allocation;
 mod among;
+
+mod by_leaf;
 mod capacity;
 mod choices;
 mod cliffs;

@@ -168,8 +168,8 @@ struct Case {
     filters: bool,
     /// Where there are filters, a rule too.
     rule: bool,
-    /// Movers only, fine leaves, sharing.
-    choices: [Choice; 3],
+    /// Movers only, fine leaves, sharing, movers by leaf.
+    choices: [Choice; 4],
     fixed_margins: bool,
     leaf_refs: usize,
     pairs: usize,
@@ -181,7 +181,7 @@ struct Case {
 
 impl Case {
     fn config(&self, workers: u32) -> Config {
-        let [movers_only, fine_leaves, sharing] = self.choices;
+        let [movers_only, fine_leaves, sharing, movers_by_leaf] = self.choices;
         let capacity = Capacity::for_objects(self.objects as u32);
         let capacity = capacity.with_leaf_refs(self.leaf_refs as u32).with_pairs(self.pairs as u32);
         let mut config = Config::new(capacity)
@@ -189,7 +189,8 @@ impl Case {
             .with_workers(workers)
             .with_movers_only(movers_only)
             .with_fine_leaves(fine_leaves)
-            .with_sharing(sharing);
+            .with_sharing(sharing)
+            .with_movers_by_leaf(movers_by_leaf);
         config.margin = self.margin;
         config.events = self.events;
         config.filters = self.filters;
@@ -505,7 +506,7 @@ fn case(objects: impl Strategy<Value = usize>, ops: usize) -> impl Strategy<Valu
     let filters = (any::<bool>(), any::<bool>());
     let choice =
         || prop_oneof![2 => Just(Choice::Automatic), 1 => Just(Choice::Never), 1 => Just(Choice::Always)];
-    let choices = ([choice(), choice(), choice()], any::<bool>());
+    let choices = ([choice(), choice(), choice(), choice()], any::<bool>());
     // Capacities in per cent of the objects: mostly enough, now and then not.
     let room = (
         prop_oneof![Just(0_usize), 0_usize..100, Just(50), Just(800)],

@@ -16,10 +16,14 @@ pub enum Path {
     Full,
     /// As `Full`, after new planes for the whole tree.
     Rebuilt,
+    /// Some have moved, and the others have many pairs: as `Full`, but the pairs of two objects that have not moved stay, and
+    /// leaves were swept for the others alone.
+    MoversByLeaf,
 }
 
 impl Path {
-    pub(crate) const ALL: [Self; 5] = [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt, Self::MoversByLeaf];
 }
 
 /// Why a step took its [`Path`].
@@ -31,11 +35,12 @@ pub enum Reason {
     NoMovers,
     /// Lists: the world is swept box by box.
     FewObjects,
-    /// Movers: at most one object in sixteen has moved.
+    /// Movers: few have moved: at most one object in thirteen where there are no pairs, one in sixteen with a pair or two an object,
+    /// one in 28 with six.
     FewMovers,
-    /// Full: more have moved.
+    /// Full or movers by leaf: more have moved.
     ManyMovers,
-    /// Movers or full: a test has it so.
+    /// Movers, by leaf or not, or full: a test has it so.
     Fixed,
     /// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with
     /// too many pairs, or few objects, or a shift of the origin.

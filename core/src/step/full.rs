@@ -1,4 +1,5 @@
-//! Steps in which many objects have moved: all leaves are filled and swept.
+//! Steps in which many objects have moved: all leaves are filled and swept, for all pairs, or for those of the movers where it
+//! pays to keep the others.
 
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
@@ -25,7 +26,12 @@ pub(super) fn full<I: Index>(
     let StepContext { kernels, executor, .. } = context;
     let mut rebuild = route.path == Path::Rebuilt;
     let was_filled = parts.state.tree.filled != 0;
-    persistent::start_over(parts);
+    let kept = if route.path == Path::MoversByLeaf {
+        Some(persistent::persistent(parts))
+    } else {
+        persistent::start_over(parts);
+        None
+    };
     executor.enter(Stage::Build);
     let was_subdivided = merge(parts);
     let rebalanced = if rebuild {
@@ -41,8 +47,8 @@ pub(super) fn full<I: Index>(
     executor.enter(Stage::Fill);
     let settled =
         settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
-    let kept = settled.is_some_and(|settled| keep::settle(parts, settled, context));
-    let mut counted = if kept { None } else { Some(assign::count(parts, kernels, executor)) };
+    let stands = settled.is_some_and(|settled| keep::settle(parts, settled, context));
+    let mut counted = if stands { None } else { Some(assign::count(parts, kernels, executor)) };
     if !rebuild && balance::is_out_of_balance(parts) {
         rebuild = true;
         route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
@@ -60,8 +66,10 @@ pub(super) fn full<I: Index>(
     });
     balance::review(parts);
     executor.enter(Stage::Sweep);
-    let Swept { pairs, work, found, leaves } = sweep(parts, context);
-    balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+    let Swept { pairs, work, found, leaves } = sweep(parts, kept, context);
+    if kept.is_none() {
+        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+    }
     // Where no leaves were filled, no object can have left one.
     let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
     keep::plan(parts.state, work.tied, left);
@@ -78,12 +86,13 @@ struct Swept {
     leaves: u32,
 }
 
-/// Sweeps all leaves.
-fn sweep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Swept {
+/// Sweeps all leaves: for all pairs, or behind so many that are kept, for those of the movers.
+fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepContext<'_>) -> Swept {
     let StepContext { kernels, executor, .. } = context;
     let leaf_count = 1usize << parts.state.tree.depth;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
-    let tells = events::share_out(parts, blocks);
+    let tells = kept.is_none() && events::share_out(parts, blocks);
+    let moved = kept.map(|_| &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let mut next = [&[][..]; 2];
@@ -94,10 +103,11 @@ fn sweep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Swept 
     } else {
         Collector::new(&mut parts.output, &parts.sizes, pair_filter)
     };
-    let (pairs, work) = collector.collect(executor, 0, blocks, &|block, scratch, sink| {
-        let first = block * LEAVES_PER_BLOCK;
-        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, next, scratch, sink });
-    });
+    let (pairs, work) =
+        collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
+            let first = block * LEAVES_PER_BLOCK;
+            let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
+            kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, moved, next, scratch, sink });
+        });
     Swept { pairs, work, found: tells.then_some(collector.found), leaves: leaf_count as u32 }
 }

@@ -29,7 +29,9 @@ pub(crate) fn find<I: Index>(
             Some(progress) => (route, progress),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), None, context),
         },
-        Path::Lists | Path::Full | Path::Rebuilt => full::full(parts, route, settled, context),
+        Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
+            full::full(parts, route, settled, context)
+        }
     }
 }
 

@@ -1,18 +1,27 @@
 //! Which kind of step finds the pairs. All kinds give the same pairs; which one is cheapest follows from counts alone, so equal
 //! calls choose equally.
 
+use crate::access::Access;
 use crate::config::Choice;
 use crate::id::Index;
 use crate::memory::slab::Parts;
+use crate::memory::state::State;
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::margins;
+use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::tree::balance;
 use crate::tree::subdivide::Subdivide;
 
-/// One in this many objects may have moved for the movers-only path to be the cheaper one, and for a step to be calm.
-const MOVERS_SHARE: u32 = 16;
+/// A step that tests each mover by itself takes as long as one that sweeps all leaves where one in so many objects has moved, and
+/// so many halves more for each pair of an object. Measured with 0.3, 1.5 and 6 pairs an object, 8,000 objects: see
+/// `PERFORMANCE.md`.
+const MOVERS_SHARE: u64 = 13;
+const MOVERS_SHARE_PER_PAIR: u64 = 5;
+
+/// Pairs that are looked at to know how many of them stay.
+const SAMPLE: u64 = 256;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u8 = 2;
@@ -40,7 +49,7 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
     if !parts.has_surplus() || fixed || parts.sizes.is_small() {
         return false;
     }
-    let many = moved > parts.state.objects.live / MOVERS_SHARE;
+    let many = !are_few(parts.state, moved);
     let step = &mut parts.state.step;
     let failed =
         if many { step.margins_failed.saturating_add(2) } else { step.margins_failed.saturating_sub(1) };
@@ -65,14 +74,52 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.tree.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let few = moved <= state.objects.live / MOVERS_SHARE;
-        match (fixed, fixed.unwrap_or(few)) {
-            (None, true) => Route { path: Path::Movers, reason: Reason::FewMovers },
-            (None, false) => anew(parts, Reason::ManyMovers),
-            (Some(_), true) => Route { path: Path::Movers, reason: Reason::Fixed },
-            (Some(_), false) => anew(parts, Reason::Fixed),
+        let by_leaf = state.setup.hooks().movers_by_leaf.fixed();
+        match fixed {
+            Some(true) => Route { path: Path::Movers, reason: Reason::Fixed },
+            Some(false) => anew(parts, Reason::Fixed),
+            None if by_leaf == Some(true) && can_keep_pairs(parts) => {
+                Route { path: Path::MoversByLeaf, reason: Reason::Fixed }
+            }
+            None if are_few(state, moved) => Route { path: Path::Movers, reason: Reason::FewMovers },
+            None if by_leaf.is_none() && can_keep_pairs(parts) && should_keep_pairs(parts) => {
+                Route { path: Path::MoversByLeaf, reason: Reason::ManyMovers }
+            }
+            None => anew(parts, Reason::ManyMovers),
         }
     }
+}
+
+/// Whether so few have moved that each is best tested by itself.
+fn are_few(state: &State, moved: u32) -> bool {
+    let (moved, live, pairs) = (u64::from(moved), u64::from(state.objects.live), state.pairs.swept);
+    let cost = MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2;
+    moved.saturating_mul(cost) <= live * live
+}
+
+/// Whether a step of many movers may keep the pairs of the others: new planes are weighed by all pairs.
+fn can_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
+    cfg!(feature = "large") && !balance::needs_planes(parts)
+}
+
+/// Whether a step of many movers is cheaper if it keeps the pairs of the others, and sweeps leaves for those of the movers alone.
+/// That saves the search for pairs that stay, and the look at their events. It parts the records of each leaf, and looks once more
+/// at each pair that goes.
+fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let (pairs, live) = (parts.state.pairs.swept, u64::from(parts.state.objects.live));
+    let saved = if parts.sizes.previous > 0 { 6 } else { 3 };
+    let cost = pairs + 2 * live;
+    // Not even if all of them stay.
+    if pairs.saturating_mul(saved) <= cost {
+        return false;
+    }
+    let list = parts.output.pairs.span(0, pairs as usize);
+    let (mut looked, mut stay) = (0, 0);
+    for pair in list.iter().step_by((pairs / SAMPLE).max(1) as usize) {
+        looked += 1;
+        stay += u64::from(persistent::is_clear_of(parts.moved.words, pair));
+    }
+    pairs.saturating_mul(saved).saturating_mul(stay) > cost.saturating_mul(looked)
 }
 
 /// The path that finds all pairs anew, for a reason if there is none for new planes.
@@ -96,7 +143,7 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     context: StepContext<'_>,
 ) {
     let (few, due) = match parts.state.setup.hooks().fine_leaves {
-        Choice::Automatic => (moved <= parts.state.objects.live / MOVERS_SHARE, CALM),
+        Choice::Automatic => (are_few(parts.state, moved), CALM),
         Choice::Always => (true, 1),
         Choice::Never => return,
     };

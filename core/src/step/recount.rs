@@ -58,7 +58,7 @@ pub(crate) fn prove<I: Index>(
     context: StepContext<'_>,
 ) -> Route {
     parts.state.pairs.unproven = 0;
-    if !matches!(route.path, Path::Unchanged | Path::Movers) || is_all(parts, context) {
+    if !matches!(route.path, Path::Unchanged | Path::Movers | Path::MoversByLeaf) || is_all(parts, context) {
         return route;
     }
     // As after a step whose pairs cannot be kept.

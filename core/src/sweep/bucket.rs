@@ -9,7 +9,7 @@
 
 use super::Sink;
 use super::scan::Scan;
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::LeafScratch;
@@ -18,6 +18,9 @@ use crate::tree::Record;
 
 /// The ends of the runs of equal sort bytes, in a sorted bucket.
 type Ends = [u16; 256];
+
+/// Where the neighbours of a record start and end, by its position.
+type Run = (usize, usize);
 
 #[inline(always)]
 const fn high(lane: u16) -> u8 {
@@ -35,11 +38,9 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
-    let ends = sort(simd, buckets, axis, 0, leaf_scratch);
+    let ends = sort(simd, buckets, axis, leaf_scratch);
     let count = buckets[0].len() + buckets[1].len();
-    let scan = Scan::new(axis, count, leaf_scratch, boxes, sink);
-    let ends = &ends;
-    scan.run(simd, move |at, record| (at + 1, reach_of(record, axis, ends)));
+    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, within(axis, &ends));
 }
 
 /// Sweeps two buckets against each other along `axis`: each pair has a record of either.
@@ -53,13 +54,46 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
-    let [left, right] = buckets.map(<[Record]>::len);
-    let left_ends = sort(simd, [buckets[0], &[]], axis, 0, leaf_scratch);
-    let right_ends = sort(simd, [buckets[1], &[]], axis, left, leaf_scratch);
-    let scan = Scan::new(axis, left + right, leaf_scratch, boxes, sink);
+    let (ends, left) = sort_apart(simd, buckets, axis, leaf_scratch, |bucket, _| bucket);
+    let count = buckets[0].len() + buckets[1].len();
+    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, left, &ends));
+}
+
+/// Sweeps records in any order along `axis`, for the pairs of which at least one is marked in `moved`.
+#[inline(always)]
+pub(crate) fn sweep_moved<S: Simd, I: Index>(
+    simd: S,
+    buckets: [&[Record]; 2],
+    moved: &[u32],
+    axis: usize,
+    leaf_scratch: &mut LeafScratch<'_, I>,
+    boxes: &[KeyBox],
+    sink: &mut dyn Sink<I>,
+) {
+    let axis = axis.min(2);
+    let (ends, movers) = sort_apart(simd, buckets, axis, leaf_scratch, |_, record| {
+        usize::from(!bits::test(moved, record.slot() as usize))
+    });
+    if movers == 0 {
+        return;
+    }
+    Scan::new(axis, movers, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
+    let count = buckets[0].len() + buckets[1].len();
+    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, movers, &ends));
+}
+
+/// The neighbours of each record of a bucket: those behind it.
+#[inline(always)]
+fn within(axis: usize, ends: &Ends) -> impl Fn(usize, &Record) -> Run {
+    move |at, record| (at + 1, reach_of(record, axis, ends))
+}
+
+/// The neighbours of each record of two parts of a bucket, the first one of `left` records: those of the other part.
+#[inline(always)]
+fn across(axis: usize, left: usize, ends: &[Ends; 2]) -> impl Fn(usize, &Record) -> Run {
+    let [left_ends, right_ends] = ends;
     // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    let (left_ends, right_ends) = (&left_ends, &right_ends);
-    scan.run(simd, move |at, record| {
+    move |at, record| {
         let run = high(record.lanes.at(axis)) as usize;
         if at < left {
             let first = if run == 0 { left } else { right_ends[run - 1] as usize };
@@ -67,16 +101,15 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
         } else {
             (left_ends[run] as usize, reach_of(record, axis, left_ends))
         }
-    });
+    }
 }
 
-/// Sorts records into the scratch of the leaf, from position `start` on.
+/// Sorts records into the scratch of the leaf.
 #[inline(always)]
 fn sort<S: Simd, I>(
     simd: S,
     buckets: [&[Record]; 2],
     axis: usize,
-    start: usize,
     leaf_scratch: &mut LeafScratch<'_, I>,
 ) -> Ends {
     let mut ends: Ends = [0; 256];
@@ -85,12 +118,12 @@ fn sort<S: Simd, I>(
             ends[high(record.lanes[axis]) as usize] += 1;
         }
     }
-    let mut next = start as u16;
+    let mut next = 0;
     for end in &mut ends {
         next += core::mem::replace(end, next);
     }
     // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
-    let count = start + buckets[0].len() + buckets[1].len();
+    let count = buckets[0].len() + buckets[1].len();
     let lanes = simd.axis(axis);
     // Of one length, so that one check of an index serves both.
     if let (Some(sorted), Some(rows)) =
@@ -107,6 +140,45 @@ fn sort<S: Simd, I>(
         }
     }
     ends
+}
+
+/// The same in two parts, one behind the other: `part` tells the part, 0 or 1, of a record of a bucket. Returns the length of
+/// the first one, too.
+#[inline(always)]
+fn sort_apart<S: Simd, I>(
+    simd: S,
+    buckets: [&[Record]; 2],
+    axis: usize,
+    leaf_scratch: &mut LeafScratch<'_, I>,
+    part: impl Fn(usize, &Record) -> usize,
+) -> ([Ends; 2], usize) {
+    let mut ends = [[0; 256]; 2];
+    for (number, bucket) in buckets.into_iter().enumerate() {
+        for record in bucket {
+            ends[part(number, record) % 2][high(record.lanes[axis]) as usize] += 1;
+        }
+    }
+    let mut next = 0u16;
+    for end in ends.as_flattened_mut() {
+        next += core::mem::replace(end, next);
+    }
+    let first = ends[1][0] as usize;
+    let count = buckets[0].len() + buckets[1].len();
+    let lanes = simd.axis(axis);
+    if let (Some(sorted), Some(rows)) =
+        (leaf_scratch.sorted.get_mut(..count), leaf_scratch.rows.get_mut(..count))
+    {
+        for (number, bucket) in buckets.into_iter().enumerate() {
+            for record in bucket {
+                let next = &mut ends[part(number, record) % 2][high(record.lanes[axis]) as usize];
+                let at = *next as usize;
+                *next += 1;
+                sorted.put(at, *record);
+                rows.put(at, simd.row(lanes, record));
+            }
+        }
+    }
+    (ends, first)
 }
 
 /// The end of the last run that a record reaches.

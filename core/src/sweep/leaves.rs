@@ -8,10 +8,11 @@
 use super::{Sink, bucket};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
-use crate::id::Index;
+use crate::id::{Index, Pair};
 use crate::memory::scratch::Scratch;
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
+use crate::pairs::persistent::is_clear_of;
 use crate::simd::{MINIMA, Phase, Simd};
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Record, Straddler};
@@ -119,10 +120,15 @@ impl<S: Simd> Gathered<'_, S> {
     }
 }
 
+/// Whether any step keeps pairs while it sweeps leaves: a program for a microcontroller has none that does.
+const KEEPS: bool = cfg!(feature = "large");
+
 /// Sweeps some leaves.
 pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     pub(crate) leaves: core::ops::Range<usize>,
+    /// Which slots have moved, if only their pairs are looked for.
+    pub(crate) moved: Option<&'g [u32]>,
     /// Boxes of all slots that are needed right after the sweep of a leaf, for its members and ghosts.
     pub(crate) next: [&'g [KeyBox]; 2],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
@@ -134,8 +140,9 @@ impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        for index in self.leaves {
-            sweep_leaf(simd, self.tree_view, index, self.next, self.scratch, self.sink);
+        let Self { tree_view, leaves, moved, next, scratch, sink } = self;
+        for index in leaves {
+            sweep_leaf(simd, tree_view, index, moved, next, scratch, sink);
         }
     }
 }
@@ -145,6 +152,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     index: usize,
+    moved: Option<&[u32]>,
     next: [&[KeyBox]; 2],
     scratch: &mut Scratch<'_, I>,
     sink: &mut dyn Sink<I>,
@@ -158,16 +166,39 @@ fn sweep_leaf<S: Simd, I: Index>(
         if !next[0].is_empty() {
             simd.call(AskFor { buckets: [members, ghosts], boxes: next });
         }
-        bucket::sweep(
-            simd,
-            [members, ghosts],
-            leaf.axis as usize,
-            &mut scratch.leaf_scratch,
-            tree_view.boxes,
-            sink,
-        );
+        let (axis, leaf_scratch) = (leaf.axis as usize, &mut scratch.leaf_scratch);
+        let (buckets, boxes) = ([members, ghosts], tree_view.boxes);
+        match moved {
+            Some(moved) if KEEPS => {
+                bucket::sweep_moved(simd, buckets, moved, axis, leaf_scratch, boxes, sink);
+            }
+            _ => bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink),
+        }
+    } else if let Some(moved) = moved
+        && KEEPS
+    {
+        let sink = &mut OfMovers { moved, sink };
+        sweep_tiles(simd, tree_view, index, members.len() + count, scratch, sink);
     } else {
         sweep_tiles(simd, tree_view, index, members.len() + count, scratch, sink);
+    }
+}
+
+/// Lets through the pairs of which at least one object has moved.
+struct OfMovers<'s, I> {
+    moved: &'s [u32],
+    sink: &'s mut dyn Sink<I>,
+}
+
+impl<I: Index> Sink<I> for OfMovers<'_, I> {
+    fn take(&mut self, pairs: &mut [Pair<I>]) {
+        let mut kept = 0;
+        for index in 0..pairs.len() {
+            let pair = pairs.at(index);
+            pairs.put(kept, pair);
+            kept += usize::from(!is_clear_of(self.moved, &pair));
+        }
+        self.sink.take(pairs.span_mut(0, kept));
     }
 }
 

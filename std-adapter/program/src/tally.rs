@@ -7,7 +7,7 @@ use crate::stopwatch::StageTimes;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use std::collections::BTreeMap;
-use trisap::Stats;
+use trisap::{Path, Stats};
 
 pub(crate) struct Tally {
     bar: ProgressBar,
@@ -60,7 +60,11 @@ impl Visitor for Tally {
         self.stats.push(frame.stats);
         // What the exact mode dropped, or what the fat mode kept.
         self.surplus.push(frame.surplus + frame.stats.surplus);
-        *self.paths.entry(format!("{:?}", frame.stats.path).to_lowercase()).or_default() += 1;
+        let path = match frame.stats.path {
+            Path::MoversByLeaf => "movers by leaf".into(),
+            path => format!("{path:?}").to_lowercase(),
+        };
+        *self.paths.entry(path).or_default() += 1;
         self.rejected += u64::from(frame.rejected.map_or(0, |rejected| rejected.count));
         if let Some(checker) = &mut self.checker {
             self.wrong = checker.compare(frame).err().map(|wrong| format!("frame {}: {wrong}", frame.number));

@@ -66,7 +66,8 @@ impl Header {
             .with_mode(if self.flag(4) { Mode::Fat } else { Mode::Exact })
             .with_movers_only(choice(1))
             .with_fine_leaves(choice(3))
-            .with_sharing(choice(9));
+            .with_sharing(choice(9))
+            .with_movers_by_leaf(choice(27));
         config.margin = self.flag(3).then_some(Margin { per_extent: 0.125, min: 0.03125, max: 1.0 });
         config.events = self.flag(0);
         config.filters = self.flag(1);

@@ -15,7 +15,7 @@ pub struct Tally {
     /// Calls that were refused.
     pub refused: u64,
     /// Complete steps by path.
-    pub paths: [u64; 5],
+    pub paths: [u64; 6],
     /// Steps whose buffer was full.
     pub full: u64,
     /// Steps that refused boxes.
@@ -132,6 +132,7 @@ impl Tally {
             Path::Movers => 2,
             Path::Full => 3,
             Path::Rebuilt => 4,
+            Path::MoversByLeaf => 5,
         };
         self.paths[path] += 1;
         self.pairs += stats.pairs;
@@ -170,11 +171,11 @@ impl AddAssign<&Self> for Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [unchanged, lists, movers, full, rebuilt] = self.paths;
+        let [unchanged, lists, movers, full, rebuilt, by_leaf] = self.paths;
         writeln!(f, "{} operations, {} steps compared with brute force", self.operations(), self.steps())?;
         writeln!(
             f,
-            "paths: {unchanged} unchanged, {lists} lists, {movers} movers, {full} full, {rebuilt} rebuilt"
+            "paths: {unchanged} unchanged, {lists} lists, {movers} movers, {full} full, {rebuilt} rebuilt, {by_leaf} movers by leaf"
         )?;
         writeln!(f, "steps: {} full buffers, {} refused boxes", self.full, self.rejecting)?;
         writeln!(f, "       {} with small leaves, {} with large objects", self.fine, self.large)?;

@@ -89,7 +89,12 @@ impl Setup {
     pub(crate) fn hooks(&self) -> Hooks {
         let choice = |bits: u32| Choice::from_bits(bits).unwrap_or_default();
         let bits = self.flags >> HOOKS;
-        Hooks { movers_only: choice(bits), fine_leaves: choice(bits >> 2), sharing: choice(bits >> 4) }
+        Hooks {
+            movers_only: choice(bits),
+            fine_leaves: choice(bits >> 2),
+            sharing: choice(bits >> 4),
+            movers_by_leaf: choice(bits >> 6),
+        }
     }
 
     pub(crate) const fn has_fixed_margins(&self) -> bool {
