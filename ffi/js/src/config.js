@@ -92,7 +92,7 @@ function number(field, value, kind) {
   return value;
 }
 
-const PATHS = ["unchanged", "lists", "movers", "full", "rebuilt"];
+const PATHS = ["unchanged", "lists", "movers", "full", "rebuilt", "moversByLeaf"];
 const REASONS = [
   "no movers", "few objects", "few movers", "many movers", "fixed", "nothing kept", "no room", "outgrown", "out of balance",
 ];

@@ -72,7 +72,7 @@ export interface Hit {
 
 /** What the last step did. */
 export interface Stats {
-  path: "unchanged" | "lists" | "movers" | "full" | "rebuilt";
+  path: "unchanged" | "lists" | "movers" | "full" | "rebuilt" | "moversByLeaf";
   reason: string;
   objects: number;
   moved: number;
