@@ -456,6 +456,12 @@ typedef struct trisap_cast {
     float distance;
 } trisap_cast;
 
+/// Which objects may answer a query, as if the others were not there; null stands for all. Called with an object that the query has come
+/// to, and with the query's `user`; not 0 if the object may answer. It has to say the same of the same object. May look at the world, for
+/// instance by `trisap_world_meets`; calls that change it are refused as busy. Batches with a job system call it from several threads at
+/// once.
+typedef uint32_t (*trisap_condition)(void *user, trisap_id id);
+
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
 
@@ -471,10 +477,6 @@ typedef struct trisap_hit {
 /// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
 /// less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
-
-/// Called with an object that a query has come to; not 0 if it may answer. It has to say the same of the same object. May look at the
-/// world, for instance by `trisap_world_meets`; calls that change it are refused as busy.
-typedef uint32_t (*trisap_condition)(void *user, trisap_id id);
 
 /// A leaf of the tree.
 typedef struct trisap_leaf {
@@ -907,6 +909,14 @@ TRISAP_NOEXCEPT;
 /// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
 TRISAP_NODISCARD trisap_status trisap_world_validate(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
+/// 1 if an object meets what has this filter, by groups and classes, else 0; 0 for misuse and stale ids. Objects of a world without
+/// filters are in all groups and meet all. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_world_meets(const struct trisap_world *world,
+                            trisap_id id,
+                            const struct trisap_filter *filter)
+TRISAP_NOEXCEPT;
+
 /// A box to look in. Of null, a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_aabb(const struct trisap_aabb *aabb) TRISAP_NOEXCEPT;
 
@@ -939,6 +949,8 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_overlaps(const struct trisap_world *world,
                                     const struct trisap_region *region,
+                                    trisap_condition condition,
+                                    void *user,
                                     trisap_id *ids,
                                     size_t room,
                                     size_t *count)
@@ -964,6 +976,8 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_first_hit(const struct trisap_world *world,
                                      const struct trisap_cast *cast,
+                                     trisap_condition condition,
+                                     void *user,
                                      struct trisap_hit *hit)
 TRISAP_NOEXCEPT;
 
@@ -975,6 +989,8 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_hits(const struct trisap_world *world,
                                 const struct trisap_cast *cast,
+                                trisap_condition condition,
+                                void *user,
                                 struct trisap_hit *hits,
                                 size_t room,
                                 size_t *count)
@@ -1000,59 +1016,11 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    const float *position,
+                                   trisap_condition condition,
+                                   void *user,
                                    struct trisap_hit *hits,
                                    size_t room,
                                    size_t *count)
-TRISAP_NOEXCEPT;
-
-/// 1 if an object meets what has this filter, by groups and classes, else 0; 0 for misuse and stale ids. Objects of a world without
-/// filters are in all groups and meet all. O(1).
-TRISAP_NODISCARD
-uint32_t trisap_world_meets(const struct trisap_world *world,
-                            trisap_id id,
-                            const struct trisap_filter *filter)
-TRISAP_NOEXCEPT;
-
-/// `trisap_world_overlaps` of the objects that fulfil a condition; `user` is handed to it.
-TRISAP_NODISCARD
-trisap_status trisap_world_overlaps_among(const struct trisap_world *world,
-                                          const struct trisap_region *region,
-                                          trisap_condition condition,
-                                          void *user,
-                                          trisap_id *ids,
-                                          size_t room,
-                                          size_t *count)
-TRISAP_NOEXCEPT;
-
-/// `trisap_world_first_hit` of the objects that fulfil a condition; `user` is handed to it.
-TRISAP_NODISCARD
-trisap_status trisap_world_first_hit_among(const struct trisap_world *world,
-                                           const struct trisap_cast *cast,
-                                           trisap_condition condition,
-                                           void *user,
-                                           struct trisap_hit *hit)
-TRISAP_NOEXCEPT;
-
-/// `trisap_world_hits` of the objects that fulfil a condition; `user` is handed to it.
-TRISAP_NODISCARD
-trisap_status trisap_world_hits_among(const struct trisap_world *world,
-                                      const struct trisap_cast *cast,
-                                      trisap_condition condition,
-                                      void *user,
-                                      struct trisap_hit *hits,
-                                      size_t room,
-                                      size_t *count)
-TRISAP_NOEXCEPT;
-
-/// `trisap_world_nearest` of the objects that fulfil a condition; `user` is handed to it.
-TRISAP_NODISCARD
-trisap_status trisap_world_nearest_among(const struct trisap_world *world,
-                                         const float *position,
-                                         trisap_condition condition,
-                                         void *user,
-                                         struct trisap_hit *hits,
-                                         size_t room,
-                                         size_t *count)
 TRISAP_NOEXCEPT;
 
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
@@ -1065,6 +1033,8 @@ trisap_status trisap_world_first_hits(const struct trisap_world *world,
                                       const struct trisap_cast *casts,
                                       size_t stride,
                                       size_t count,
+                                      trisap_condition condition,
+                                      void *user,
                                       const struct trisap_jobs *jobs,
                                       struct trisap_hit *hits)
 TRISAP_NOEXCEPT;
@@ -1081,6 +1051,8 @@ trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
                                          const struct trisap_region *regions,
                                          size_t stride,
                                          size_t count,
+                                         trisap_condition condition,
+                                         void *user,
                                          const struct trisap_jobs *jobs,
                                          trisap_id *ids,
                                          size_t room,

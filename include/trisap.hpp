@@ -241,6 +241,130 @@ template <class T> struct Answers {
     [[nodiscard]] const T &operator[](std::size_t index) const noexcept { return items[index]; }
 };
 
+/// Queries between two steps, about all objects (`World`) or about some (`World::among`).
+template <class Self> class Queries {
+public:
+    /// The objects whose boxes overlap a region, by ascending slot.
+    [[nodiscard]] Answers<Id> overlaps(const Region &region, View<Id> room) const noexcept {
+        const Choice of = choice();
+        std::size_t count = 0;
+        const Status status =
+            trisap_world_overlaps(of.world, &region, of.condition, of.user, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
+    /// regions.
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids,
+                                       View<std::uint32_t> counts) const noexcept {
+        return overlaps_many_with(regions, ids, counts, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin>
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+                                       Jobs<ForkJoin> &jobs) const noexcept {
+        const trisap_jobs c = jobs.c();
+        return overlaps_many_with(regions, ids, counts, &c);
+    }
+
+    /// The first object that a cast meets, or the null id; the reason of a refusal is written to `status`, if that is given.
+    [[nodiscard]] Hit first_hit(const Cast &cast, Status *status = nullptr) const noexcept {
+        const Choice of = choice();
+        Hit hit = {null_id, 0.0};
+        const Status outcome = trisap_world_first_hit(of.world, &cast, of.condition, of.user, &hit);
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return hit;
+    }
+
+    /// The first hits of many casts at once, as many as casts; null ids where a cast meets nothing.
+    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits) const noexcept {
+        return first_hits_with(casts, hits, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin>
+    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits, Jobs<ForkJoin> &jobs) const noexcept {
+        const trisap_jobs c = jobs.c();
+        return first_hits_with(casts, hits, &c);
+    }
+
+    /// The objects that a cast meets, the nearest first.
+    [[nodiscard]] Answers<Hit> hits(const Cast &cast, View<Hit> room) const noexcept {
+        const Choice of = choice();
+        std::size_t count = 0;
+        const Status status =
+            trisap_world_hits(of.world, &cast, of.condition, of.user, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The objects whose boxes are nearest to a point of three numbers, as many as there is room for, the nearest first.
+    [[nodiscard]] Answers<Hit> nearest(const float *position, View<Hit> room) const noexcept {
+        const Choice of = choice();
+        std::size_t count = 0;
+        const Status status =
+            trisap_world_nearest(of.world, position, of.condition, of.user, room.data(), room.size(), &count);
+        return answers(status, room, count);
+    }
+
+protected:
+    /// What is asked; all may answer where there is no condition.
+    struct Choice {
+        const trisap_world *world;
+        trisap_condition condition;
+        void *user;
+    };
+
+    template <class T>
+    [[nodiscard]] static Answers<T> answers(Status status, View<T> room, std::size_t count) noexcept {
+        return {status, {room.data(), count < room.size() ? count : room.size()}, count};
+    }
+
+private:
+    [[nodiscard]] Choice choice() const noexcept { return static_cast<const Self *>(this)->choice(); }
+
+    [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+                                            const trisap_jobs *jobs) const noexcept {
+        if (counts.size() < regions.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        const Choice of = choice();
+        const std::size_t room = regions.empty() ? 0 : ids.size() / regions.size();
+        return trisap_world_overlaps_many(of.world, regions.data(), sizeof(Region), regions.size(), of.condition, of.user,
+                                          jobs, ids.data(), room, counts.data());
+    }
+
+    [[nodiscard]] Status first_hits_with(View<const Cast> casts, View<Hit> hits, const trisap_jobs *jobs) const noexcept {
+        if (hits.size() < casts.size()) {
+            return TRISAP_STATUS_INVALID_ARGUMENT;
+        }
+        const Choice of = choice();
+        return trisap_world_first_hits(of.world, casts.data(), sizeof(Cast), casts.size(), of.condition, of.user, jobs,
+                                       hits.data());
+    }
+};
+
+/// Queries about the objects that fulfil a condition: see `World::among`. Good for as long as the world is.
+template <class Condition> class Among : public Queries<Among<Condition>> {
+public:
+    Among(const trisap_world *world, Condition condition) noexcept : world_(world), condition_(std::move(condition)) {}
+
+private:
+    friend class Queries<Among>;
+
+    [[nodiscard]] typename Queries<Among>::Choice choice() const noexcept {
+        const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
+            return (*static_cast<const Condition *>(user))(id) ? 1 : 0;
+        };
+        return {world_, call, const_cast<Condition *>(std::addressof(condition_))};
+    }
+
+    const trisap_world *world_;
+    Condition condition_;
+};
+
 /// Where worlds have their memory from; by default from `operator new`. What it allocates is aligned to `align`, and null says that
 /// there is none.
 struct Allocator {
@@ -259,7 +383,7 @@ struct Allocator {
 /// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
 ///
 /// Any number of threads may call what is `const` at once; what is not is refused as busy meanwhile, and the other way round.
-class World {
+class World : public Queries<World> {
 public:
     World() noexcept = default;
 
@@ -498,13 +622,6 @@ public:
         return view(status, result);
     }
 
-    /// The objects whose boxes overlap a region, by ascending slot.
-    [[nodiscard]] Answers<Id> overlaps(const Region &region, View<Id> room) const noexcept {
-        std::size_t count = 0;
-        const Status status = trisap_world_overlaps(world_, &region, room.data(), room.size(), &count);
-        return answers(status, room, count);
-    }
-
     /// Visits the objects whose boxes overlap a region: `visit(id)` returns nothing, or false to end the visit. It must not
     /// call into this world.
     template <class Visit> [[nodiscard]] Status visit_overlaps(const Region &region, Visit &&visit) const noexcept {
@@ -519,50 +636,6 @@ public:
         };
         Reference<Visit> reference{visit};
         return trisap_world_visit_overlaps(world_, &region, call, &reference);
-    }
-
-    /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
-    /// regions.
-    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids,
-                                       View<std::uint32_t> counts) const noexcept {
-        return overlaps_many_with(regions, ids, counts, nullptr);
-    }
-
-    /// The same with the help of a job system.
-    template <class ForkJoin>
-    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
-                                       Jobs<ForkJoin> &jobs) const noexcept {
-        const trisap_jobs c = jobs.c();
-        return overlaps_many_with(regions, ids, counts, &c);
-    }
-
-    /// The first object that a cast meets, or the null id; the reason of a refusal is written to `status`, if that is given.
-    [[nodiscard]] Hit first_hit(const Cast &cast, Status *status = nullptr) const noexcept {
-        Hit hit = {null_id, 0.0};
-        const Status outcome = trisap_world_first_hit(world_, &cast, &hit);
-        if (status != nullptr) {
-            *status = outcome;
-        }
-        return hit;
-    }
-
-    /// The first hits of many casts at once, as many as casts; null ids where a cast meets nothing.
-    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits) const noexcept {
-        return first_hits_with(casts, hits, nullptr);
-    }
-
-    /// The same with the help of a job system.
-    template <class ForkJoin>
-    [[nodiscard]] Status first_hits(View<const Cast> casts, View<Hit> hits, Jobs<ForkJoin> &jobs) const noexcept {
-        const trisap_jobs c = jobs.c();
-        return first_hits_with(casts, hits, &c);
-    }
-
-    /// The objects that a cast meets, the nearest first.
-    [[nodiscard]] Answers<Hit> hits(const Cast &cast, View<Hit> room) const noexcept {
-        std::size_t count = 0;
-        const Status status = trisap_world_hits(world_, &cast, room.data(), room.size(), &count);
-        return answers(status, room, count);
     }
 
     /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It must not
@@ -581,61 +654,19 @@ public:
         return trisap_world_visit_hits(world_, &cast, call, &reference);
     }
 
-    /// The objects whose boxes are nearest to a point of three numbers, as many as there is room for, the nearest first.
-    [[nodiscard]] Answers<Hit> nearest(const float *position, View<Hit> room) const noexcept {
-        std::size_t count = 0;
-        const Status status = trisap_world_nearest(world_, position, room.data(), room.size(), &count);
-        return answers(status, room, count);
+    /// Asks queries as if only objects were there that fulfil a condition: `condition(id)` is true if the object may answer. It has to
+    /// say the same of the same object, may look at the world, and is called by the workers of a batch all at once.
+    ///
+    ///     world.among([&](trisap::Id id) { return id != own; }).first_hit(trisap::ray(eye, direction))
+    template <class Condition>
+    [[nodiscard]] Among<std::decay_t<Condition>> among(Condition &&condition) const noexcept {
+        static_assert(std::is_invocable_r_v<bool, const std::decay_t<Condition> &, Id>);
+        return {world_, std::forward<Condition>(condition)};
     }
 
     /// Whether an object meets what has this filter, by groups and classes: for conditions of queries.
     [[nodiscard]] bool meets(Id id, const Filter &filter) const noexcept {
         return trisap_world_meets(world_, id, &filter) != 0;
-    }
-
-    /// `overlaps` of the objects that fulfil a condition: `condition(id)` is true if the object may answer. It has to say the same of
-    /// the same object, and may look at the world.
-    template <class Condition>
-    [[nodiscard]] Answers<Id> overlaps_among(const Region &region, View<Id> room, Condition &&condition) const noexcept {
-        Reference<Condition> reference{condition};
-        std::size_t count = 0;
-        const Status status = trisap_world_overlaps_among(world_, &region, accepts<Condition>(), &reference, room.data(),
-                                                          room.size(), &count);
-        return answers(status, room, count);
-    }
-
-    /// `first_hit` of the objects that fulfil a condition.
-    template <class Condition>
-    [[nodiscard]] Hit first_hit_among(const Cast &cast, Condition &&condition, Status *status = nullptr) const noexcept {
-        Reference<Condition> reference{condition};
-        Hit hit = {null_id, 0.0};
-        const Status outcome =
-            trisap_world_first_hit_among(world_, &cast, accepts<Condition>(), &reference, &hit);
-        if (status != nullptr) {
-            *status = outcome;
-        }
-        return hit;
-    }
-
-    /// `hits` of the objects that fulfil a condition.
-    template <class Condition>
-    [[nodiscard]] Answers<Hit> hits_among(const Cast &cast, View<Hit> room, Condition &&condition) const noexcept {
-        Reference<Condition> reference{condition};
-        std::size_t count = 0;
-        const Status status = trisap_world_hits_among(world_, &cast, accepts<Condition>(), &reference, room.data(),
-                                                      room.size(), &count);
-        return answers(status, room, count);
-    }
-
-    /// `nearest` of the objects that fulfil a condition: without one's own, for instance.
-    template <class Condition>
-    [[nodiscard]] Answers<Hit> nearest_among(const float *position, View<Hit> room,
-                                             Condition &&condition) const noexcept {
-        Reference<Condition> reference{condition};
-        std::size_t count = 0;
-        const Status status = trisap_world_nearest_among(world_, position, accepts<Condition>(), &reference, room.data(),
-                                                         room.size(), &count);
-        return answers(status, room, count);
     }
 
     /// Moves the origin to a point: subtracts it from all boxes. `rounded` tells how many objects had to be rounded outward.
@@ -709,6 +740,10 @@ public:
     }
 
 private:
+    friend class Queries<World>;
+
+    [[nodiscard]] Choice choice() const noexcept { return {world_, nullptr, nullptr}; }
+
     struct Free {
         Free() noexcept : bytes(0) {}
         Free(const Allocator &from, std::size_t room) noexcept : allocator(from), bytes(room) {}
@@ -768,13 +803,6 @@ private:
         std::remove_reference_t<Callable> &callable;
     };
 
-    /// A condition as the C functions call it.
-    template <class Condition> [[nodiscard]] static trisap_condition accepts() noexcept {
-        return [](void *user, trisap_id id) noexcept -> std::uint32_t {
-            return static_cast<Reference<Condition> *>(user)->callable(id) ? 1 : 0;
-        };
-    }
-
     [[nodiscard]] Status values_of(const Id *first, std::size_t stride, std::size_t count,
                                    View<std::uint64_t> values) const noexcept {
         if (values.size() < count) {
@@ -807,28 +835,6 @@ private:
         const Status status =
             grow_and([&] { return trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result); });
         return view(status, result);
-    }
-
-    [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
-                                            const trisap_jobs *jobs) const noexcept {
-        if (counts.size() < regions.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
-        }
-        const std::size_t room = regions.empty() ? 0 : ids.size() / regions.size();
-        return trisap_world_overlaps_many(world_, regions.data(), sizeof(Region), regions.size(), jobs, ids.data(), room,
-                                          counts.data());
-    }
-
-    [[nodiscard]] Status first_hits_with(View<const Cast> casts, View<Hit> hits, const trisap_jobs *jobs) const noexcept {
-        if (hits.size() < casts.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
-        }
-        return trisap_world_first_hits(world_, casts.data(), sizeof(Cast), casts.size(), jobs, hits.data());
-    }
-
-    template <class T>
-    [[nodiscard]] static Answers<T> answers(Status status, View<T> room, std::size_t count) noexcept {
-        return {status, {room.data(), count < room.size() ? count : room.size()}, count};
     }
 
     [[nodiscard]] static Step view(Status status, const trisap_result &result) noexcept {

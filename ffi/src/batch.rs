@@ -1,12 +1,13 @@
 //! Many queries in one call, shared by the caller's workers.
 
+use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Items};
 use crate::call::{Look, look, trisap_world};
 use crate::jobs::executor;
 use crate::query::{trisap_cast, trisap_region};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id, trisap_jobs};
-use core::ffi::CStr;
+use core::ffi::{CStr, c_void};
 use trisap_core::{Cast, Error, Region};
 
 const NAME: &CStr = c"trisap queries";
@@ -26,6 +27,8 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     casts: *const trisap_cast,
     stride: usize,
     count: usize,
+    condition: trisap_condition,
+    user: *mut c_void,
     jobs: *const trisap_jobs,
     hits: *mut trisap_hit,
 ) -> trisap_status {
@@ -38,6 +41,8 @@ pub unsafe extern "C" fn trisap_world_first_hits(
         // SAFETY: the caller's promise.
         let mut hits = unsafe { border::Hits::new(hits, count, &range)? };
         let world = call.world()?;
+        let condition = accepts(condition, user);
+        let among = condition.as_ref().map(|condition| world.among(condition));
         let mut block = [Cast::ray([0.0; 3], [0.0; 3], 0.0); BLOCK];
         let out = hits.as_options();
         let outcome = in_blocks(
@@ -46,7 +51,10 @@ pub unsafe extern "C" fn trisap_world_first_hits(
             |cast| Some(cast.into()),
             |start, casts| {
                 let out = out.get_mut(start..).unwrap_or_default();
-                world.first_hits(casts, &executor, out)
+                match &among {
+                    Some(among) => among.first_hits(casts, &executor, out),
+                    None => world.first_hits(casts, &executor, out),
+                }
             },
         );
         if outcome.is_err() {
@@ -73,6 +81,8 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     regions: *const trisap_region,
     stride: usize,
     count: usize,
+    condition: trisap_condition,
+    user: *mut c_void,
     jobs: *const trisap_jobs,
     ids: *mut trisap_id,
     room: usize,
@@ -92,11 +102,17 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         let (ids, counts) =
             unsafe { (border::new_ids(ids, all, &range)?, border::zeros(counts, count, &range)?) };
         let world = call.world()?;
+        let condition = accepts(condition, user);
+        let among = condition.as_ref().map(|condition| world.among(condition));
         let mut block = [Region::Point([0.0; 3]); BLOCK];
         let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
             let ids = ids.get_mut(start * room..(start + regions.len()) * room).unwrap_or_default();
             let counts = counts.get_mut(start..).unwrap_or_default();
-            match world.overlaps_many(regions, &executor, ids, counts) {
+            let outcome = match &among {
+                Some(among) => among.overlaps_many(regions, &executor, ids, counts),
+                None => world.overlaps_many(regions, &executor, ids, counts),
+            };
+            match outcome {
                 // The others may have room enough.
                 Err(Error::OutputFull { .. }) => Ok(()),
                 outcome => outcome,

@@ -65,9 +65,9 @@ pub mod values;
 
 pub mod stats;
 
-pub mod query;
-
 pub mod among;
+
+pub mod query;
 
 pub mod batch;
 

@@ -3,6 +3,7 @@
 //! Answers are those of the boxes as they are now. Each needs no step before it.
 
 use crate::aabb::{point, trisap_aabb};
+use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Answers};
 use crate::call::{Look, look, trisap_world};
 use crate::status::{Refusal, trisap_status};
@@ -113,9 +114,6 @@ pub unsafe extern "C" fn trisap_cast_swept(start: *const trisap_aabb, direction:
     trisap_cast { start: trisap_aabb { min: start.min, max: start.max }, direction, distance: 1.0 }
 }
 
-/// Which objects may answer; all where there is none.
-type Condition<'c> = Option<&'c dyn Fn(Id) -> bool>;
-
 /// # Safety
 /// A pointer that is not null points to a region.
 unsafe fn region(region: *const trisap_region) -> Result<Region, Refusal> {
@@ -144,35 +142,28 @@ unsafe fn cast(cast: *const trisap_cast) -> Result<Cast, trisap_status> {
 pub unsafe extern "C" fn trisap_world_overlaps(
     world: *const trisap_world,
     region: *const trisap_region,
+    condition: trisap_condition,
+    user: *mut c_void,
     ids: *mut trisap_id,
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
+    let ask = |call: &Look| {
+        // SAFETY: the caller's promise.
+        let (region, mut answers) =
+            unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
+        let condition = accepts(condition, user);
+        call.world()?.visit_overlaps(&region, &mut |id| {
+            if condition.as_ref().is_none_or(|condition| condition(id)) {
+                answers.push(id.to_bits());
+            }
+            ControlFlow::Continue(())
+        })?;
+        answers.written().sort_unstable_by_key(|id| *id as u32);
+        answers.conclude()
+    };
     // SAFETY: the caller's promise.
-    unsafe { look(world, |call| overlaps(call, region, None, ids, room, count)) }
-}
-
-/// # Safety
-/// That of [`trisap_world_overlaps`].
-pub(crate) unsafe fn overlaps(
-    call: &Look,
-    region: *const trisap_region,
-    condition: Condition<'_>,
-    ids: *mut trisap_id,
-    room: usize,
-    count: *mut usize,
-) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
-    let (region, mut answers) =
-        unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
-    call.world()?.visit_overlaps(&region, &mut |id| {
-        if condition.is_none_or(|condition| condition(id)) {
-            answers.push(id.to_bits());
-        }
-        ControlFlow::Continue(())
-    })?;
-    answers.written().sort_unstable_by_key(|id| *id as u32);
-    answers.conclude()
+    unsafe { look(world, ask) }
 }
 
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
@@ -218,31 +209,25 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
 pub unsafe extern "C" fn trisap_world_first_hit(
     world: *const trisap_world,
     cast: *const trisap_cast,
+    condition: trisap_condition,
+    user: *mut c_void,
     hit: *mut trisap_hit,
 ) -> trisap_status {
-    // SAFETY: the caller's promise.
-    unsafe { look(world, |call| first_hit(call, cast, None, hit)) }
-}
-
-/// # Safety
-/// That of [`trisap_world_first_hit`].
-pub(crate) unsafe fn first_hit(
-    call: &Look,
-    cast: *const trisap_cast,
-    condition: Condition<'_>,
-    hit: *mut trisap_hit,
-) -> Result<(), Refusal> {
-    border::span(hit, 1, &call.range())?;
-    // SAFETY: the caller's promise.
-    let cast = unsafe { self::cast(cast)? };
-    let world = call.world()?;
-    let first = match condition {
-        Some(condition) => world.among(condition).first_hit(&cast)?,
-        None => world.first_hit(&cast)?,
+    let ask = |call: &Look| {
+        border::span(hit, 1, &call.range())?;
+        // SAFETY: the caller's promise.
+        let cast = unsafe { self::cast(cast)? };
+        let world = call.world()?;
+        let first = match accepts(condition, user) {
+            Some(condition) => world.among(condition).first_hit(&cast)?,
+            None => world.first_hit(&cast)?,
+        };
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
+        Ok(())
     };
-    // SAFETY: aligned, not null, and outside of the world.
-    unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
-    Ok(())
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
 }
 
 /// Writes the objects that a cast meets to `hits`, which has room for `room` of them, the nearest first, equally near
@@ -255,37 +240,31 @@ pub(crate) unsafe fn first_hit(
 pub unsafe extern "C" fn trisap_world_hits(
     world: *const trisap_world,
     cast: *const trisap_cast,
+    condition: trisap_condition,
+    user: *mut c_void,
     hits: *mut trisap_hit,
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
+    let ask = |call: &Look| {
+        // SAFETY: the caller's promise.
+        let (cast, mut answers) =
+            unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
+        let condition = accepts(condition, user);
+        call.world()?.visit_hits(&cast, &mut |hit| {
+            if condition.as_ref().is_none_or(|condition| condition(hit.id)) {
+                answers.push(trisap_hit::from(hit));
+            }
+            f64::INFINITY
+        })?;
+        let by_slot = |hit: &trisap_hit| hit.id as u32;
+        answers
+            .written()
+            .sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(by_slot(a).cmp(&by_slot(b))));
+        answers.conclude()
+    };
     // SAFETY: the caller's promise.
-    unsafe { look(world, |call| self::hits(call, cast, None, hits, room, count)) }
-}
-
-/// # Safety
-/// That of [`trisap_world_hits`].
-pub(crate) unsafe fn hits(
-    call: &Look,
-    cast: *const trisap_cast,
-    condition: Condition<'_>,
-    hits: *mut trisap_hit,
-    room: usize,
-    count: *mut usize,
-) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
-    let (cast, mut answers) = unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
-    call.world()?.visit_hits(&cast, &mut |hit| {
-        if condition.is_none_or(|condition| condition(hit.id)) {
-            answers.push(trisap_hit::from(hit));
-        }
-        f64::INFINITY
-    })?;
-    let by_slot = |hit: &trisap_hit| hit.id as u32;
-    answers
-        .written()
-        .sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(by_slot(a).cmp(&by_slot(b))));
-    answers.conclude()
+    unsafe { look(world, ask) }
 }
 
 /// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
@@ -327,40 +306,32 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
 pub unsafe extern "C" fn trisap_world_nearest(
     world: *const trisap_world,
     position: *const f32,
+    condition: trisap_condition,
+    user: *mut c_void,
     hits: *mut trisap_hit,
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    // SAFETY: the caller's promise.
-    unsafe { look(world, |call| nearest(call, position, None, hits, room, count)) }
-}
-
-/// # Safety
-/// That of [`trisap_world_nearest`].
-pub(crate) unsafe fn nearest(
-    call: &Look,
-    position: *const f32,
-    condition: Condition<'_>,
-    hits: *mut trisap_hit,
-    room: usize,
-    count: *mut usize,
-) -> Result<(), Refusal> {
-    let range = call.range();
-    border::check(position)?;
-    border::span(count, 1, &range)?;
-    // SAFETY: the caller's promise.
-    let position = unsafe { point(position, f32::NAN) };
-    let world = call.world()?;
-    // SAFETY: the caller's promise.
-    let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
-    let found = match condition {
-        Some(condition) => world.among(condition).nearest(position, hits.as_options()),
-        None => world.nearest(position, hits.as_options()),
+    let ask = |call: &Look| {
+        let range = call.range();
+        border::check(position)?;
+        border::span(count, 1, &range)?;
+        // SAFETY: the caller's promise.
+        let position = unsafe { point(position, f32::NAN) };
+        let world = call.world()?;
+        // SAFETY: the caller's promise.
+        let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
+        let found = match accepts(condition, user) {
+            Some(condition) => world.among(condition).nearest(position, hits.as_options()),
+            None => world.nearest(position, hits.as_options()),
+        };
+        hits.settle();
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { count.write(found?) };
+        Ok(())
     };
-    hits.settle();
-    // SAFETY: aligned, not null, and outside of the world.
-    unsafe { count.write(found?) };
-    Ok(())
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
 }
 
 // The header asserts the same on the other side of the border.

@@ -143,6 +143,11 @@ unsafe extern "C" fn first_only(user: *mut c_void, hit: trisap_hit) -> f64 {
     -1.0
 }
 
+unsafe extern "C" fn is_not(user: *mut c_void, id: trisap_id) -> u32 {
+    // SAFETY: the user of the queries below.
+    u32::from(id != unsafe { *user.cast::<trisap_id>() })
+}
+
 /// Answers go to memory that was never initialised, as `malloc` gives it.
 #[test]
 fn answers_go_where_they_are_wanted() {
@@ -180,7 +185,7 @@ fn answers_go_where_they_are_wanted() {
         let region = trisap_region_aabb(&trisap_aabb { min: [0.0; 3], max: [2.0; 3] });
         let mut found = Vec::<trisap_id>::with_capacity(8);
         let mut count = 0;
-        let told = trisap_world_overlaps(world, &region, found.as_mut_ptr(), 8, &mut count);
+        let told = trisap_world_overlaps(world, &region, None, null_mut(), found.as_mut_ptr(), 8, &mut count);
         assert_eq!((told, count), (trisap_status::Ok, 3));
         found.set_len(count);
         assert_eq!(found, ids[..3]);
@@ -191,7 +196,9 @@ fn answers_go_where_they_are_wanted() {
         let mut shares = Vec::<trisap_id>::with_capacity(6);
         let mut counts = Vec::<u32>::with_capacity(2);
         let (ids_out, counts_out) = (shares.as_mut_ptr(), counts.as_mut_ptr());
-        let told = trisap_world_overlaps_many(world, regions.as_ptr(), 32, 2, null(), ids_out, 3, counts_out);
+        let (first, none) = (regions.as_ptr(), null_mut());
+        let told =
+            trisap_world_overlaps_many(world, first, 32, 2, None, none, null(), ids_out, 3, counts_out);
         assert_eq!(told, trisap_status::Ok);
         shares.set_len(6);
         counts.set_len(2);
@@ -200,16 +207,18 @@ fn answers_go_where_they_are_wanted() {
         let ray = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 3.0);
         let miss = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 0.5);
         let mut hits = Vec::<trisap_hit>::with_capacity(8);
-        let told = trisap_world_hits(world, &ray, hits.as_mut_ptr(), 8, &mut count);
+        let told = trisap_world_hits(world, &ray, None, null_mut(), hits.as_mut_ptr(), 8, &mut count);
         assert_eq!((told, count), (trisap_status::Ok, 3));
         hits.set_len(3);
         assert_eq!(hits[2], trisap_hit { id: ids[2], distance: 2.5 });
         let casts = [ray, miss];
         let mut hits = Vec::<trisap_hit>::with_capacity(2);
-        let told = trisap_world_first_hits(world, casts.as_ptr(), 40, 2, null(), hits.as_mut_ptr());
+        let (first, user) = (casts.as_ptr(), (&raw mut ids[0]).cast());
+        let told =
+            trisap_world_first_hits(world, first, 40, 2, Some(is_not), user, null(), hits.as_mut_ptr());
         assert_eq!(told, trisap_status::Ok);
         hits.set_len(2);
-        assert_eq!(hits, [trisap_hit { id: ids[0], distance: 1.0 }, trisap_hit::default()]);
+        assert_eq!(hits, [trisap_hit { id: ids[1], distance: 1.75 }, trisap_hit::default()]);
         let mut distance = 0.0f64;
         let user: *mut f64 = &mut distance;
         let visited = trisap_world_visit_hits(world, &ray, Some(first_only), user.cast());
@@ -217,7 +226,15 @@ fn answers_go_where_they_are_wanted() {
         // Its square root is an instruction that Miri does not know.
         if !cfg!(miri) {
             let mut hits = Vec::<trisap_hit>::with_capacity(2);
-            let told = trisap_world_nearest(world, left.as_ptr(), hits.as_mut_ptr(), 2, &mut count);
+            let told = trisap_world_nearest(
+                world,
+                left.as_ptr(),
+                None,
+                null_mut(),
+                hits.as_mut_ptr(),
+                2,
+                &mut count,
+            );
             assert_eq!((told, count), (trisap_status::Ok, 2));
             hits.set_len(2);
             assert_eq!(hits[1], trisap_hit { id: ids[1], distance: 1.75 });
@@ -388,8 +405,15 @@ fn several_threads_look_at_a_world() {
                 scope.spawn(move || {
                     let (mut found, mut count) = ([0; COUNT], 0);
                     let region = trisap_region_aabb(&boxes(0.0)[3]);
-                    let status =
-                        trisap_world_overlaps(shared.0, &region, found.as_mut_ptr(), COUNT, &mut count);
+                    let status = trisap_world_overlaps(
+                        shared.0,
+                        &region,
+                        None,
+                        null_mut(),
+                        found.as_mut_ptr(),
+                        COUNT,
+                        &mut count,
+                    );
                     assert_eq!((status, count), (trisap_status::Ok, 3));
                     assert_eq!(trisap_world_contains(shared.0, found[0]), trisap_status::Ok);
                 });

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <random>
 #include <thread>
 #include <trisap.hpp>
@@ -126,22 +127,29 @@ static void rule_and_queries() {
         question.region = trisap::sphere(at, within(2.0f));
     }
     constexpr std::size_t room = 30;
-    const auto ask = [&](const trisap_jobs *c, std::vector<trisap::Hit> &hits, std::vector<trisap::Id> &found,
-                         std::vector<std::uint32_t> &counts) {
+    // Every second object, asked by all workers.
+    const auto choose = [](void *user, trisap::Id id) -> std::uint32_t {
+        static_cast<std::atomic<std::uint64_t> *>(user)->fetch_add(1, std::memory_order_relaxed);
+        return trisap::slot(id) % 2;
+    };
+    std::atomic<std::uint64_t> chosen{0};
+    const auto ask = [&](trisap_condition condition, const trisap_jobs *c, std::vector<trisap::Hit> &hits,
+                         std::vector<trisap::Id> &found, std::vector<std::uint32_t> &counts) {
         hits.resize(questions.size());
         found.resize(questions.size() * room);
         counts.resize(questions.size());
-        CHECK_OK(trisap_world_first_hits(world.c(), &questions[0].cast, sizeof(Question), questions.size(), c, hits.data()));
-        CHECK_OK(trisap_world_overlaps_many(world.c(), &questions[0].region, sizeof(Question), questions.size(), c,
-                                            found.data(), room, counts.data()));
+        CHECK_OK(trisap_world_first_hits(world.c(), &questions[0].cast, sizeof(Question), questions.size(), condition,
+                                         &chosen, c, hits.data()));
+        CHECK_OK(trisap_world_overlaps_many(world.c(), &questions[0].region, sizeof(Question), questions.size(),
+                                            condition, &chosen, c, found.data(), room, counts.data()));
     };
     std::vector<trisap::Hit> hits, alone_hits;
     std::vector<trisap::Id> found, alone_found;
     std::vector<std::uint32_t> counts, alone_counts;
-    ask(nullptr, alone_hits, alone_found, alone_counts);
+    ask(nullptr, nullptr, alone_hits, alone_found, alone_counts);
     calls = 0;
     const trisap_jobs c = jobs.c();
-    ask(&c, hits, found, counts);
+    ask(nullptr, &c, hits, found, counts);
     CHECK(calls >= 2 && counts == alone_counts && found == alone_found);
     std::size_t met = 0;
     for (std::size_t i = 0; i < questions.size(); i++) {
@@ -154,6 +162,20 @@ static void rule_and_queries() {
         met += first.id != trisap::null_id;
     }
     CHECK(met > 100);
+
+    ask(choose, &c, hits, found, counts);
+    CHECK(chosen > 100);
+    const auto is_odd = [](trisap::Id id) { return trisap::slot(id) % 2 == 1; };
+    std::vector<trisap::Hit> all(OBJECTS);
+    for (std::size_t i = 0; i < questions.size(); i++) {
+        const trisap::Answers<trisap::Hit> way = world.hits(questions[i].cast, all);
+        const auto first = std::find_if(way.begin(), way.end(), [&](const trisap::Hit &hit) { return is_odd(hit.id); });
+        CHECK(hits[i].id == (first == way.end() ? trisap::null_id : first->id));
+        const auto at = static_cast<std::ptrdiff_t>(i * room);
+        std::vector<trisap::Id> odd;
+        std::copy_if(&alone_found[i * room], &alone_found[i * room] + alone_counts[i], std::back_inserter(odd), is_odd);
+        CHECK(counts[i] == odd.size() && std::equal(odd.begin(), odd.end(), found.begin() + at));
+    }
 }
 
 /// The job system of the example: who has come is waited for, who has not is not, and a long wait is followed by a time alone.

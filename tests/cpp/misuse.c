@@ -308,16 +308,12 @@ static void no_values(void) {
     REFUSED(trisap_world_values(world, ids, sizeof *ids, 2, NULL), TRISAP_STATUS_NULL_POINTER);
 
     const float at[3] = {0.0f, 0.0f, 0.0f};
-    const trisap_region region = trisap_region_point(at);
-    const trisap_cast ray = trisap_cast_ray(at, at, 1.0f);
     trisap_hit hit;
     trisap_id id;
-    REFUSED(trisap_world_overlaps_among(world, &region, NULL, NULL, &id, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_first_hit_among(world, &ray, NULL, NULL, &hit), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_hits_among(world, &ray, NULL, NULL, &hit, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_nearest_among(world, at, NULL, NULL, &hit, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_overlaps_among(world, NULL, accept_all, NULL, &id, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_nearest_among(world, at, accept_all, NULL, &hit, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, NULL, accept_all, NULL, &id, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, at, accept_all, NULL, &hit, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hits(world, NULL, sizeof(trisap_cast), 1, accept_all, NULL, NULL, &hit),
+            TRISAP_STATUS_NULL_POINTER);
     REFUSED(trisap_world_awake_pairs(world, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
     REFUSED(trisap_world_awake_pairs(world, NULL, 0, NULL), TRISAP_STATUS_NULL_POINTER);
 }
@@ -492,57 +488,61 @@ static void regions(void) {
     bad[5].kind = 7;
     bad[6].min[1] = 2.0f;
     for (int i = 0; i < 7; i++) {
-        REFUSED(trisap_world_overlaps(world, &bad[i], out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_overlaps(world, &bad[i], NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
         REFUSED(trisap_world_visit_overlaps(world, &bad[i], visit_none, &visits), TRISAP_STATUS_BAD_QUERY);
     }
-    REFUSED(trisap_world_overlaps(NULL, &good, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_overlaps(world, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_overlaps(world, &good, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_overlaps(world, &good, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_overlaps(world, &good, (trisap_id *)(void *)world, 1, &count), TRISAP_STATUS_OVERLAP);
-    REFUSED(trisap_world_overlaps(world, &good, out, 1, (size_t *)(void *)world), TRISAP_STATUS_OVERLAP);
-    REFUSED(trisap_world_overlaps(world, &good, out, SIZE_MAX / 4, &count), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_overlaps(NULL, &good, NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, NULL, NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, (trisap_id *)(void *)world, 1, &count),
+            TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, out, 1, (size_t *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, out, SIZE_MAX / 4, &count), TRISAP_STATUS_INVALID_ARGUMENT);
     trisap_id *askew = (trisap_id *)(void *)((char *)out + 4);
-    REFUSED(trisap_world_overlaps(world, &good, askew, 1, &count), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, askew, 1, &count), TRISAP_STATUS_MISALIGNED);
     REFUSED(trisap_world_visit_overlaps(world, &good, NULL, &visits), TRISAP_STATUS_NULL_POINTER);
     CHECK(out[0] == 77 && count == 77 && visits == 0);
     // Nothing but the number.
-    REFUSED(trisap_world_overlaps(world, &good, NULL, 0, &count), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(trisap_world_overlaps(world, &good, NULL, NULL, NULL, 0, &count), TRISAP_STATUS_OUTPUT_FULL);
     CHECK(count == 2 && trisap_world_error_detail(world) == 2);
     REFUSED(trisap_world_visit_overlaps(world, &good, visit_none, &visits), TRISAP_STATUS_OK);
     CHECK(visits == 1);
     REFUSED(trisap_world_visit_overlaps(world, &good, meddle, &visits), TRISAP_STATUS_OK);
     CHECK(visits == 3);
+    REFUSED(trisap_world_overlaps(world, &good, meddle, &visits, out, CAPACITY, &count), TRISAP_STATUS_OK);
+    CHECK(visits == 5);
 
     // In a batch the position is told, and what there was to be written is null.
     trisap_region batch[3] = {good, good, good};
     uint32_t counts[3] = {77, 77, 77};
     const size_t stride = sizeof good;
 #define BATCH(...) trisap_world_overlaps_many(world, __VA_ARGS__)
-    REFUSED(BATCH(NULL, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, 4, counts), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(BATCH(batch, 31, 3, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH(batch, 33, 3, NULL, out, 4, counts), TRISAP_STATUS_MISALIGNED);
-    REFUSED(BATCH(batch, stride, SIZE_MAX / 8, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH(batch, stride, 3, NULL, out, SIZE_MAX / 2, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH((const trisap_region *)(const void *)world, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_OVERLAP);
+    REFUSED(BATCH(NULL, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, NULL, 4, counts), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, 31, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, 33, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_MISALIGNED);
+    REFUSED(BATCH(batch, stride, SIZE_MAX / 8, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, SIZE_MAX / 2, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH((const trisap_region *)(const void *)world, stride, 3, NULL, NULL, NULL, out, 4, counts),
+            TRISAP_STATUS_OVERLAP);
     trisap_jobs jobs = trisap_default_jobs();
     jobs.worker_count = 0;
-    REFUSED(BATCH(batch, stride, 3, &jobs, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, &jobs, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
     CHECK(counts[0] == 77);
     batch[2] = bad[5];
-    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
     CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 0 && out[0] == TRISAP_NULL_ID);
     batch[2] = bad[4];
-    REFUSED(BATCH(batch, stride, 3, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
     CHECK(trisap_world_error_detail(world) == 2);
-    REFUSED(BATCH(batch, stride, 2, NULL, out, 1, counts), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 1, counts), TRISAP_STATUS_OUTPUT_FULL);
     CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 2 && counts[1] == 2);
-    REFUSED(BATCH(batch, stride, 2, NULL, NULL, 0, counts), TRISAP_STATUS_OUTPUT_FULL);
-    REFUSED(BATCH(batch, stride, 2, NULL, out, 2, counts), TRISAP_STATUS_OK);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, NULL, 0, counts), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 2, counts), TRISAP_STATUS_OK);
     CHECK(out[0] == ids[0] && out[1] == ids[1] && out[2] == ids[0] && out[3] == ids[1]);
-    REFUSED(BATCH(NULL, stride, 0, NULL, NULL, 9, NULL), TRISAP_STATUS_OK);
+    REFUSED(BATCH(NULL, stride, 0, NULL, NULL, NULL, NULL, 9, NULL), TRISAP_STATUS_OK);
 #undef BATCH
 }
 
@@ -558,45 +558,47 @@ static void casts(void) {
                           trisap_cast_swept(NULL, direction), trisap_cast_swept(&aabb, NULL), good};
     bad[6].start.min[2] = -INFINITY;
     for (int i = 0; i < 7; i++) {
-        REFUSED(trisap_world_first_hit(world, &bad[i], out), TRISAP_STATUS_BAD_QUERY);
-        REFUSED(trisap_world_hits(world, &bad[i], out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_first_hit(world, &bad[i], NULL, NULL, out), TRISAP_STATUS_BAD_QUERY);
+        REFUSED(trisap_world_hits(world, &bad[i], NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_BAD_QUERY);
         REFUSED(trisap_world_visit_hits(world, &bad[i], visit_no_hit, &visits), TRISAP_STATUS_BAD_QUERY);
     }
-    REFUSED(trisap_world_first_hit(world, NULL, out), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_first_hit(world, &good, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_first_hit(world, &good, (trisap_hit *)(void *)world), TRISAP_STATUS_OVERLAP);
-    REFUSED(trisap_world_hits(world, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_hits(world, &good, NULL, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_hits(world, &good, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit(world, NULL, NULL, NULL, out), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit(world, &good, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hit(world, &good, NULL, NULL, (trisap_hit *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_hits(world, NULL, NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_hits(world, &good, NULL, NULL, NULL, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_hits(world, &good, NULL, NULL, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
     REFUSED(trisap_world_visit_hits(world, &good, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
     CHECK(out[0].id == 77 && count == 77 && visits == 0);
-    REFUSED(trisap_world_hits(world, &good, out, 3, &count), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(trisap_world_hits(world, &good, NULL, NULL, out, 3, &count), TRISAP_STATUS_OUTPUT_FULL);
     CHECK(count == OBJECTS);
     REFUSED(trisap_world_visit_hits(world, &good, visit_no_hit, &visits), TRISAP_STATUS_OK);
     CHECK(visits == 1);
 
     const float nowhere[3] = {NAN, 0.0f, 0.0f}, far_away[3] = {0.0f, INFINITY, 0.0f};
-    REFUSED(trisap_world_nearest(world, nowhere, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
-    REFUSED(trisap_world_nearest(world, far_away, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
-    REFUSED(trisap_world_nearest(world, NULL, out, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_nearest(world, origin, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_nearest(world, origin, out, 1, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_nearest(world, origin, (trisap_hit *)(void *)world, 1, &count), TRISAP_STATUS_OVERLAP);
-    REFUSED(trisap_world_nearest(world, origin, NULL, 0, &count), TRISAP_STATUS_OK);
+    REFUSED(trisap_world_nearest(world, nowhere, NULL, NULL, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_nearest(world, far_away, NULL, NULL, out, 1, &count), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_nearest(world, NULL, NULL, NULL, out, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, NULL, NULL, NULL, 1, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, NULL, NULL, out, 1, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_nearest(world, origin, NULL, NULL, (trisap_hit *)(void *)world, 1, &count),
+            TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_nearest(world, origin, NULL, NULL, NULL, 0, &count), TRISAP_STATUS_OK);
     CHECK(count == 0);
 
     trisap_cast batch[3] = {good, good, bad[0]};
     const size_t stride = sizeof good;
     out[0].id = 77;
-    REFUSED(trisap_world_first_hits(world, NULL, stride, 3, NULL, out), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_first_hits(world, batch, 36, 3, NULL, out), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(trisap_world_first_hits(world, batch, 42, 3, NULL, out), TRISAP_STATUS_MISALIGNED);
-    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, (trisap_hit *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_first_hits(world, NULL, stride, 3, NULL, NULL, NULL, out), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_first_hits(world, batch, 36, 3, NULL, NULL, NULL, out), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_first_hits(world, batch, 42, 3, NULL, NULL, NULL, out), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, NULL, NULL, (trisap_hit *)(void *)world),
+            TRISAP_STATUS_OVERLAP);
     CHECK(out[0].id == 77);
-    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, out), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 3, NULL, NULL, NULL, out), TRISAP_STATUS_BAD_QUERY);
     CHECK(trisap_world_error_detail(world) == 2 && out[0].id == TRISAP_NULL_ID && out[1].id == TRISAP_NULL_ID);
-    REFUSED(trisap_world_first_hits(world, batch, stride, 2, NULL, out), TRISAP_STATUS_OK);
+    REFUSED(trisap_world_first_hits(world, batch, stride, 2, NULL, NULL, NULL, out), TRISAP_STATUS_OK);
     CHECK(out[1].id == ids[0] && out[1].distance == 1.0);
 }
 

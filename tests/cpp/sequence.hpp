@@ -37,10 +37,10 @@ private:
 enum class Kind : std::uint8_t {
     insert, insert_many, set, update_many, remove, remove_many, set_margin, set_filter, set_classes, refilter,
     set_resting, wake, shift, step, step_over, overlaps, cast, nearest, batches, view, save, load, load_damaged,
-    load_forged, reopen, copy, clear, grow, set_filter_many,
+    load_forged, reopen, copy, clear, grow, set_filter_many, set_value, set_value_many,
 };
 
-constexpr std::size_t kinds = static_cast<std::size_t>(Kind::set_filter_many) + 1;
+constexpr std::size_t kinds = static_cast<std::size_t>(Kind::set_value_many) + 1;
 
 struct Operation {
     Kind kind;
@@ -57,6 +57,12 @@ struct Operation {
         }
         if (kind == Kind::set_filter && argument % 4 == 3) {
             kind = Kind::set_filter_many;
+        }
+        if (kind == Kind::set && argument % 4 == 3) {
+            kind = Kind::set_value;
+        }
+        if (kind == Kind::update_many && argument % 8 == 7) {
+            kind = Kind::set_value_many;
         }
     }
 
@@ -106,6 +112,7 @@ public:
         }
         config.events = flag(0);
         config.filters = flag(1);
+        config.values = (bytes_[4] & 4u) != 0;
         config.lean = flag(5) && objects() <= 256;
         config.workers = 2 + bytes_[4] % 4u;
         config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4 | bytes_[2] / 27u % 3 << 6;

@@ -131,6 +131,9 @@ protected:
         say(id);
         known_[trisap::slot(id)] = id;
         opinions_[trisap::slot(id)] = 0;
+        if (config_.values != 0 && trisap::slot(id) % 4 != 3) {
+            CHECK(say_status(trisap_world_set_value(world_, id, ~id)));
+        }
     }
 
     static void fork_join(void *user, void (*run)(void *), void *task, std::uint32_t count, const char *) {

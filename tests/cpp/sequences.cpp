@@ -36,6 +36,8 @@ public:
         case Kind::set_margin: set_margin(op); break;
         case Kind::set_filter: set_filter(op); break;
         case Kind::set_filter_many: set_filter_many(op); break;
+        case Kind::set_value: set_value(op); break;
+        case Kind::set_value_many: set_value_many(op); break;
         case Kind::set_classes: set_classes(op); break;
         case Kind::refilter: refilter(op); break;
         case Kind::set_resting:
@@ -180,6 +182,42 @@ private:
         }
     }
 
+    void set_value(Operation &op) {
+        const trisap::Id id = any(op);
+        if (id != trisap::null_id) {
+            const std::uint64_t value = op.rng.bits();
+            if (say_status(trisap_world_set_value(world_, id, value))) {
+                CHECK(value_of(id) == value);
+            }
+        }
+    }
+
+    [[nodiscard]] std::uint64_t value_of(trisap::Id id) const {
+        std::uint64_t value = 0;
+        CHECK_OK(trisap_world_value(world_, id, &value));
+        return value;
+    }
+
+    /// The same for all, by a stride of zero, or each its own.
+    void set_value_many(Operation &op) {
+        Ids ids = some(op);
+        const bool same = (op.argument & 8) == 0;
+        std::vector<std::uint64_t> values(1, op.rng.bits());
+        for (std::size_t at = 0; at < ids.size() && !same; at++) {
+            values.push_back(op.rng.bits());
+        }
+        const std::size_t stride = same ? 0 : sizeof(std::uint64_t);
+        if (say_status(trisap_world_set_value_many(world_, data(ids), values.data(), stride, ids.size()))) {
+            std::vector<std::uint64_t> known(ids.size());
+            CHECK_OK(trisap_world_values(world_, data(ids), sizeof(trisap::Id), ids.size(), data(known)));
+            for (std::size_t at = 0; at < ids.size(); at++) {
+                // Of one that comes twice the last value stays.
+                const auto last = std::find(ids.rbegin(), ids.rend(), ids[at]).base() - ids.begin() - 1;
+                CHECK(known[at] == values[same ? 0 : static_cast<std::size_t>(last)]);
+            }
+        }
+    }
+
     void set_classes(Operation &op) {
         std::array<std::uint32_t, TRISAP_CLASSES> meets;
         meets.fill(~0u);
@@ -246,6 +284,9 @@ private:
         check_ids(TRISAP_PAIRS_ALL, result.pairs, result.pair_count);
         check_ids(TRISAP_PAIRS_FOUND, result.found, result.found_count);
         check_ids(TRISAP_PAIRS_LOST, result.lost, result.lost_count);
+        say_values(TRISAP_PAIRS_ALL, result.pair_count);
+        say_values(TRISAP_PAIRS_FOUND, result.found_count);
+        say_values(TRISAP_PAIRS_LOST, result.lost_count);
         tally_.rejecting += result.rejected_count > 0;
         say(std::uint64_t{result.rejected_count});
         say(result.first_rejected);
@@ -259,6 +300,22 @@ private:
         CHECK(count == expected);
         for (std::size_t at = 0; at < count; at++) {
             CHECK(trisap::slot(ids[at].a) == pairs[at].a && trisap::slot(ids[at].b) == pairs[at].b);
+        }
+    }
+
+    /// As many pairs, by value.
+    void say_values(std::uint32_t what, std::size_t expected) {
+        std::vector<trisap::ValuePair> values(expected);
+        std::size_t count = 0;
+        const trisap::Status status = trisap_world_pair_values(world_, what, data(values), values.size(), &count);
+        if (config_.values == 0) {
+            CHECK(status == TRISAP_STATUS_NO_VALUES);
+            return;
+        }
+        CHECK_OK(status);
+        CHECK(count == expected);
+        for (const auto &[a, b] : values) {
+            say(a ^ (b << 32 | b >> 32));
         }
     }
 
@@ -292,7 +349,7 @@ private:
         const trisap::Region region = header_.region(op.rng);
         Ids ids(objects_);
         std::size_t count = 0;
-        if (say_status(trisap_world_overlaps(world_, &region, ids.data(), ids.size(), &count))) {
+        if (say_status(trisap_world_overlaps(world_, &region, nullptr, nullptr, ids.data(), ids.size(), &count))) {
             tally_.answers += count;
             std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
             Ids visited;
@@ -304,7 +361,15 @@ private:
             CHECK(visited.size() == count);
             tally_.answers += count;
             std::for_each(visited.begin(), visited.end(), [this](trisap::Id id) { say(id); });
+            CHECK_OK(trisap_world_overlaps(world_, &region, two_in_three, &op.argument, ids.data(), ids.size(), &count));
+            tally_.answers += count;
+            std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
         }
+    }
+
+    /// Two in three objects.
+    static std::uint32_t two_in_three(void *user, trisap::Id id) {
+        return (trisap::slot(id) + *static_cast<const std::uint32_t *>(user)) % 3 != 0;
     }
 
     void say_hits(const std::vector<trisap::Hit> &hits, std::size_t count) {
@@ -319,11 +384,15 @@ private:
         const trisap::Cast cast = header_.cast(op.rng);
         std::vector<trisap::Hit> hits(objects_);
         std::size_t count = 0;
-        if (say_status(trisap_world_hits(world_, &cast, hits.data(), hits.size(), &count))) {
+        if (say_status(trisap_world_hits(world_, &cast, nullptr, nullptr, hits.data(), hits.size(), &count))) {
             say_hits(hits, count);
             visit_hits(op, cast);
             trisap::Hit first = {};
-            CHECK_OK(trisap_world_first_hit(world_, &cast, &first));
+            CHECK_OK(trisap_world_first_hit(world_, &cast, nullptr, nullptr, &first));
+            CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
+            CHECK_OK(trisap_world_hits(world_, &cast, two_in_three, &op.argument, hits.data(), hits.size(), &count));
+            say_hits(hits, count);
+            CHECK_OK(trisap_world_first_hit(world_, &cast, two_in_three, &op.argument, &first));
             CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
         }
     }
@@ -352,7 +421,9 @@ private:
         const std::size_t rooms[] = {1, 2, 7, objects_};
         std::vector<trisap::Hit> hits(rooms[op.argument % 4]);
         std::size_t count = 0;
-        CHECK_OK(trisap_world_nearest(world_, point, hits.data(), hits.size(), &count));
+        CHECK_OK(trisap_world_nearest(world_, point, nullptr, nullptr, hits.data(), hits.size(), &count));
+        say_hits(hits, count);
+        CHECK_OK(trisap_world_nearest(world_, point, two_in_three, &op.argument, hits.data(), hits.size(), &count));
         say_hits(hits, count);
     }
 
@@ -368,17 +439,33 @@ private:
             regions.push_back(header_.region(op.rng));
         }
         std::vector<trisap::Hit> hits(length);
-        good &= say_status(trisap_world_first_hits(world_, data(casts), sizeof(trisap::Cast), length, nullptr, data(hits)));
+        good &= say_status(first_hits(nullptr, op, casts, hits));
         Ids ids(3 * length);
         std::vector<std::uint32_t> counts(length);
-        const trisap::Status status = trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), length,
-                                                                 nullptr, data(ids), 3, data(counts));
+        const trisap::Status status = overlaps_many(nullptr, op, regions, ids, counts);
         // The room of a region is told here, in Rust that of all.
         say_status(status, world_, status == TRISAP_STATUS_OUTPUT_FULL ? length : 1);
         if (good && status != TRISAP_STATUS_BAD_QUERY) {
             say_hits(hits, length);
             std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
+            CHECK_OK(first_hits(two_in_three, op, casts, hits));
+            const trisap::Status full = overlaps_many(two_in_three, op, regions, ids, counts);
+            CHECK(full == TRISAP_STATUS_OK || full == TRISAP_STATUS_OUTPUT_FULL);
+            say_hits(hits, length);
+            std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
         }
+    }
+
+    trisap::Status first_hits(trisap_condition condition, Operation &op, std::vector<trisap::Cast> &casts,
+                              std::vector<trisap::Hit> &hits) {
+        return trisap_world_first_hits(world_, data(casts), sizeof(trisap::Cast), casts.size(), condition, &op.argument,
+                                       nullptr, data(hits));
+    }
+
+    trisap::Status overlaps_many(trisap_condition condition, Operation &op, std::vector<trisap::Region> &regions, Ids &ids,
+                                 std::vector<std::uint32_t> &counts) {
+        return trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), regions.size(), condition,
+                                          &op.argument, nullptr, data(ids), 3, data(counts));
     }
 
     void view() {
@@ -429,6 +516,9 @@ private:
                 say(std::uint64_t{filter.group});
                 say(std::uint64_t{filter.mask});
                 say(std::uint64_t{filter.object_class});
+            }
+            if (config_.values) {
+                say(value_of(id));
             }
         }
         trisap_result result = trisap_default_result();

@@ -156,6 +156,8 @@ static void views() {
 
 static bool odd_sum(std::uint32_t a, std::uint32_t b) { return (a + b) % 2 == 1; }
 
+static bool has_even_slot(trisap::Id id) { return trisap::slot(id) % 2 == 0; }
+
 /// Callables of every kind, and nothing of theirs is allocated.
 /// Memory from the caller, who sees what is taken and given back, and may refuse.
 struct Arena {
@@ -351,16 +353,26 @@ static void values() {
     // Without one's own, and by filters.
     CHECK_OK(world.set_filter(ids[2], trisap::groups(4, 0xffffffff)));
     const auto others = [&](trisap::Id id) { return id != ids[1]; };
-    CHECK(world.first_hit(ray).id == ids[1] && world.first_hit_among(ray, others).id == ids[2]);
-    CHECK(world.nearest_among(left, hits, others).size() == 3 && hits[0].id == ids[2]);
-    CHECK(world.hits_among(ray, hits, others).size() == 3 && hits[0].id == ids[2]);
+    CHECK(world.first_hit(ray).id == ids[1] && world.among(others).first_hit(ray).id == ids[2]);
+    CHECK(world.among(others).nearest(left, hits).size() == 3 && hits[0].id == ids[2]);
+    CHECK(world.among(others).hits(ray, hits).size() == 3 && hits[0].id == ids[2]);
     const trisap::Filter all_but_four = trisap::groups(0xffffffff, ~4u);
     CHECK(world.meets(ids[1], all_but_four) && !world.meets(ids[2], all_but_four));
     const auto meets = [&](trisap::Id id) { return world.meets(id, all_but_four); };
-    const auto seen = world.overlaps_among(trisap::region(cube(1)), found, meets);
+    const auto seen = world.among(meets).overlaps(trisap::region(cube(1)), found);
     CHECK(seen && seen.size() == 1 && seen[0] == ids[1]);
+    const trisap::Cast rays[] = {ray, ray};
+    CHECK_OK(world.among(others).first_hits(rays, hits));
+    CHECK(hits[0].id == ids[2] && hits[1].id == ids[2]);
+    auto jobs = trisap::jobs(2, [](std::uint32_t, trisap::Task task) { task(); });
+    const trisap::Region regions[] = {trisap::region(cube(1)), trisap::region(cube(2))};
+    std::uint32_t counts[2] = {};
+    CHECK_OK(world.among(meets).overlaps_many(regions, found, counts, jobs));
+    CHECK(counts[0] == 1 && counts[1] == 1 && found[0] == ids[1] && found[4] == ids[1]);
+    CHECK_OK(world.among(has_even_slot).first_hits(rays, hits, jobs));
+    CHECK(hits[0].id == ids[2]);
     trisap::Status why = TRISAP_STATUS_OK;
-    CHECK(world.first_hit_among(trisap::ray(nullptr, right), others, &why).id == trisap::null_id);
+    CHECK(world.among(others).first_hit(trisap::ray(nullptr, right), &why).id == trisap::null_id);
     CHECK_STATUS(why, TRISAP_STATUS_BAD_QUERY);
 
     // Pairs with one that is awake.

@@ -14,6 +14,8 @@ pub struct Outcome {
     pub found: Vec<SlotPair>,
     /// The pairs that went.
     pub lost: Vec<SlotPair>,
+    /// In a world with values: those of the overlapping pairs, then of those that came, then of those that went.
+    pub values: Vec<[u64; 2]>,
     /// The boxes that the step refused.
     pub rejected: Option<Rejected>,
     /// Pairs beyond the exact ones.
@@ -30,6 +32,7 @@ impl Outcome {
             pairs: slots(step.pairs()),
             found: slots(step.found()),
             lost: slots(step.lost()),
+            values: step.pair_values().chain(step.found_values()).chain(step.lost_values()).collect(),
             rejected: step.rejected(),
             surplus: step.surplus(),
             stats: step.stats(),
@@ -120,6 +123,8 @@ impl<'m, I: Index> Checked<'m, I> {
                 assert_eq!(self.world.is_resting(id), self.model.is_resting(slot), "whether {id} rests");
                 let filter = self.config.filters.then(|| self.model.filter(slot));
                 assert_eq!(self.world.filter(id), filter, "the filter of {id}");
+                let value = self.config.values.then(|| self.model.value(id));
+                assert_eq!(self.world.value(id), value, "the value of {id}");
             }
         }
     }
@@ -344,16 +349,21 @@ impl<'m, I: Index> Checked<'m, I> {
         }
     }
 
-    /// The pairs by id: those that live, and of the lost ones those that the model knew in the step before.
+    /// The pairs by id and by value: those that live, and of the lost ones those that the model knew in the step before.
     fn check_ids(&self, outcome: &Outcome) {
         let named = |pairs: &[SlotPair], at: &dyn Fn(u32) -> Option<Id>| -> Vec<[Id; 2]> {
             pairs.iter().map(|pair| pair.map(|slot| at(slot).expect("a known object"))).collect()
         };
         let living = |slot| self.model.id_at(slot);
-        assert_eq!(self.world.pair_ids().collect::<Vec<_>>(), named(&outcome.pairs, &living), "pairs by id");
-        assert_eq!(self.world.found_ids().collect::<Vec<_>>(), named(&outcome.found, &living), "found by id");
         let former = |slot| self.model.former_id(slot);
-        assert_eq!(self.world.lost_ids().collect::<Vec<_>>(), named(&outcome.lost, &former), "lost by id");
+        let [pairs, found] = [&outcome.pairs, &outcome.found].map(|pairs| named(pairs, &living));
+        let lost = named(&outcome.lost, &former);
+        assert!(self.world.pair_ids().eq(pairs.iter().copied()), "pairs by id");
+        assert!(self.world.found_ids().eq(found.iter().copied()), "found by id");
+        assert!(self.world.lost_ids().eq(lost.iter().copied()), "lost by id");
+        let all = pairs.iter().chain(&found).chain(&lost);
+        let values = all.filter(|_| self.config.values).map(|pair| pair.map(|id| self.model.value(id)));
+        assert!(values.eq(outcome.values.iter().copied()), "pairs by value");
     }
 
     fn check_stats(&self, outcome: &Outcome) {

@@ -1,6 +1,7 @@
 //! A world as simple as can be: what every call must do, without any structure to make it fast.
 
 use crate::{SlotPair, oracle};
+use std::collections::HashMap;
 use trisap_core::{Aabb, Filter, Id};
 
 /// One pair of a complete step, with the generations of its slots: a slot that was given away in between makes
@@ -18,6 +19,8 @@ pub struct Model {
     /// What the rule thinks of the object in each slot; without a rule nothing.
     opinions: Option<Vec<u32>>,
     resting: Vec<bool>,
+    /// Of all objects that have got one, also of those that are no more.
+    values: HashMap<Id, u64>,
     last: Vec<Held>,
     /// The generations of all slots in the last complete step, and in the one before.
     known: Vec<u32>,
@@ -85,6 +88,18 @@ impl Model {
     #[must_use]
     pub fn filter(&self, slot: u32) -> Filter {
         self.filters[slot as usize]
+    }
+
+    /// Gives an object a value.
+    pub fn set_value(&mut self, id: Id, value: u64) {
+        assert!(self.contains(id), "the test gives a value to {id}, which is not alive");
+        self.values.insert(id, value);
+    }
+
+    /// The value of an object, or the last one that it had.
+    #[must_use]
+    pub fn value(&self, id: Id) -> u64 {
+        self.values.get(&id).copied().unwrap_or(0)
     }
 
     /// Sets which classes meet.

@@ -259,7 +259,7 @@ impl Questions {
         }
     }
 
-    /// Asks for all casts at once and all regions at once, which must be the same as one by one.
+    /// Asks for all casts at once and all regions at once, which must be the same as one by one; about all objects, and about some.
     ///
     /// # Panics
     /// If an answer differs.
@@ -274,6 +274,12 @@ impl Questions {
             assert_eq!(world.first_hit(cast), Ok(*hit), "{setup:?} {cast:?}");
         }
         assert_eq!(hits[self.casts.len()], last, "nothing is written behind the answers");
+        let some = |id: Id| !id.slot().is_multiple_of(3);
+        let among = world.among(some);
+        among.first_hits(&self.casts, &jobs, &mut hits).expect("good casts and room");
+        for (cast, hit) in self.casts.iter().zip(&hits) {
+            assert_eq!(among.first_hit(cast), Ok(*hit), "{setup:?} {cast:?} among some");
+        }
 
         let regions = self.regions.len();
         let one_by_one: Vec<Vec<Option<Id>>> = self
@@ -287,6 +293,13 @@ impl Questions {
             })
             .collect();
         let most = one_by_one.iter().map(Vec::len).max().unwrap_or(0);
+        let (mut out, mut counts) = (vec![None; most * regions], vec![9; regions]);
+        among.overlaps_many(&self.regions, &jobs, &mut out, &mut counts).expect("room for more");
+        for (index, all) in one_by_one.iter().enumerate() {
+            let answer = out[index * most..][..counts[index] as usize].iter();
+            let expected = all.iter().filter(|id| id.is_some_and(some));
+            assert!(answer.eq(expected), "{setup:?}: region {index} among some");
+        }
         for share in [most, most / 2, 0] {
             let (mut out, mut counts) = (vec![None; share * regions + regions.min(1)], vec![9; regions]);
             let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut counts);

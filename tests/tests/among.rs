@@ -47,7 +47,7 @@ fn others_are_as_if_they_were_not_there() {
                     assert_eq!(world.meets(*id, &asks), meet(*filter, asks));
                 }
                 let condition = |id: Id| id != own && world.meets(id, &asks);
-                let among = world.among(&condition);
+                let among = world.among(condition);
                 let center = world.aabb(own).expect("alive").min;
 
                 let region = Region::Sphere { center, radius: rng.between(0.5, 3.0) };

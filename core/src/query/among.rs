@@ -3,14 +3,15 @@
 use super::{Cast, Hit, Region};
 use crate::error::Error;
 use crate::id::{Id, Index};
+use crate::parallel::executor::Executor;
 use crate::world::World;
 
 /// Queries that only objects which fulfil a condition can answer: made by [`World::among`].
 #[must_use = "a query that nobody asks"]
 #[derive(Clone, Copy)]
-pub struct Among<'w, 'm, 'c, I: Index = u32> {
+pub struct Among<'w, 'm, C, I: Index = u32> {
     world: &'w World<'m, I>,
-    condition: &'c dyn Fn(Id) -> bool,
+    condition: C,
 }
 
 /// Queries about some of the objects alone.
@@ -37,27 +38,27 @@ impl<'m, I: Index> World<'m, I> {
     /// world.set_filter(wall, Filter::groups(WALLS, u32::MAX))?;
     ///
     /// let mut nearest = [None];
-    /// world.among(&|id| id != ball).nearest([0.0; 3], &mut nearest)?;
+    /// world.among(|id| id != ball).nearest([0.0; 3], &mut nearest)?;
     /// assert_eq!(nearest[0].map(|hit| hit.id), Some(other));
     ///
     /// let sees = Filter::groups(u32::MAX, WALLS);
     /// let ray = Cast::ray([0.0; 3], [1.0, 0.0, 0.0], 100.0);
-    /// let hit = world.among(&|id| world.meets(id, &sees)).first_hit(&ray)?;
+    /// let hit = world.among(|id| world.meets(id, &sees)).first_hit(&ray)?;
     /// assert_eq!(hit.map(|hit| hit.id), Some(wall));
     /// # Ok::<(), trisap_core::Error>(())
     /// ```
-    pub fn among<'w, 'c>(&'w self, condition: &'c dyn Fn(Id) -> bool) -> Among<'w, 'm, 'c, I> {
+    pub fn among<'w, C: Fn(Id) -> bool>(&'w self, condition: C) -> Among<'w, 'm, C, I> {
         Among { world: self, condition }
     }
 }
 
-impl<I: Index> Among<'_, '_, '_, I> {
+impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     /// See [`World::overlaps`].
     ///
     /// # Errors
     /// Those of [`World::overlaps`].
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
-        self.world.overlaps_of(region, out, self.condition)
+        self.world.overlaps_of(region, out, self.condition())
     }
 
     /// See [`World::first_hit`].
@@ -65,7 +66,7 @@ impl<I: Index> Among<'_, '_, '_, I> {
     /// # Errors
     /// Those of [`World::first_hit`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
-        self.world.first_hit_of(cast, self.condition)
+        self.world.first_hit_of(cast, self.condition())
     }
 
     /// See [`World::hits`].
@@ -73,7 +74,7 @@ impl<I: Index> Among<'_, '_, '_, I> {
     /// # Errors
     /// Those of [`World::hits`].
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.world.hits_of(cast, out, self.condition)
+        self.world.hits_of(cast, out, self.condition())
     }
 
     /// See [`World::nearest`].
@@ -81,6 +82,45 @@ impl<I: Index> Among<'_, '_, '_, I> {
     /// # Errors
     /// Those of [`World::nearest`].
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.world.nearest_of(point, out, self.condition)
+        self.world.nearest_of(point, out, self.condition())
+    }
+
+    /// Of one type, so that the search is compiled once for all conditions.
+    fn condition(&self) -> &dyn Fn(Id) -> bool {
+        &self.condition
+    }
+}
+
+/// Many queries at once: the workers ask the condition, several of them at a time.
+impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
+    /// See [`World::first_hits`].
+    ///
+    /// # Errors
+    /// Those of [`World::first_hits`].
+    pub fn first_hits(
+        &self,
+        casts: &[Cast],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        self.world.first_hits_of(casts, executor, out, self.shared())
+    }
+
+    /// See [`World::overlaps_many`].
+    ///
+    /// # Errors
+    /// Those of [`World::overlaps_many`].
+    pub fn overlaps_many(
+        &self,
+        regions: &[Region],
+        executor: &dyn Executor,
+        out: &mut [Option<Id>],
+        counts: &mut [u32],
+    ) -> Result<(), Error> {
+        self.world.overlaps_many_of(regions, executor, out, counts, self.shared())
+    }
+
+    fn shared(&self) -> &(dyn Fn(Id) -> bool + Sync) {
+        &self.condition
     }
 }

@@ -40,6 +40,17 @@ impl<I: Index> World<'_, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
+        self.first_hits_of(casts, executor, out, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn first_hits_of(
+        &self,
+        casts: &[Cast],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+        condition: impl Fn(Id) -> bool + Sync,
+    ) -> Result<(), Error> {
         let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
         let out = out.get_mut(..casts.len()).ok_or(short)?;
         check(casts, Cast::is_valid)?;
@@ -48,7 +59,7 @@ impl<I: Index> World<'_, I> {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
                     // The casts are valid.
-                    *out = self.first_hit(cast).ok().flatten();
+                    *out = self.first_hit_of(cast, &condition).ok().flatten();
                 }
             }
         });
@@ -69,6 +80,18 @@ impl<I: Index> World<'_, I> {
         out: &mut [Option<Id>],
         counts: &mut [u32],
     ) -> Result<(), Error> {
+        self.overlaps_many_of(regions, executor, out, counts, |_| true)
+    }
+
+    /// The same of the objects that fulfil a condition.
+    pub(super) fn overlaps_many_of(
+        &self,
+        regions: &[Region],
+        executor: &dyn Executor,
+        out: &mut [Option<Id>],
+        counts: &mut [u32],
+        condition: impl Fn(Id) -> bool + Sync,
+    ) -> Result<(), Error> {
         let short = Error::LengthMismatch { needed: regions.len(), given: counts.len() };
         let counts = counts.get_mut(..regions.len()).ok_or(short)?;
         check(regions, Region::is_valid)?;
@@ -82,7 +105,7 @@ impl<I: Index> World<'_, I> {
                 for (at, count) in counts.iter_mut().enumerate() {
                     let Some(region) = regions.get(block * BLOCK + at) else { continue };
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    *count = match self.overlaps(region, out) {
+                    *count = match self.overlaps_of(region, out, &condition) {
                         Ok(count) => count as u32,
                         Err(Error::OutputFull { needed, .. }) => needed as u32,
                         // The regions are valid.

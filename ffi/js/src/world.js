@@ -8,7 +8,7 @@ import { Memory } from "./memory.js";
 /** Numbers of `trisap_status`. */
 const STATUS = {
   OK: 0, CORRUPT: 15, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, NO_FILTERS: 16, BAD_CLASS: 17,
-  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20,
+  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, NO_VALUES: 24,
 };
 /** Floats of a box. */
 const BOX = 6;
@@ -31,6 +31,9 @@ const RESULT_FIRST_REJECTED = 8;
 const RESULT_PAIRS = 16;
 const RESULT_FOUND = 24;
 const RESULT_LOST = 32;
+
+/** What `trisap_world_pair_values` is asked for. */
+const PAIRS = { pairs: 0, found: 1, lost: 2 };
 
 const KIND_AABB = 0;
 const KIND_SPHERE = 1;
@@ -196,6 +199,43 @@ export class World {
     this.#check(calls.trisap_world_set_classes(this.#world, structs + ARGUMENT), "setClasses");
   }
 
+  setValue(id, value) {
+    this.#check(this.#memory.calls.trisap_world_set_value(this.#world, id, value), "setValue", id);
+  }
+
+  setValues(ids, values) {
+    if (ids.length !== values.length) {
+      throw new errors.InvalidArgumentError("values", "are as many as ids");
+    }
+    const count = ids.length;
+    // Both stand in the memory that is free for a moment.
+    const at = this.#ids([...ids, ...values]);
+    const { calls } = this.#memory;
+    this.#check(calls.trisap_world_set_value_many(this.#world, at, at + 8 * count, 8, count), "setValues");
+  }
+
+  value(id) {
+    const { calls, structs } = this.#memory;
+    this.#check(calls.trisap_world_value(this.#world, id, structs + OUT), "value", id);
+    return this.#memory.view.getBigUint64(structs + OUT, true);
+  }
+
+  values(ids) {
+    const at = this.#ids(ids);
+    this.#check(this.#memory.calls.trisap_world_values(this.#world, at, 8, ids.length, at), "values");
+    return new BigUint64Array(this.#memory.buffer, at, ids.length).slice();
+  }
+
+  pairValues(of = "pairs") {
+    if (!Object.hasOwn(PAIRS, of)) {
+      throw new errors.InvalidArgumentError("of", `is one of ${Object.keys(PAIRS).join(", ")}, not ${of}`);
+    }
+    const { calls, structs } = this.#memory;
+    return this.#answers(this[of].length / 2, 16, "pairValues", (at, room) =>
+      calls.trisap_world_pair_values(this.#world, PAIRS[of], at, room, structs + OUT),
+    );
+  }
+
   setResting(ids) {
     this.#check(this.#memory.calls.trisap_world_set_resting(this.#world, this.#ids(ids), ids.length), "setResting");
   }
@@ -212,14 +252,14 @@ export class World {
     this.#point(structs + ARGUMENT + 8, sphere ? region.center : region.min);
     this.#point(structs + ARGUMENT + 20, sphere ? region.center : region.max);
     return this.#answers(64, 8, "overlaps", (at, room) =>
-      calls.trisap_world_overlaps(this.#world, structs + ARGUMENT, at, room, structs + OUT),
+      calls.trisap_world_overlaps(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT),
     );
   }
 
   firstHit(ray) {
     const { calls, structs } = this.#memory;
     this.#ray(ray);
-    this.#check(calls.trisap_world_first_hit(this.#world, structs + ARGUMENT, structs + ANSWER), "firstHit");
+    this.#check(calls.trisap_world_first_hit(this.#world, structs + ARGUMENT, 0, 0, structs + ANSWER), "firstHit");
     const hit = this.#hit(structs + ANSWER);
     return hit.id === 0n ? null : hit;
   }
@@ -232,7 +272,7 @@ export class World {
     this.#point(structs + ARGUMENT, position);
     const room = Math.min(count, this.size);
     const at = this.#memory.temporary(16 * room);
-    this.#check(calls.trisap_world_nearest(this.#world, structs + ARGUMENT, at, room, structs + OUT), "nearest");
+    this.#check(calls.trisap_world_nearest(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT), "nearest");
     const told = this.#memory.view.getUint32(structs + OUT, true);
     return Array.from({ length: told }, (_, i) => this.#hit(at + 16 * i));
   }
@@ -354,7 +394,7 @@ export class World {
     return { id: view.getBigUint64(at, true), distance: view.getFloat64(at + 8, true) };
   }
 
-  /** Asks with more room until there is enough; the ids. */
+  /** Asks with more room until there is enough; the answers of so many bytes as words of eight. */
   #answers(room, bytes, place, ask) {
     for (;;) {
       const at = this.#memory.temporary(bytes * room);
@@ -365,7 +405,7 @@ export class World {
         continue;
       }
       this.#check(status, place);
-      return new BigUint64Array(this.#memory.buffer, at, count).slice();
+      return new BigUint64Array(this.#memory.buffer, at, (bytes / 8) * count).slice();
     }
   }
 
@@ -391,6 +431,8 @@ export class World {
         throw new errors.PairsFullError(Number(detail), this.config.pairs);
       case STATUS.NO_FILTERS:
         throw new errors.NoFiltersError();
+      case STATUS.NO_VALUES:
+        throw new errors.NoValuesError();
       case STATUS.BAD_CLASS:
         throw new errors.BadClassError(Number(detail));
       case STATUS.BAD_QUERY:

@@ -71,6 +71,7 @@ impl Header {
         config.margin = self.flag(3).then_some(Margin { per_extent: 0.125, min: 0.03125, max: 1.0 });
         config.events = self.flag(0);
         config.filters = self.flag(1);
+        config.values = self.0[4] & 4 != 0;
         config.lean = self.flag(5) && objects <= 256;
         config.fixed_margins = self.flag(6);
         config
@@ -173,6 +174,10 @@ pub enum Kind {
     Grow,
     /// Some get filters.
     SetFilterMany,
+    /// One gets a value.
+    SetValue,
+    /// Some get values.
+    SetValueMany,
 }
 
 /// As often as they are here.
@@ -224,7 +229,7 @@ const KINDS: [Kind; 41] = {
 };
 
 /// How many kinds there are.
-pub const KIND_COUNT: usize = Kind::SetFilterMany as usize + 1;
+pub const KIND_COUNT: usize = Kind::SetValueMany as usize + 1;
 
 /// An operation.
 #[derive(Clone, Debug)]
@@ -251,6 +256,12 @@ impl Operation {
         }
         if kind == Kind::SetFilter && argument % 4 == 3 {
             kind = Kind::SetFilterMany;
+        }
+        if kind == Kind::Set && argument % 4 == 3 {
+            kind = Kind::SetValue;
+        }
+        if kind == Kind::UpdateMany && argument % 8 == 7 {
+            kind = Kind::SetValueMany;
         }
         Self { kind, argument, rng: Rng::new(u64::from(u16::from_le_bytes([low, high]))) }
     }

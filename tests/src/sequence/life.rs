@@ -116,6 +116,8 @@ impl<'m, I: Index> Life<'m, '_, I> {
             Kind::SetMargin => self.set_margin(&mut op),
             Kind::SetFilter => self.set_filter(&mut op),
             Kind::SetFilterMany => self.set_filter_many(&mut op),
+            Kind::SetValue => self.set_value(&mut op),
+            Kind::SetValueMany => self.set_value_many(&mut op),
             Kind::SetClasses => self.set_classes(&mut op),
             Kind::Refilter => self.refilter(&mut op),
             Kind::SetResting | Kind::Wake => self.set_resting(&mut op),
@@ -233,6 +235,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         self.past.tally.say(id.to_bits());
         self.past.known[id.slot() as usize] = Some(id);
         self.model().insert(id, aabb);
+        self.name(id);
     }
 
     fn insert_many(&mut self, boxes: &[Aabb]) {

@@ -19,6 +19,7 @@ mod moving;
 mod questions;
 mod steps;
 mod tally;
+mod values;
 
 pub use life::play;
 pub use tally::Tally;

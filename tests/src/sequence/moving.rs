@@ -31,6 +31,11 @@ pub(super) fn moved<I: Index>(
     assert_eq!(result(&there), result(&world), "the last result comes along");
     assert!(there.found_ids().eq(world.found_ids()), "the ids of found pairs");
     assert!(there.lost_ids().eq(world.lost_ids()), "the ids of lost pairs, also of objects that are no more");
+    assert!(there.found_values().eq(world.found_values()), "the values of found pairs");
+    assert!(
+        there.lost_values().eq(world.lost_values()),
+        "the values of lost pairs, also of objects that are no more"
+    );
     assert_eq!(there.config(), config);
     Ok(room)
 }

@@ -17,6 +17,12 @@ fn expected(good: bool) -> Result<(), Error> {
     if good { Ok(()) } else { Err(Error::BadQuery { index: 0 }) }
 }
 
+/// Two in three objects.
+fn two_in_three(op: &Operation) -> impl Fn(Id) -> bool + Copy + Sync + use<> {
+    let by = op.argument as u32;
+    move |id| !(id.slot() + by).is_multiple_of(3)
+}
+
 impl<I: Index> Life<'_, '_, I> {
     fn say_ids(&mut self, ids: &[Option<Id>]) {
         self.past.tally.answers += ids.len() as u64;
@@ -46,6 +52,12 @@ impl<I: Index> Life<'_, '_, I> {
         };
         self.checked.world().visit_overlaps(&region, &mut visit).expect("a good region");
         self.say_ids(&visited);
+        let some = two_in_three(op);
+        let expected: Vec<Option<Id>> =
+            ids[..count].iter().filter(|id| id.is_some_and(some)).copied().collect();
+        let count = self.checked.world().among(some).overlaps(&region, &mut ids).expect("a good region");
+        assert_eq!(ids[..count], expected, "among some");
+        self.say_ids(&expected);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
         ask_region(world, model, &region, Setup::REFERENCE);
@@ -69,6 +81,14 @@ impl<I: Index> Life<'_, '_, I> {
         };
         self.checked.world().visit_hits(&cast, &mut visit).expect("a good cast");
         self.say_hits(&visited);
+        let some = two_in_three(op);
+        let expected: Vec<Option<Hit>> =
+            hits[..count].iter().filter(|hit| hit.is_some_and(|hit| some(hit.id))).copied().collect();
+        let count = self.checked.world().among(some).hits(&cast, &mut hits).expect("a good cast");
+        assert_eq!(hits[..count], expected, "among some");
+        let first = self.checked.world().among(some).first_hit(&cast);
+        assert_eq!(first, Ok(expected.first().copied().flatten()), "among some");
+        self.say_hits(&expected);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
         ask_cast(world, model, &cast, Setup::REFERENCE);
@@ -85,6 +105,13 @@ impl<I: Index> Life<'_, '_, I> {
             .set_kernels(Kernels::SCALAR)
             .nearest(point, &mut hits)
             .expect("a good point");
+        self.say_hits(&hits[..count]);
+        let some = two_in_three(op);
+        let mut all = vec![None; self.objects() as usize];
+        self.checked.world().nearest(point, &mut all).expect("a good point");
+        let expected = all.iter().filter(|hit| hit.is_some_and(|hit| some(hit.id))).take(room);
+        let count = self.checked.world().among(some).nearest(point, &mut hits).expect("a good point");
+        assert!(hits[..count].iter().eq(expected), "among some");
         self.say_hits(&hits[..count]);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
@@ -116,6 +143,12 @@ impl<I: Index> Life<'_, '_, I> {
             assert_eq!(told, Err(Error::BadQuery { index: index as u32 }));
         }
         if bad_cast.is_none() && bad_region.is_none() {
+            self.say_hits(&hits);
+            counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
+            let among = self.checked.world().among(two_in_three(op));
+            among.first_hits(&casts, &setup.jobs, &mut hits).expect("good casts");
+            let full = among.overlaps_many(&regions, &setup.jobs, &mut ids, &mut counts);
+            assert!(matches!(full, Ok(()) | Err(Error::OutputFull { .. })));
             self.say_hits(&hits);
             counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
             let questions = Questions { regions, casts, points: Vec::new() };
@@ -157,6 +190,9 @@ impl<I: Index> Life<'_, '_, I> {
             aabb.min.iter().chain(&aabb.max).for_each(|x| tally.say(u64::from(x.to_bits())));
             if let Some(Filter { group, mask, class }) = world.filter(id) {
                 [group, mask, class].iter().for_each(|part| tally.say(u64::from(*part)));
+            }
+            if let Some(value) = world.value(id) {
+                tally.say(value);
             }
         }
         tally.say_pairs(&slots(world.pairs()));

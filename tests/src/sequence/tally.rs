@@ -111,6 +111,7 @@ impl Tally {
                 self.say_pairs(&outcome.pairs);
                 self.say_pairs(&outcome.found);
                 self.say_pairs(&outcome.lost);
+                outcome.values.iter().for_each(|[a, b]| self.say(a ^ b.rotate_left(32)));
                 self.rejecting += u64::from(outcome.rejected.is_some());
                 self.say(outcome.rejected.map_or(0, |rejected| u64::from(rejected.count)));
                 self.say(outcome.rejected.map_or(0, |rejected| rejected.first.to_bits()));
@@ -211,6 +212,7 @@ fn status(error: &Error) -> u64 {
         Error::NoRoom { field: Field::Objects, .. } => 11,
         Error::NoRoom { .. } => 14,
         Error::OtherConfig { .. } => 23,
+        Error::NoValues => 24,
         other => panic!("{other} is no answer to what a sequence does"),
     }
 }
