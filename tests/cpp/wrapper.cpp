@@ -365,7 +365,7 @@ static void values() {
     CHECK_OK(world.among(others).first_hits(rays, hits));
     CHECK(hits[0].id == ids[2] && hits[1].id == ids[2]);
     auto jobs = trisap::jobs(2, [](std::uint32_t, trisap::Task task) { task(); });
-    const trisap::Region regions[] = {trisap::region(cube(1)), trisap::region(cube(2))};
+    const trisap::Region regions[] = {trisap::region(cube(1)), trisap::region(cube(1.5f))};
     std::uint32_t counts[2] = {};
     CHECK_OK(world.among(meets).overlaps_many(regions, found, counts, jobs));
     CHECK(counts[0] == 1 && counts[1] == 1 && found[0] == ids[1] && found[4] == ids[1]);

@@ -1,6 +1,6 @@
 //! Queries about some of the objects alone.
 
-use super::{Cast, Hit, Region};
+use super::{Cast, Condition, Hit, Region};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::parallel::executor::Executor;
@@ -85,9 +85,8 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
         self.world.nearest_of(point, out, self.condition())
     }
 
-    /// Of one type, so that the search is compiled once for all conditions.
-    fn condition(&self) -> &dyn Fn(Id) -> bool {
-        &self.condition
+    fn condition(&self) -> Condition<'_> {
+        Some(&self.condition)
     }
 }
 
@@ -103,7 +102,7 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        self.world.first_hits_of(casts, executor, out, self.shared())
+        self.world.first_hits_of(casts, executor, out, Some(&self.condition))
     }
 
     /// See [`World::overlaps_many`].
@@ -117,10 +116,6 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         out: &mut [Option<Id>],
         counts: &mut [u32],
     ) -> Result<(), Error> {
-        self.world.overlaps_many_of(regions, executor, out, counts, self.shared())
-    }
-
-    fn shared(&self) -> &(dyn Fn(Id) -> bool + Sync) {
-        &self.condition
+        self.world.overlaps_many_of(regions, executor, out, counts, Some(&self.condition))
     }
 }

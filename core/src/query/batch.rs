@@ -1,6 +1,6 @@
 //! Many queries in one call, shared by the caller's workers.
 
-use super::{Cast, Hit, Region};
+use super::{Cast, Condition, Hit, Region};
 use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
@@ -12,6 +12,14 @@ use crate::world::World;
 const BLOCK: usize = 32;
 /// Workers at most: queries need no scratch memory.
 const WORKERS: usize = 32;
+
+/// A condition that all workers may ask.
+type Shared<'c> = &'c (dyn Fn(Id) -> bool + Sync);
+
+/// The condition of one worker's queries.
+fn own(condition: Option<Shared<'_>>) -> Condition<'_> {
+    condition.map(|condition| condition as _)
+}
 
 /// Many queries at once, on the workers of a job system.
 ///
@@ -40,16 +48,16 @@ impl<I: Index> World<'_, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        self.first_hits_of(casts, executor, out, |_| true)
+        self.first_hits_of(casts, executor, out, None)
     }
 
-    /// The same of the objects that fulfil a condition.
+    /// The same of the objects that may answer.
     pub(super) fn first_hits_of(
         &self,
         casts: &[Cast],
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
-        condition: impl Fn(Id) -> bool + Sync,
+        condition: Option<Shared<'_>>,
     ) -> Result<(), Error> {
         let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
         let out = out.get_mut(..casts.len()).ok_or(short)?;
@@ -59,7 +67,7 @@ impl<I: Index> World<'_, I> {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
                     // The casts are valid.
-                    *out = self.first_hit_of(cast, &condition).ok().flatten();
+                    *out = self.first_hit_of(cast, own(condition)).ok().flatten();
                 }
             }
         });
@@ -80,17 +88,17 @@ impl<I: Index> World<'_, I> {
         out: &mut [Option<Id>],
         counts: &mut [u32],
     ) -> Result<(), Error> {
-        self.overlaps_many_of(regions, executor, out, counts, |_| true)
+        self.overlaps_many_of(regions, executor, out, counts, None)
     }
 
-    /// The same of the objects that fulfil a condition.
+    /// The same of the objects that may answer.
     pub(super) fn overlaps_many_of(
         &self,
         regions: &[Region],
         executor: &dyn Executor,
         out: &mut [Option<Id>],
         counts: &mut [u32],
-        condition: impl Fn(Id) -> bool + Sync,
+        condition: Option<Shared<'_>>,
     ) -> Result<(), Error> {
         let short = Error::LengthMismatch { needed: regions.len(), given: counts.len() };
         let counts = counts.get_mut(..regions.len()).ok_or(short)?;
@@ -105,7 +113,7 @@ impl<I: Index> World<'_, I> {
                 for (at, count) in counts.iter_mut().enumerate() {
                     let Some(region) = regions.get(block * BLOCK + at) else { continue };
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    *count = match self.overlaps_of(region, out, &condition) {
+                    *count = match self.overlaps_of(region, out, own(condition)) {
                         Ok(count) => count as u32,
                         Err(Error::OutputFull { needed, .. }) => needed as u32,
                         // The regions are valid.

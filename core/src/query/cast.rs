@@ -1,6 +1,6 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::{is_current, prefetch_members, prefetch_parts};
+use super::{Condition, is_current, may_answer, prefetch_members, prefetch_parts};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
@@ -105,18 +105,14 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
-        self.first_hit_of(cast, |_| true)
+        self.first_hit_of(cast, None)
     }
 
-    /// The same of the objects that fulfil a condition.
-    pub(super) fn first_hit_of(
-        &self,
-        cast: &Cast,
-        condition: impl Fn(Id) -> bool,
-    ) -> Result<Option<Hit>, Error> {
+    /// The same of the objects that may answer.
+    pub(super) fn first_hit_of(&self, cast: &Cast, condition: Condition<'_>) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
         self.visit_hits(cast, &mut |hit| {
-            if !condition(hit.id) {
+            if !may_answer(condition, hit.id) {
                 return f64::INFINITY;
             }
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
@@ -132,19 +128,19 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.hits_of(cast, out, |_| true)
+        self.hits_of(cast, out, None)
     }
 
-    /// The same of the objects that fulfil a condition.
+    /// The same of the objects that may answer.
     pub(super) fn hits_of(
         &self,
         cast: &Cast,
         out: &mut [Option<Hit>],
-        condition: impl Fn(Id) -> bool,
+        condition: Condition<'_>,
     ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_hits(cast, &mut |hit| {
-            if !condition(hit.id) {
+            if !may_answer(condition, hit.id) {
                 return f64::INFINITY;
             }
             if let Some(place) = out.get_mut(count) {

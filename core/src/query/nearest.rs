@@ -2,12 +2,12 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{MembersNear, key_above, key_below, parts_near};
+use super::{Condition, MembersNear, key_above, key_below, may_answer, parts_near};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
-use crate::id::{Id, Index};
+use crate::id::Index;
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
@@ -35,15 +35,15 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.nearest_of(point, out, |_| true)
+        self.nearest_of(point, out, None)
     }
 
-    /// The same of the objects that fulfil a condition.
+    /// The same of the objects that may answer.
     pub(super) fn nearest_of(
         &self,
         point: [f32; 3],
         out: &mut [Option<Hit>],
-        condition: impl Fn(Id) -> bool,
+        condition: Condition<'_>,
     ) -> Result<usize, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
@@ -109,14 +109,14 @@ impl Probe for Around<'_> {
     }
 }
 
-struct Nearest<'q, 'm, I: Index, C> {
+struct Nearest<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     point: [f32; 3],
     out: &'q mut [Option<Hit>],
-    condition: C,
+    condition: Condition<'q>,
 }
 
-impl<I: Index, C: Fn(Id) -> bool> Phase for Nearest<'_, '_, I, C> {
+impl<I: Index> Phase for Nearest<'_, '_, I> {
     type Output = usize;
 
     #[inline(always)]
@@ -127,7 +127,7 @@ impl<I: Index, C: Fn(Id) -> bool> Phase for Nearest<'_, '_, I, C> {
         let offer = |best: &mut Best<'_>, slot: usize| {
             let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
             if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot))
-                && condition(id)
+                && may_answer(condition, id)
             {
                 best.offer(Hit { id, distance: squared });
             }

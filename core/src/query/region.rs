@@ -1,6 +1,8 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
+use super::{
+    Condition, MembersNear, key_above, key_below, may_answer, parts_near, prefetch_members, prefetch_parts,
+};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
@@ -124,19 +126,19 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
-        self.overlaps_of(region, out, |_| true)
+        self.overlaps_of(region, out, None)
     }
 
-    /// The same of the objects that fulfil a condition.
+    /// The same of the objects that may answer.
     pub(super) fn overlaps_of(
         &self,
         region: &Region,
         out: &mut [Option<Id>],
-        condition: impl Fn(Id) -> bool,
+        condition: Condition<'_>,
     ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_overlaps(region, &mut |id| {
-            if !condition(id) {
+            if !may_answer(condition, id) {
                 return ControlFlow::Continue(());
             }
             if let Some(place) = out.get_mut(count) {
