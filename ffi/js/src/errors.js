@@ -64,6 +64,13 @@ export class NoFiltersError extends TrisapError {
   }
 }
 
+/** The world was made without `values`. */
+export class NoValuesError extends TrisapError {
+  constructor() {
+    super("the world was made without values");
+  }
+}
+
 /** A class is 32 or more. */
 export class BadClassError extends TrisapError {
   constructor(objectClass) {

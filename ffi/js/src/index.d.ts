@@ -21,6 +21,8 @@ export interface Config {
   events?: boolean;
   /** Objects have a filter. By default false. */
   filters?: boolean;
+  /** Objects have a value: 64 bits of yours, an entity or an index. By default false. */
+  values?: boolean;
   /** `exact`, the default: the overlaps of the boxes as given. `fat`: those of the boxes with their margins. */
   mode?: "exact" | "fat";
   /** Up to 256 objects are swept without vectors and their memory. By default false. */
@@ -97,8 +99,8 @@ export interface Stats {
  * Objects with boxes, and the pairs of those that overlap.
  *
  * Arrays that a world hands out as properties are views of its memory: they cost nothing, and hold until the memory grows
- * or, of pairs, until the next step. `insertMany`, `removeMany`, `setResting`, `wake`, `overlaps`, `nearest`, `save` and
- * `load` may grow it. Then old views have no elements any more, and the properties give new ones.
+ * or, of pairs, until the next step. `insertMany`, `removeMany`, `setValues`, `values`, `pairValues`, `setResting`, `wake`,
+ * `overlaps`, `nearest`, `save` and `load` may grow it. Then old views have no elements any more, and the properties give new ones.
  */
 export class World {
   private constructor();
@@ -146,6 +148,18 @@ export class World {
   setFilter(id: Id, filter?: Filter): void;
   /** Which classes meet: bit `b` of number `a`, and bit `a` of number `b`. 32 numbers. */
   setClasses(meets: ArrayLike<number>): void;
+  /** Gives an object a value. A new one has 0. */
+  setValue(id: Id, value: bigint): void;
+  /** Gives objects values, all or none; as many as ids. */
+  setValues(ids: ArrayLike<Id>, values: ArrayLike<bigint>): void;
+  value(id: Id): bigint;
+  /** The values of objects: of those that `overlaps` has found, for instance. */
+  values(ids: ArrayLike<Id>): BigUint64Array;
+  /**
+   * `pairs`, `found` or `lost` by value, two values each. Lost pairs have those of the objects that were the pair, also where these
+   * are no more and others have their slots. To be asked before objects come or go.
+   */
+  pairValues(of?: "pairs" | "found" | "lost"): BigUint64Array;
   /** Puts objects to rest: steps do not read their boxes until they wake. */
   setResting(ids: ArrayLike<Id>): void;
   wake(ids: ArrayLike<Id>): void;
@@ -204,6 +218,8 @@ export class PairsFullError extends TrisapError {
 }
 /** The world was made without `filters`. */
 export class NoFiltersError extends TrisapError {}
+/** The world was made without `values`. */
+export class NoValuesError extends TrisapError {}
 /** A class is 32 or more. */
 export class BadClassError extends TrisapError {
   readonly objectClass: number;

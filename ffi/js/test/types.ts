@@ -3,7 +3,7 @@
 import { BadBoxError, createWorld, hasVectors, slotOf, StaleIdError, TrisapError, World } from "trisap";
 import type { Config, Filter, Hit, Id, Region, Stats } from "trisap";
 
-const config: Config = { objects: 100, events: true, mode: "exact" };
+const config: Config = { objects: 100, events: true, values: true, mode: "exact" };
 const world: World = await createWorld(config, { simd: hasVectors(), wasm: fetch("trisap.wasm") });
 const id: Id = world.insert([0, 0, 0, 1, 1, 1]);
 const ids: BigUint64Array = world.insertMany(new Float32Array(12));
@@ -13,6 +13,10 @@ const regions: Region[] = [{ min: [0, 0, 0], max: [1, 1, 1] }, { center: [0, 0, 
 const hit: Hit | null = world.firstHit({ origin: [0, 0, 0], direction: [1, 0, 0] });
 const filter: Filter = { group: 1 };
 const stats: Stats = world.stats();
+world.setValue(id, 7n);
+world.setValues(ids, [1n, 2n]);
+const values: BigUint64Array = world.values(world.overlaps(regions[0]));
+const gone: [bigint, BigUint64Array] = [world.value(id), world.pairValues("lost")];
 try {
   world.update(id, new Float64Array(6));
 } catch (error) {
@@ -23,7 +27,7 @@ try {
     console.log(error.message);
   }
 }
-console.log(ids, pairs, found, lost, regions.map((region) => world.overlaps(region)), hit, filter, stats.path);
+console.log(ids, pairs, found, lost, regions.map((region) => world.overlaps(region)), hit, filter, stats.path, values, gone);
 
 // @ts-expect-error: no such field
 await createWorld({ objects: 1, event: true });
@@ -31,5 +35,7 @@ await createWorld({ objects: 1, event: true });
 new World();
 // @ts-expect-error: an id is a bigint
 world.remove(1);
+// @ts-expect-error: and so is a value
+world.setValue(id, 1);
 // @ts-expect-error: a view can be written to, not replaced
 world.boxes = new Float32Array(6);
