@@ -8,29 +8,32 @@ use core::arch::aarch64::*;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neon(());
 
-#[inline(always)]
-fn shorts(a: uint8x16_t) -> uint16x8_t {
-    vreinterpretq_u16_u8(a)
+/// The same bits as other numbers.
+macro_rules! views {
+    ($($name:ident: $type:ty = $call:ident;)+) => {$(
+        #[inline(always)]
+        fn $name(a: uint8x16_t) -> $type {
+            // SAFETY: as in `guaranteed`.
+            unsafe { $call(a) }
+        }
+    )+};
 }
 
-#[inline(always)]
-fn words(a: uint8x16_t) -> uint32x4_t {
-    vreinterpretq_u32_u8(a)
+views! {
+    shorts: uint16x8_t = vreinterpretq_u16_u8;
+    words: uint32x4_t = vreinterpretq_u32_u8;
+    signed: int32x4_t = vreinterpretq_s32_u8;
+    longs: uint64x2_t = vreinterpretq_u64_u8;
+    floats: float32x4_t = vreinterpretq_f32_u8;
 }
 
-#[inline(always)]
-fn signed(a: uint8x16_t) -> int32x4_t {
-    vreinterpretq_s32_u8(a)
-}
-
-#[inline(always)]
-fn longs(a: uint8x16_t) -> uint64x2_t {
-    vreinterpretq_u64_u8(a)
-}
-
-#[inline(always)]
-fn floats(a: uint8x16_t) -> float32x4_t {
-    vreinterpretq_f32_u8(a)
+/// Operations that the CPU has.
+macro_rules! guaranteed {
+    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
+        operations! { $($name($($operand),+) =
+            // SAFETY: this file is compiled only where NEON may be used everywhere.
+            unsafe { $result };)+ }
+    };
 }
 
 /// A bit for each byte of eight, in each half.
@@ -67,21 +70,26 @@ impl Vectors for Neon {
 
     #[inline(always)]
     fn splat(self, word: u32) -> uint8x16_t {
-        vreinterpretq_u8_u32(vdupq_n_u32(word))
+        // SAFETY: as in `guaranteed`.
+        unsafe { vreinterpretq_u8_u32(vdupq_n_u32(word)) }
     }
 
     #[inline(always)]
     fn first(self, a: uint8x16_t) -> u32 {
-        vgetq_lane_u32::<0>(words(a))
+        // SAFETY: as in `guaranteed`.
+        unsafe { vgetq_lane_u32::<0>(words(a)) }
     }
 
     #[inline(always)]
     fn any(self, a: uint8x16_t) -> bool {
-        // Of a vector the pairwise maximum, in one register with the integers' zero compare.
-        vmaxvq_u32(words(a)) != 0
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            // Of a vector the pairwise maximum, in one register with the integers' zero compare.
+            vmaxvq_u32(words(a)) != 0
+        }
     }
 
-    operations! {
+    guaranteed! {
         and(a, b) = vandq_u8(a, b);
         or(a, b) = vorrq_u8(a, b);
         xor(a, b) = veorq_u8(a, b);
@@ -121,29 +129,39 @@ impl Vectors for Neon {
 
     #[inline(always)]
     fn bits4(self, mask: uint8x16_t) -> u32 {
-        vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8]))))
+        // SAFETY: as in `guaranteed`.
+        unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
     }
 
     #[inline(always)]
     fn bits16(self, mask: uint8x16_t) -> u32 {
-        let bits = vandq_u8(mask, self.load(&BIT));
-        u32::from(vaddv_u8(vget_low_u8(bits))) | u32::from(vaddv_u8(vget_high_u8(bits))) << 8
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            let bits = vandq_u8(mask, self.load(&BIT));
+            u32::from(vaddv_u8(vget_low_u8(bits))) | u32::from(vaddv_u8(vget_high_u8(bits))) << 8
+        }
     }
 
     #[inline(always)]
     fn bits32(self, [a, b]: [uint8x16_t; 2]) -> u32 {
-        let bit = self.load(&BIT);
-        let sums = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
-        let sums = vpaddq_u8(sums, sums);
-        vgetq_lane_u32::<0>(words(vpaddq_u8(sums, sums)))
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            let bit = self.load(&BIT);
+            let sums = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
+            let sums = vpaddq_u8(sums, sums);
+            vgetq_lane_u32::<0>(words(vpaddq_u8(sums, sums)))
+        }
     }
 
     #[inline(always)]
     fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
-        let bit = self.load(&BIT);
-        let first = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
-        let last = vpaddq_u8(vandq_u8(c, bit), vandq_u8(d, bit));
-        let sums = vpaddq_u8(first, last);
-        vgetq_lane_u64::<0>(longs(vpaddq_u8(sums, sums)))
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            let bit = self.load(&BIT);
+            let first = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
+            let last = vpaddq_u8(vandq_u8(c, bit), vandq_u8(d, bit));
+            let sums = vpaddq_u8(first, last);
+            vgetq_lane_u64::<0>(longs(vpaddq_u8(sums, sums)))
+        }
     }
 }
