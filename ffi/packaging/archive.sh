@@ -32,8 +32,18 @@ awk '/^default-members|^exclude/ { next } { sub(/^members = .*/, "members = [\"c
 cd "$root"
 # Takes out of the lock file what is not needed any more, and changes no version.
 cargo metadata --format-version 1 >/dev/null
-cargo vendor --quiet --locked vendor >.cargo/config.toml
-printf '\n[net]\noffline = true\n' >>.cargo/config.toml
+cargo vendor --quiet --locked vendor >/dev/null
+# Written here, since a quiet cargo does not print it any more.
+cat >.cargo/config.toml <<'CONFIG'
+[source.crates-io]
+replace-with = "vendored-sources"
+
+[source.vendored-sources]
+directory = "vendor"
+
+[net]
+offline = true
+CONFIG
 # Always the same bytes for the same sources.
 tar --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 -C "$staging" -c "$name" | gzip -n >"$folder/$name.tar.gz"
 echo "$folder/$name.tar.gz"
