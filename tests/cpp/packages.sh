@@ -93,8 +93,11 @@ conan() {
     [ -x "$tools/bin/conan" ] || { python3 -m venv "$tools" && "$tools/bin/pip" install --quiet 'conan>=2,<3'; }
     export CONAN_HOME=$root/conan-home CARGO_TARGET_DIR=$root/conan-target
     [ -e "$CONAN_HOME/profiles/default" ] || "$tools/bin/conan" profile detect
-    "$tools/bin/conan" create ffi/packaging/conan --build=missing
-    "$tools/bin/conan" create ffi/packaging/conan --build=missing -o 'trisap/*:shared=True'
+    # It needs no other package; and its test is built elsewhere than in the sources.
+    local create=("$tools/bin/conan" create ffi/packaging/conan --no-remote --build=missing
+        -c "tools.cmake.cmake_layout:test_folder=$root/conan-test" -c tools.cmake.cmaketoolchain:user_presets=)
+    "${create[@]}"
+    "${create[@]}" -o 'trisap/*:shared=True'
 }
 
 vcpkg() {
