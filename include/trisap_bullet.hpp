@@ -162,8 +162,13 @@ private:
     };
 
     static trisap::Aabb box(const btVector3 &min, const btVector3 &max) {
-        const auto round = [](btScalar x) { return static_cast<float>(x); };
-        return {{round(min.x()), round(min.y()), round(min.z())}, {round(max.x()), round(max.y()), round(max.z())}};
+        if constexpr (sizeof(btScalar) > sizeof(float)) {
+            // Rounded outward, so that no pair is lost.
+            return trisap::aabb_from_f64({min.x(), min.y(), min.z()}, {max.x(), max.y(), max.z()}, {0, 0, 0});
+        } else {
+            const auto same = [](btScalar x) { return static_cast<float>(x); };
+            return {{same(min.x()), same(min.y()), same(min.z())}, {same(max.x()), same(max.y()), same(max.z())}};
+        }
     }
 
     /// Questions are answered for the boxes as they are now, steps or not.
