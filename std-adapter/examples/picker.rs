@@ -1,5 +1,5 @@
-//! A picker: what is under the mouse, what a frame drawn with it holds, and what is nearest. The game steps no frames here; a
-//! broad phase answers queries from the boxes that it has.
+//! A picker: what is under the mouse, what a frame drawn with it holds, and what is nearest, asked of the boxes as they are, without a
+//! step. And a sensor, which is a box like others: who enters it is told by the pairs that a step has found.
 
 use trisap::{Aabb, BroadPhase, Cast, Error, Region};
 
@@ -35,6 +35,13 @@ fn main() -> Result<(), Error> {
     assert_eq!(framed, ["church", "inn"]);
     let nearest: Vec<_> = town.nearest([22.0, 4.0, 14.0], 2)?.into_iter().map(|(key, _)| key).collect();
     assert_eq!(nearest, ["inn", "church"]);
+
+    town.insert("doorstep of the inn", Aabb::new([18.0, 3.0, 0.5], [19.5, 5.0, 2.5]))?;
+    assert_eq!(town.step()?.found().count(), 0);
+    town.insert("guest", Aabb::from_center([17.8, 4.0, 1.4], [0.3, 0.3, 0.9]))?;
+    assert_eq!(town.step()?.found().collect::<Vec<_>>(), [["doorstep of the inn", "guest"]]);
+    town.insert("guest", Aabb::from_center([12.0, 4.0, 1.4], [0.3, 0.3, 0.9]))?;
+    assert_eq!(town.step()?.lost().collect::<Vec<_>>(), [["doorstep of the inn", "guest"]]);
     println!("under the mouse: the inn; in the frame: {framed:?}; nearest: {nearest:?}");
     Ok(())
 }
