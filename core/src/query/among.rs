@@ -1,6 +1,6 @@
 //! Queries about some of the objects alone.
 
-use super::{Cast, Condition, Hit, Region};
+use super::{Cast, Hit, Region};
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::parallel::executor::Executor;
@@ -82,11 +82,12 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     /// # Errors
     /// Those of [`World::nearest`].
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.world.nearest_of(point, out, self.condition())
+        self.world.nearest_of(point, out, Some(self.condition()))
     }
 
-    fn condition(&self) -> Condition<'_> {
-        Some(&self.condition)
+    /// Of one type, so that each search is compiled once for all conditions.
+    fn condition(&self) -> &dyn Fn(Id) -> bool {
+        &self.condition
     }
 }
 

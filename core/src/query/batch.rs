@@ -1,6 +1,6 @@
 //! Many queries in one call, shared by the caller's workers.
 
-use super::{Cast, Condition, Hit, Region};
+use super::{Cast, Hit, Region};
 use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
@@ -15,11 +15,6 @@ const WORKERS: usize = 32;
 
 /// A condition that all workers may ask.
 type Shared<'c> = &'c (dyn Fn(Id) -> bool + Sync);
-
-/// The condition of one worker's queries.
-fn own(condition: Option<Shared<'_>>) -> Condition<'_> {
-    condition.map(|condition| condition as _)
-}
 
 /// Many queries at once, on the workers of a job system.
 ///
@@ -66,8 +61,12 @@ impl<I: Index> World<'_, I> {
         executor::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
             while let Some((block, out)) = claims.claim() {
                 for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
+                    let first = match condition {
+                        Some(condition) => self.first_hit_of(cast, condition as &dyn Fn(Id) -> bool),
+                        None => self.first_hit(cast),
+                    };
                     // The casts are valid.
-                    *out = self.first_hit_of(cast, own(condition)).ok().flatten();
+                    *out = first.ok().flatten();
                 }
             }
         });
@@ -113,7 +112,11 @@ impl<I: Index> World<'_, I> {
                 for (at, count) in counts.iter_mut().enumerate() {
                     let Some(region) = regions.get(block * BLOCK + at) else { continue };
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    *count = match self.overlaps_of(region, out, own(condition)) {
+                    let told = match condition {
+                        Some(condition) => self.overlaps_of(region, out, condition as &dyn Fn(Id) -> bool),
+                        None => self.overlaps(region, out),
+                    };
+                    *count = match told {
                         Ok(count) => count as u32,
                         Err(Error::OutputFull { needed, .. }) => needed as u32,
                         // The regions are valid.

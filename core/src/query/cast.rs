@@ -1,6 +1,6 @@
 //! What a ray or a moving box meets, near things first.
 
-use super::{Condition, is_current, may_answer, prefetch_members, prefetch_parts};
+use super::{is_current, prefetch_members, prefetch_parts};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
@@ -105,14 +105,18 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
-        self.first_hit_of(cast, None)
+        self.first_hit_of(cast, |_| true)
     }
 
     /// The same of the objects that may answer.
-    pub(super) fn first_hit_of(&self, cast: &Cast, condition: Condition<'_>) -> Result<Option<Hit>, Error> {
+    pub(super) fn first_hit_of(
+        &self,
+        cast: &Cast,
+        condition: impl Fn(Id) -> bool,
+    ) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
         self.visit_hits(cast, &mut |hit| {
-            if !may_answer(condition, hit.id) {
+            if !condition(hit.id) {
                 return f64::INFINITY;
             }
             let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
@@ -128,7 +132,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.hits_of(cast, out, None)
+        self.hits_of(cast, out, |_| true)
     }
 
     /// The same of the objects that may answer.
@@ -136,11 +140,11 @@ impl<I: Index> World<'_, I> {
         &self,
         cast: &Cast,
         out: &mut [Option<Hit>],
-        condition: Condition<'_>,
+        condition: impl Fn(Id) -> bool,
     ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_hits(cast, &mut |hit| {
-            if !may_answer(condition, hit.id) {
+            if !condition(hit.id) {
                 return f64::INFINITY;
             }
             if let Some(place) = out.get_mut(count) {

@@ -66,13 +66,6 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Which objects may answer: all, or those that fulfil a condition. Asked by reference, so that each search is compiled once.
-type Condition<'c> = Option<&'c dyn Fn(Id) -> bool>;
-
-fn may_answer(condition: Condition<'_>, id: Id) -> bool {
-    condition.is_none_or(|condition| condition(id))
-}
-
 /// Whether the tree's record of an object is that of its box.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {

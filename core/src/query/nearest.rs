@@ -2,12 +2,12 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{Condition, MembersNear, key_above, key_below, may_answer, parts_near};
+use super::{MembersNear, key_above, key_below, parts_near};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
-use crate::id::Index;
+use crate::id::{Id, Index};
 use crate::simd::{Phase, Simd};
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
@@ -43,7 +43,7 @@ impl<I: Index> World<'_, I> {
         &self,
         point: [f32; 3],
         out: &mut [Option<Hit>],
-        condition: Condition<'_>,
+        condition: Option<&dyn Fn(Id) -> bool>,
     ) -> Result<usize, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
@@ -113,7 +113,8 @@ struct Nearest<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     point: [f32; 3],
     out: &'q mut [Option<Hit>],
-    condition: Condition<'q>,
+    /// Asked by reference, if there is one: the search is compiled once.
+    condition: Option<&'q dyn Fn(Id) -> bool>,
 }
 
 impl<I: Index> Phase for Nearest<'_, '_, I> {
@@ -127,7 +128,7 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
         let offer = |best: &mut Best<'_>, slot: usize| {
             let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
             if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot))
-                && may_answer(condition, id)
+                && condition.is_none_or(|condition| condition(id))
             {
                 best.offer(Hit { id, distance: squared });
             }

@@ -1,8 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{
-    Condition, MembersNear, key_above, key_below, may_answer, parts_near, prefetch_members, prefetch_parts,
-};
+use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
@@ -126,7 +124,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
-        self.overlaps_of(region, out, None)
+        self.overlaps_of(region, out, |_| true)
     }
 
     /// The same of the objects that may answer.
@@ -134,11 +132,11 @@ impl<I: Index> World<'_, I> {
         &self,
         region: &Region,
         out: &mut [Option<Id>],
-        condition: Condition<'_>,
+        condition: impl Fn(Id) -> bool,
     ) -> Result<usize, Error> {
         let mut count = 0;
         self.visit_overlaps(region, &mut |id| {
-            if !may_answer(condition, id) {
+            if !condition(id) {
                 return ControlFlow::Continue(());
             }
             if let Some(place) = out.get_mut(count) {
