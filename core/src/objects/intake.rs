@@ -8,8 +8,8 @@ use crate::memory::slab::Parts;
 use crate::objects::Objects;
 use crate::objects::margins::{FatBoxes, Motions};
 use crate::objects::settle::{Nothing, Records, Settle};
-use crate::parallel::block_queue::{Chunks, Ends};
-use crate::parallel::executor::{self, Executor};
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
@@ -33,14 +33,13 @@ pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
     settle: bool,
-    kernels: Kernels,
-    executor: &dyn Executor,
+    context: StepContext<'_>,
 ) -> Intake {
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
-        ingest_small(parts, bounds, slots, kernels)
+        ingest_small(parts, bounds, slots, context.kernels)
     } else {
-        ingest_large(parts, bounds, slots, settle, kernels, executor)
+        ingest_large(parts, bounds, slots, settle, context)
     }
 }
 
@@ -52,13 +51,12 @@ fn ingest_large<I: Index>(
     bounds: &Boxes<'_>,
     slots: usize,
     settle: bool,
-    kernels: Kernels,
-    executor: &dyn Executor,
+    context: StepContext<'_>,
 ) -> Intake {
     // Those that have changed before.
     let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
     let len = block_len(slots);
-    let found = ingest_blocks(parts, bounds, (slots, len), settle, kernels, executor);
+    let found = ingest_blocks(parts, bounds, (slots, len), settle, context);
     let mut sum = Intake::default();
     let [pending_list, left, _] = &mut parts.order;
     let mut end = 0;
@@ -114,8 +112,7 @@ fn ingest_blocks<I: Index>(
     bounds: &Boxes<'_>,
     (slots, len): (usize, usize),
     settle: bool,
-    kernels: Kernels,
-    executor: &dyn Executor,
+    context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
     let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
@@ -127,31 +124,27 @@ fn ingest_blocks<I: Index>(
     let buckets = parts.tree.leaves.span(0, leaves);
     let records = Shared::new(parts.tree.records);
     let mut found = [Intake::default(); SLOT_BLOCKS];
-    // Records of neighbouring blocks stand side by side in the leaves.
-    let claims = Ends::new((
+    let blocks = (
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
         (Chunks::optional(fat, len), Chunks::optional(parts.boxes.before, len)),
         (parts.moved.blocks(len), parts.changed.blocks(len)),
         Chunks::new(parts.order[1].span_mut(0, slots), len),
         Chunks::new(&mut found, 1),
-    ));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        let end = claims.end();
-        while let Some((block, (now, (fat, before), (moved, changed), left, found))) = claims.claim(end) {
-            let first = block * len;
-            let margins = margins.get(first..).unwrap_or_default();
-            let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
-            let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
-            let resting = resting.get(first / 32..).unwrap_or_default();
-            found.fill(if settle {
-                let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
-                let leaves = buckets;
-                let settle = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
-                kernels.run(IngestBlock { first, bounds, objects, resting, settle })
-            } else {
-                kernels.run(IngestBlock { first, bounds, objects, resting, settle: Nothing })
-            });
-        }
+    );
+    context.each(blocks, |block, (now, (fat, before), (moved, changed), left, found)| {
+        let first = block * len;
+        let margins = margins.get(first..).unwrap_or_default();
+        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+        let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
+        let resting = resting.get(first / 32..).unwrap_or_default();
+        found.fill(if settle {
+            let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
+            let leaves = buckets;
+            let settle = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
+            context.kernels.run(IngestBlock { first, bounds, objects, resting, settle })
+        } else {
+            context.kernels.run(IngestBlock { first, bounds, objects, resting, settle: Nothing })
+        });
     });
     found
 }

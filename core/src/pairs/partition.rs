@@ -4,9 +4,8 @@ use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::pairs::persistent::is_clear_of;
-use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::parallel::executor;
 use crate::simd::{Phase, Simd};
 use core::cell::Cell;
 
@@ -29,11 +28,8 @@ pub(crate) fn partition<I: Index>(
     let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = count.div_ceil(len);
     let mut fronts = [0; BLOCKS];
-    let claims = BlockQueue::new((Chunks::new(pairs, len), Chunks::new(&mut fronts, 1)));
-    executor::run(context.executor, context.workers, blocks, &|| {
-        while let Some((_, (pairs, front))) = claims.claim() {
-            front.fill(context.kernels.run(PartitionBlock { pairs, test }));
-        }
+    context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
+        front.fill(context.kernels.run(PartitionBlock { pairs, test }));
     });
     let border = fronts.iter().sum();
     if blocks > 1 {

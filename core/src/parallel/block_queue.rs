@@ -12,9 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// Parts with different indices must not overlap, and `part` must be callable from any thread.
 pub(crate) unsafe trait Parted: Sync {
     /// Exclusive access to one part.
-    type Part<'p>
-    where
-        Self: 'p;
+    type Part;
 
     /// How many parts there are.
     fn count(&self) -> usize;
@@ -23,7 +21,7 @@ pub(crate) unsafe trait Parted: Sync {
     ///
     /// # Safety
     /// `index < count()`, and no other part with this index may be alive.
-    unsafe fn part(&self, index: usize) -> Self::Part<'_>;
+    unsafe fn part(&self, index: usize) -> Self::Part;
 }
 
 /// A slice in parts of equal length, the last one shorter.
@@ -57,17 +55,14 @@ impl<'a, T> Chunks<'a, T> {
 unsafe impl<T: Send> Sync for Chunks<'_, T> {}
 
 // SAFETY: part `i` covers `[i * chunk, (i + 1) * chunk)` cut to the slice; these ranges are disjoint.
-unsafe impl<T: Send> Parted for Chunks<'_, T> {
-    type Part<'p>
-        = &'p mut [T]
-    where
-        Self: 'p;
+unsafe impl<'a, T: Send> Parted for Chunks<'a, T> {
+    type Part = &'a mut [T];
 
     fn count(&self) -> usize {
         if self.absent { usize::MAX } else { self.len.div_ceil(self.chunk.max(1)) }
     }
 
-    unsafe fn part(&self, index: usize) -> &mut [T] {
+    unsafe fn part(&self, index: usize) -> &'a mut [T] {
         if self.absent {
             return &mut [];
         }
@@ -99,8 +94,7 @@ impl<'a, T> Mirrored<'a, T> {
 
     /// # Safety
     /// No other part with this index may be alive.
-    #[expect(clippy::mut_from_ref, reason = "as for every `Parted`")]
-    unsafe fn one(&self, index: usize) -> &mut [T] {
+    unsafe fn one(&self, index: usize) -> &'a mut [T] {
         let end = |index: usize| self.ends.get(index).copied().unwrap_or_default() as usize;
         let (start, end) = (index.checked_sub(1).map_or(0, end), end(index));
         // SAFETY: `new` has seen that ends ascend and stay in the borrowed slice, so parts of different indices are disjoint
@@ -113,17 +107,14 @@ impl<'a, T> Mirrored<'a, T> {
 unsafe impl<T: Send> Sync for Mirrored<'_, T> {}
 
 // SAFETY: of `2 n` disjoint parts, `i` and `2 n - 1 - i` are two, and other ones for each `i < n`.
-unsafe impl<T: Send> Parted for Mirrored<'_, T> {
-    type Part<'p>
-        = [&'p mut [T]; 2]
-    where
-        Self: 'p;
+unsafe impl<'a, T: Send> Parted for Mirrored<'a, T> {
+    type Part = [&'a mut [T]; 2];
 
     fn count(&self) -> usize {
         self.ends.len() / 2
     }
 
-    unsafe fn part(&self, index: usize) -> [&mut [T]; 2] {
+    unsafe fn part(&self, index: usize) -> [&'a mut [T]; 2] {
         // SAFETY: the caller holds no other part with this index, and no other index has these two.
         unsafe { [self.one(index), self.one(self.ends.len() - 1 - index)] }
     }
@@ -133,13 +124,13 @@ macro_rules! parted_tuple {
     ($($name:ident $index:tt),+) => {
         // SAFETY: each element of the tuple keeps the promise for its own slice.
         unsafe impl<$($name: Parted),+> Parted for ($($name,)+) {
-            type Part<'p> = ($($name::Part<'p>,)+) where Self: 'p;
+            type Part = ($($name::Part,)+);
 
             fn count(&self) -> usize {
                 usize::MAX $(.min(self.$index.count()))+
             }
 
-            unsafe fn part(&self, index: usize) -> Self::Part<'_> {
+            unsafe fn part(&self, index: usize) -> Self::Part {
                 // SAFETY: the caller's promise covers every element: `count()` is the least of theirs.
                 unsafe { ($(self.$index.part(index),)+) }
             }
@@ -176,59 +167,10 @@ impl<P: Parted> BlockQueue<P> {
     }
 
     /// The next part and its index, or `None` when all are claimed.
-    pub(crate) fn claim(&self) -> Option<(usize, P::Part<'_>)> {
+    pub(crate) fn claim(&self) -> Option<(usize, P::Part)> {
         let index = claim_index(&self.next, self.count)?;
         // SAFETY: `claim_index` returns each index below `count` once.
         Some((index, unsafe { self.parts.part(index) }))
-    }
-}
-
-/// Parts that are claimed from both ends, each once: for parts whose results lie beside each other in memory. Who claims at
-/// one end keeps away from the cache lines of who claims at the other, until they meet.
-pub(crate) struct Ends<P> {
-    parts: P,
-    count: u32,
-    /// How many have been claimed at either end: no more than there are, so that the ends do not cross.
-    claimed: AtomicU32,
-    low: AtomicU32,
-    high: AtomicU32,
-    calls: AtomicU32,
-}
-
-/// An end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
-    Low,
-    High,
-}
-
-impl<P: Parted> Ends<P> {
-    pub(crate) fn new(parts: P) -> Self {
-        let count = parts.count().min(u32::MAX as usize / 2) as u32;
-        let [claimed, low, high, calls] = [(); 4].map(|()| AtomicU32::new(0));
-        Self { parts, count, claimed, low, high, calls }
-    }
-
-    /// How many parts there are.
-    pub(crate) const fn count(&self) -> usize {
-        self.count as usize
-    }
-
-    /// The end for another call of a job: they take turns.
-    pub(crate) fn end(&self) -> End {
-        if count_up(&self.calls) & 1 == 0 { End::Low } else { End::High }
-    }
-
-    /// The next part at this end and its index, or `None` when all are claimed.
-    pub(crate) fn claim(&self, end: End) -> Option<(usize, P::Part<'_>)> {
-        claim_index(&self.claimed, self.count)?;
-        let index = match end {
-            End::Low => count_up(&self.low),
-            End::High => self.count - 1 - count_up(&self.high),
-        };
-        // SAFETY: `claim_index` has let through `count` claims at most, so `low` and `high` add up to no more, and each
-        // index below `count` comes from one end only, and once.
-        Some((index as usize, unsafe { self.parts.part(index as usize) }))
     }
 }
 
@@ -236,25 +178,16 @@ impl<P: Parted> Ends<P> {
 /// reaches the thread with the start of its job and the caller with the job's end, by the executor.
 fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     // The load keeps late callers from running the counter over its end.
-    if next.load(Relaxed) >= count {
+    let index = next.load(Relaxed);
+    if index >= count {
         return None;
     }
-    let index = count_up(next);
-    (index < count).then_some(index as usize)
-}
-
-/// Counts one more, and returns the count before.
-fn count_up(counter: &AtomicU32) -> u32 {
     #[cfg(target_has_atomic = "32")]
-    let count = counter.fetch_add(1, Relaxed);
-    // Without read-modify-write there is no executor but `Serial`, so nobody comes between load and store.
+    let index = next.fetch_add(1, Relaxed);
+    // Without read-modify-write there is no executor but `Serial`: no other thread comes between load and store.
     #[cfg(not(target_has_atomic = "32"))]
-    let count = {
-        let count = counter.load(Relaxed);
-        counter.store(count + 1, Relaxed);
-        count
-    };
-    count
+    next.store(index + 1, Relaxed);
+    (index < count).then_some(index as usize)
 }
 
 /// Indices that are claimed in ascending order, each once.
@@ -364,22 +297,6 @@ mod tests {
         for ends in [[3, 2, 4, 9], [3, 4, 4, 11]] {
             assert_eq!(Mirrored::new(&mut items, &ends).count(), 0);
         }
-    }
-
-    #[test]
-    fn every_part_is_claimed_once_from_either_end() {
-        let mut items = [0u8; 10];
-        let ends = Ends::new(Chunks::new(&mut items, 3));
-        assert_eq!([ends.end(), ends.end(), ends.end()], [End::Low, End::High, End::Low]);
-        let order = [End::High, End::Low, End::High, End::High];
-        let claimed = order.map(|end| {
-            let (index, part) = ends.claim(end).unwrap();
-            part.iter_mut().for_each(|item| *item += 1);
-            (index, part.len())
-        });
-        assert_eq!(claimed, [(3, 1), (0, 3), (2, 3), (1, 3)]);
-        assert!(ends.claim(End::Low).is_none() && ends.claim(End::High).is_none());
-        assert_eq!(items, [1; 10]);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What every phase of a step works with.
 
-use super::executor::Executor;
+use super::block_queue::{BlockQueue, Parted};
+use super::executor::{self, Executor};
 use crate::filter::Rule;
 use crate::simd::kernels::Kernels;
 
@@ -17,6 +18,16 @@ pub(crate) struct StepContext<'e> {
 }
 
 impl StepContext<'_> {
+    /// Does the work of each part once, shared between the workers where there are enough parts.
+    pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
+        let queue = BlockQueue::new(parts);
+        executor::run(self.executor, self.workers, queue.count(), &|| {
+            while let Some((index, part)) = queue.claim() {
+                work(index, part);
+            }
+        });
+    }
+
     pub(crate) const fn is_small(&self) -> bool {
         !cfg!(feature = "large") || self.small
     }

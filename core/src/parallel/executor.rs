@@ -126,12 +126,12 @@ impl Executor for Serial {
 pub(crate) struct OneStep<'e> {
     executor: &'e dyn Executor,
     shares: bool,
-    has_inserted: Cell<Option<Stage>>,
+    entered: Cell<Option<Stage>>,
 }
 
 impl<'e> OneStep<'e> {
     pub(crate) const fn new(executor: &'e dyn Executor, shares: bool) -> Self {
-        Self { executor, shares, has_inserted: Cell::new(None) }
+        Self { executor, shares, entered: Cell::new(None) }
     }
 }
 
@@ -144,8 +144,8 @@ impl Executor for OneStep<'_> {
     }
     /// A step that finds that it must do more than it began with goes back: that is part of the stage that it had come to.
     fn enter(&self, stage: Stage) {
-        if self.has_inserted.get() < Some(stage) {
-            self.has_inserted.set(Some(stage));
+        if self.entered.get() < Some(stage) {
+            self.entered.set(Some(stage));
             self.executor.enter(stage);
         }
     }
@@ -155,7 +155,7 @@ impl Executor for OneStep<'_> {
 /// work are enough to share.
 pub(crate) fn run(executor: &dyn Executor, scratches: usize, blocks: usize, job: &(dyn Fn() + Sync)) {
     let width = (executor.workers() as usize).min(scratches).min(blocks);
-    // BlockQueue are exclusive only where they can be made in one piece.
+    // A claim is exclusive only where the counter changes in one piece.
     if cfg!(target_has_atomic = "32") && width > 1 {
         executor.fork_join(width as u32, job);
     }

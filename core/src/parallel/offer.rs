@@ -81,11 +81,11 @@ impl Offer {
         let pointer = unsafe { transmute::<*const (dyn Fn() + Sync + '_), Job>(job) };
         // SAFETY: HELD is ours, there are no seats, and nobody is running.
         unsafe { *self.job.get() = Some(pointer) };
-        let contained = Held(self);
+        let held = Held(self);
         // Release: the pointer, and all that this thread did before, is there for who takes a seat.
         self.state.store(HELD | (SEAT * seats.min(SEATS / SEAT)), Release);
         job();
-        contained.close();
+        held.close();
         while self.running() > 0 {
             wait();
         }

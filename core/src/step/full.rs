@@ -23,7 +23,7 @@ pub(super) fn full<I: Index>(
     settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    let StepContext { kernels, executor, .. } = context;
+    let executor = context.executor;
     let mut rebuild = route.path == Path::Rebuilt;
     let was_filled = parts.state.tree.filled != 0;
     let kept = if route.path == Path::MoversByLeaf {
@@ -48,20 +48,20 @@ pub(super) fn full<I: Index>(
     let settled =
         settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
     let stands = settled.is_some_and(|settled| keep::settle(parts, settled, context));
-    let mut counted = if stands { None } else { Some(assign::count(parts, kernels, executor)) };
+    let mut counted = if stands { None } else { Some(assign::count(parts, context)) };
     if !rebuild && balance::is_out_of_balance(parts) {
         rebuild = true;
         route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
         executor.enter(Stage::Build);
         balance::build_planes(parts, context);
         executor.enter(Stage::Fill);
-        counted = Some(assign::count(parts, kernels, executor));
+        counted = Some(assign::count(parts, context));
     }
     if rebuild {
         balance::set_baseline(parts);
     }
     let coarse = counted.map(|(bounds_scan, _)| {
-        assign::fill(parts, &bounds_scan, kernels, executor);
+        assign::fill(parts, &bounds_scan, context);
         bounds_scan.is_coarse(parts.state.objects.live)
     });
     balance::review(parts);

@@ -8,33 +8,28 @@
 use super::cells::{cut, frame};
 use super::enclose::enclose;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Straddler, are_few, leaf_of};
+use super::{Cell, Leaf, Straddler, are_few, leaf_of, renumber};
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
 use crate::memory::slab::Parts;
-use crate::parallel::block_queue::{BlockQueue, Chunks, Ends};
-use crate::parallel::executor::{self, Executor};
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
 /// objects stay within the capacity and the limits on copies. Then each leaf has its count, and the histogram has where each block
 /// of slots writes.
-pub(crate) fn count<I: Index>(
-    parts: &mut Parts<'_, I>,
-    kernels: Kernels,
-    executor: &dyn Executor,
-) -> (BoundsScan, u32) {
+pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let depth = parts.state.tree.depth;
         let extent = parts.state.tree.extent();
         cut(parts.tree.planes, depth, &extent, parts.tree.cells);
-        let counted = count_at(parts, depth, kernels, executor);
+        let counted = count_at(parts, depth, context);
         let (leaves, row) = (1usize << depth, histogram_row(depth));
         let (mut straddlers, mut large) = (0u64, 0u64);
         for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
@@ -49,16 +44,11 @@ pub(crate) fn count<I: Index>(
         }
         // One level up, every leaf is a pair of these leaves, and so are the homes.
         parts.state.tree.depth = depth - 1;
-        super::subdivide::ascend(parts.home, 1);
+        renumber(parts.home, |leaf| leaf >> 1);
     }
 }
 
-fn count_at<I: Index>(
-    parts: &mut Parts<'_, I>,
-    depth: u32,
-    kernels: Kernels,
-    executor: &dyn Executor,
-) -> (BoundsScan, u32) {
+fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext<'_>) -> (BoundsScan, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(depth);
@@ -67,18 +57,14 @@ fn count_at<I: Index>(
     let mut found = [(BoundsScan::NONE, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
-    let claims = BlockQueue::new((
+    let blocks = (
         Chunks::new(parts.home.span_mut(0, slots), len),
         Chunks::new(histogram, row),
         Chunks::new(&mut found, 1),
-    ));
-    let scratches = parts.sizes.workers;
-    executor::run(executor, scratches, claims.count(), &|| {
-        while let Some((block, (homes, histogram, found))) = claims.claim() {
-            let boxes = boxes.span(block * len, homes.len());
-            let bounds_scan = kernels.run(CountBlock { boxes, homes, planes, cells, depth, histogram });
-            found.fill(bounds_scan);
-        }
+    );
+    context.each(blocks, |block, (homes, histogram, found)| {
+        let boxes = boxes.span(block * len, homes.len());
+        found.fill(context.kernels.run(CountBlock { boxes, homes, planes, cells, depth, histogram }));
     });
     let mut sum = BoundsScan::NONE;
     let mut left = 0;
@@ -160,19 +146,14 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 }
 
 /// Writes every object's record by the counts of [`count`], and finds the boxes of the nodes.
-pub(crate) fn fill<I: Index>(
-    parts: &mut Parts<'_, I>,
-    bounds_scan: &BoundsScan,
-    kernels: Kernels,
-    executor: &dyn Executor,
-) {
+pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
     let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
-    scatter(parts, leaves, kernels, executor);
-    sharpen(parts, kernels);
-    enclose(parts, depth, executor);
+    scatter(parts, leaves, context);
+    sharpen(parts, context.kernels);
+    enclose(parts, depth, context);
     parts.state.tree.filled = 1;
 }
 
@@ -212,7 +193,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     parts.state.tree.large = straddler - parts.state.tree.large_start;
 }
 
-fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, executor: &dyn Executor) {
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(parts.state.tree.depth);
@@ -221,32 +202,25 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, kernels: Kernels, 
     let (homes, cells, frames, buckets) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
-    // Records of neighbouring blocks stand side by side in the leaves.
-    let claims = Ends::new((
+    let blocks = (
         Chunks::new(parts.place.span_mut(0, slots), len),
         Chunks::new(parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row), row),
-    ));
-    let scratches = parts.sizes.workers;
-    executor::run(executor, scratches, claims.count(), &|| {
-        let end = claims.end();
-        while let Some((block, (places, histogram))) = claims.claim(end) {
-            let first = block * len;
-            let boxes = boxes.span(first, places.len());
-            let homes = homes.span(first, places.len());
-            kernels.run(ScatterBlock {
-                first,
-                boxes,
-                homes,
-                places,
-                cells: cells.span(0, leaves),
-                frames: frames.span(0, leaves),
-                leaves: buckets.span(0, leaves),
-                records,
-                straddlers,
-                large_start,
-                histogram,
-            });
-        }
+    );
+    context.each(blocks, |block, (places, histogram)| {
+        let first = block * len;
+        context.kernels.run(ScatterBlock {
+            first,
+            boxes: boxes.span(first, places.len()),
+            homes: homes.span(first, places.len()),
+            places,
+            cells: cells.span(0, leaves),
+            frames: frames.span(0, leaves),
+            leaves: buckets.span(0, leaves),
+            records,
+            straddlers,
+            large_start,
+            histogram,
+        });
     });
 }
 

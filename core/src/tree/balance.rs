@@ -173,7 +173,7 @@ pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
         for leaf in &mut *parts.tree.leaves {
             leaf.baseline = 0;
         }
-        super::subdivide::descend(parts.home, whole - depth);
+        super::renumber(parts.home, |leaf| leaf << (whole - depth));
     }
 }
 

@@ -9,9 +9,8 @@ use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
-use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::parallel::executor;
 use crate::sort::heapsort;
 
 /// Objects whose boxes are looked at to choose an axis.
@@ -26,7 +25,7 @@ const LOPSIDED: usize = 4;
 
 /// Below this level parts of the tree are made at once.
 const SHARED_BELOW: u32 = 3;
-const SUB_LEAVES: usize = 1 << SHARED_BELOW;
+const PARTS: usize = 1 << SHARED_BELOW;
 /// The fewest objects for which that is worth it.
 const SHARED_FROM: usize = if cfg!(miri) { 0 } else { 1 << 14 };
 
@@ -51,33 +50,30 @@ impl<I: Index> Build<'_, I> {
         let nodes = 1usize << below;
         let [sides, starts] = [bits::words(self.boxes.len()), nodes + 1];
         let few = self.lists[0].len() < SHARED_FROM;
-        if few || below == 0 || room.len() < SUB_LEAVES * (sides + starts + nodes) {
+        if few || below == 0 || room.len() < PARTS * (sides + starts + nodes) {
             return self.run(root, levels);
         }
         self.run(root, SHARED_BELOW);
         let Build { boxes, lists: [mut x, mut y, mut z], planes, mut spare, starts: borders, .. } = self;
         let mut room = room;
-        let mut builds = [const { None }; SUB_LEAVES];
+        let mut builds = [const { None }; PARTS];
         for (part, build) in builds.iter_mut().enumerate() {
             let count = borders.at(part + 1) - borders.at(part);
-            let lists = [&mut x, &mut y, &mut z].map(|list| straddler(list, count as usize));
-            let planes = bytemuck::cast_slice_mut(straddler(&mut room, nodes));
-            let [starts, sides] = [starts, sides].map(|length| straddler(&mut room, length));
+            let lists = [&mut x, &mut y, &mut z].map(|list| take_first(list, count as usize));
+            let planes = bytemuck::cast_slice_mut(take_first(&mut room, nodes));
+            let [starts, sides] = [starts, sides].map(|length| take_first(&mut room, length));
             sides.fill(0);
             *build = Some(Build {
                 boxes,
                 lists,
                 planes,
                 sides,
-                spare: straddler(&mut spare, count as usize),
+                spare: take_first(&mut spare, count as usize),
                 starts,
             });
         }
-        let claims = BlockQueue::new(Chunks::new(&mut builds, 1));
-        executor::run(context.executor, context.workers, SUB_LEAVES, &|| {
-            while let Some((_, builds)) = claims.claim() {
-                builds.iter_mut().flatten().for_each(|build| build.run(1, below));
-            }
+        context.each(Chunks::new(&mut builds, 1), |_, builds| {
+            builds.iter_mut().flatten().for_each(|build| build.run(1, below));
         });
         for (part, build) in builds.iter().flatten().enumerate() {
             for level in 0..below {
@@ -244,6 +240,6 @@ fn sampled(count: usize) -> usize {
 }
 
 /// Takes the first `count` items off a slice.
-fn straddler<'s, T>(slice: &mut &'s mut [T], count: usize) -> &'s mut [T] {
+fn take_first<'s, T>(slice: &mut &'s mut [T], count: usize) -> &'s mut [T] {
     slice.split_off_mut(..count).unwrap_or_default()
 }

@@ -6,23 +6,19 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::slab::Parts;
-use crate::parallel::block_queue::{BlockQueue, Chunks};
-use crate::parallel::executor::{self, Executor};
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 
 /// Says where the straddlers of each leaf are to stand, by the marks of the records. Returns how many there are. O(records).
-pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &dyn Executor) -> u32 {
+pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let records = &*parts.tree.records;
     let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
-    let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((_, leaves)) = claims.claim() {
-            for leaf in leaves {
-                let members = records.span(leaf.start as usize, leaf.len as usize);
-                leaf.straddler_len = members.iter().map(|record| record.tag / Record::STRADDLES % 2).sum();
-            }
+    context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
+        for leaf in leaves {
+            let members = records.span(leaf.start as usize, leaf.len as usize);
+            leaf.straddler_len = members.iter().map(|record| record.tag / Record::STRADDLES % 2).sum();
         }
     });
     let mut start = 0;
@@ -34,16 +30,13 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, executor: &d
 }
 
 /// Lists the straddlers where [`number_straddlers`] has said.
-pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels, executor: &dyn Executor) {
+pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let boxes = parts.boxes.swept();
     let records = &*parts.tree.records;
     let straddlers = Shared::new(parts.tree.straddlers);
     let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
-    let claims = BlockQueue::new(Chunks::new(leaves, LEAVES_PER_BLOCK));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((_, leaves)) = claims.claim() {
-            kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
-        }
+    context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
+        context.kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
     });
 }
 
@@ -85,26 +78,21 @@ impl Phase for ListStraddlers<'_, '_> {
     }
 }
 
-/// The box of each node: for a leaf, around its cell and its front; for an inner node, around its children.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, executor: &dyn Executor) {
+/// The box of each node: of a leaf, around its cell and its straddlers; of an inner node, around its children.
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext<'_>) {
     let leaves = 1usize << depth;
     let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
     let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
     let outer = outer.span_mut(0, leaves);
-    let claims = BlockQueue::new(Chunks::new(outer, LEAVES_PER_BLOCK));
-    executor::run(executor, parts.sizes.workers, claims.count(), &|| {
-        while let Some((block, nodes)) = claims.claim() {
-            for (offset, node) in nodes.iter_mut().enumerate() {
-                let index = block * LEAVES_PER_BLOCK + offset;
-                let leaf = buckets.at(index);
-                *node = KeyBox::NOTHING;
-                if leaf.len > 0 {
-                    *node = cells.at(index).inside();
-                    for straddler in
-                        straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize)
-                    {
-                        node.include(&straddler.bounds);
-                    }
+    context.each(Chunks::new(&mut *outer, LEAVES_PER_BLOCK), |block, nodes| {
+        for (offset, node) in nodes.iter_mut().enumerate() {
+            let index = block * LEAVES_PER_BLOCK + offset;
+            let leaf = buckets.at(index);
+            *node = KeyBox::NOTHING;
+            if leaf.len > 0 {
+                *node = cells.at(index).inside();
+                for straddler in straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
+                    node.include(&straddler.bounds);
                 }
             }
         }

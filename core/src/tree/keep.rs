@@ -35,7 +35,7 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
         return false;
     }
     let large = parts.state.tree.large;
-    let straddlers = number_straddlers(parts, context.executor);
+    let straddlers = number_straddlers(parts, context);
     let fits = u64::from(straddlers) + u64::from(large) <= parts.tree.straddlers.len() as u64;
     if !fits || !are_few(u64::from(large), depth, live) {
         return false;
@@ -49,8 +49,8 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
         parts.tree.straddlers.put(to + index, object);
     }
     parts.state.tree.large_start = straddlers;
-    list_straddlers(parts, context.kernels, context.executor);
-    enclose(parts, depth, context.executor);
+    list_straddlers(parts, context);
+    enclose(parts, depth, context);
     true
 }
 

@@ -32,6 +32,7 @@ pub(crate) use crate::geometry::record::{Frame, GRID_MAX, Record};
 pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Straddler, first_of_eight};
 
 use crate::access::Access;
+use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
@@ -130,10 +131,19 @@ pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) ->
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
-#[cfg(test)]
-mod tests;
-
-/// Whether leaves at some depth may look at so many large objects each: beyond that it costs more than larger leaves do.
+/// Whether the leaves at a depth may look at so many large objects each: with more, larger leaves cost less.
 fn are_few(large: u64, depth: u32, live: u32) -> bool {
     large << depth <= 8 * u64::from(live)
 }
+
+/// Gives the home leaves of objects other numbers, where the leaves of another depth are used. O(slots).
+fn renumber<I: Index>(homes: &mut [I], to: impl Fn(u32) -> u32) {
+    for home in homes {
+        if *home < I::LARGE {
+            *home = I::from_slot(to(home.slot()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

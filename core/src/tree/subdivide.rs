@@ -8,7 +8,7 @@
 //! no object yet are as good as planes that none reaches. The leaves have no straddlers: only a full step gathers ghosts.
 
 use super::cells::divide;
-use super::{Cell, Leaf, Record, SUB_LEAVES, sub_leaf_of};
+use super::{Cell, Leaf, Record, SUB_LEAVES, renumber, sub_leaf_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -48,11 +48,8 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
     parts.state.tree.subdivided = 1;
-    for home in parts.home.span_mut(0, parts.state.objects.slots as usize) {
-        if *home < I::LARGE {
-            *home = I::from_slot(home.slot() << SUB_LEVELS);
-        }
-    }
+    let slots = parts.state.objects.slots as usize;
+    renumber(parts.home.span_mut(0, slots), |leaf| leaf << SUB_LEVELS);
     let tree = &mut parts.tree;
     // From the back, so that each is read before its place is taken.
     for index in (0..leaves).rev() {
@@ -137,28 +134,10 @@ pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
         return false;
     }
     parts.state.tree.subdivided = 0;
-    ascend(parts.home, SUB_LEVELS);
+    renumber(parts.home, |leaf| leaf >> SUB_LEVELS);
     for index in 0..1usize << parts.state.tree.depth {
         let leaf = parts.tree.leaves.at(index * SUB_LEAVES);
         parts.tree.leaves.put(index, leaf);
     }
     true
-}
-
-/// Makes homes of the first leaves of some levels below: which objects are not at home there shows when the leaves are counted.
-pub(crate) fn descend<I: Index>(homes: &mut [I], levels: u32) {
-    for home in homes {
-        if *home < I::LARGE {
-            *home = I::from_slot(home.slot() << levels);
-        }
-    }
-}
-
-/// Makes homes of the leaves of some levels above.
-pub(crate) fn ascend<I: Index>(homes: &mut [I], levels: u32) {
-    for home in homes {
-        if *home < I::LARGE {
-            *home = I::from_slot(home.slot() >> levels);
-        }
-    }
 }

@@ -131,7 +131,7 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.dirty = 1;
         context.executor.enter(Stage::Intake);
         let settles = cfg!(feature = "large") && keep::settles(parts);
-        let intake = ingest(parts, &bounds, settles, context.kernels, context.executor);
+        let intake = ingest(parts, &bounds, settles, context);
         parts.state.objects.note(intake.motions);
         let slot = intake.first_rejected;
         let first =

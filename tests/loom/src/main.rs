@@ -23,7 +23,7 @@ mod block_queue;
 #[path = "../../../core/src/parallel/offer.rs"]
 mod offer;
 
-use block_queue::{BlockQueue, Chunks, Ends, Indices, Pool};
+use block_queue::{BlockQueue, Chunks, Indices, Pool};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use offer::Offer;
@@ -78,23 +78,6 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
     }
     assert_eq!(claims.claimed(), blocks);
-}
-
-/// Every block is claimed once, at whichever end.
-fn every_block_is_claimed_once_at_both_ends(width: usize, blocks: usize) {
-    let ends = leak(Ends::new(Chunks::new(items(blocks), 1)));
-    let job = leak(move || {
-        let end = ends.end();
-        let mut claimed: Vec<usize> = Vec::new();
-        while let Some((block, part)) = ends.claim(end) {
-            add(&part[0], block as u32 + 1);
-            claimed.push(block);
-        }
-        claimed
-    });
-    let mut all: Vec<_> = fork_join(width, job).into_iter().flatten().collect();
-    all.sort_unstable();
-    assert_eq!(all, (0..blocks).collect::<Vec<_>>());
 }
 
 /// Loom's cells, to be reached by several threads.
@@ -210,10 +193,6 @@ fn main() {
     model("2 workers claim 3 blocks", None, || every_block_is_claimed_once(2, 3));
     model("3 workers claim 2 blocks", None, || every_block_is_claimed_once(3, 2));
     model("4 workers claim 4 blocks", Some(2), || every_block_is_claimed_once(4, 4));
-    model("2 workers claim 3 blocks at both ends", None, || every_block_is_claimed_once_at_both_ends(2, 3));
-    model("3 workers claim 3 blocks at both ends", Some(2), || {
-        every_block_is_claimed_once_at_both_ends(3, 3)
-    });
     model("1 thread comes to 1 job", None, || an_offer_ends_when_all_who_came_have_left(1, 1));
     model("1 thread comes to 2 jobs", None, || an_offer_ends_when_all_who_came_have_left(1, 2));
     model("2 threads come to 1 job", Some(3), || an_offer_ends_when_all_who_came_have_left(2, 1));
