@@ -21,7 +21,7 @@ const MOVERS_SHARE: u64 = 13;
 const MOVERS_SHARE_PER_PAIR: u64 = 5;
 
 /// Pairs that are looked at to know how many of them stay.
-const SAMPLE: u64 = 256;
+const SAMPLE: usize = 256;
 
 /// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
 const CALM: u8 = 2;
@@ -115,7 +115,7 @@ fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
     }
     let list = parts.output.pairs.span(0, pairs as usize);
     let (mut looked, mut stay) = (0, 0);
-    for pair in list.iter().step_by((pairs / SAMPLE).max(1) as usize) {
+    for pair in list.iter().step_by((list.len() / SAMPLE).max(1)) {
         looked += 1;
         stay += u64::from(persistent::is_clear_of(parts.moved.words, pair));
     }

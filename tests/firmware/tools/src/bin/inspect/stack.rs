@@ -11,11 +11,12 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 26] = [
+const HOOKS: [(&str, &[&str]); 28] = [
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
     ("collect::{closure", &["trisap_core::step::"]),
     ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
     ("Filtered<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
+    ("OfMovers<u16>", &["Filtered<u16>", "Ordered<u16>", "Staged<u16>"]),
     ("Summing<u16>", &["Ordered<u16>", "Staged<u16>"]),
     ("OneStep as", &["Serial as"]),
     ("SweepMovers", &["Sink<u16>>::take"]),
@@ -38,6 +39,7 @@ const HOOKS: [(&str, &[&str]); 26] = [
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
     ("enclose::", &["Executor>::"]),
+    ("nearest::Nearest<u16>", &["api::nearest::{closure"]),
 ];
 
 /// The filter rule of the program `around`.
