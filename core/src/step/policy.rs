@@ -82,7 +82,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
                 Route { path: Path::MoversByLeaf, reason: Reason::Fixed }
             }
             None if are_few(state, moved) => Route { path: Path::Movers, reason: Reason::FewMovers },
-            None if by_leaf.is_none() && can_keep_pairs(parts) && should_keep_pairs(parts) => {
+            None if by_leaf.is_none() && can_keep_pairs(parts) && should_keep_pairs(parts, moved) => {
                 Route { path: Path::MoversByLeaf, reason: Reason::ManyMovers }
             }
             None => anew(parts, Reason::ManyMovers),
@@ -105,12 +105,12 @@ fn can_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
 /// Whether a step of many movers is cheaper if it keeps the pairs of the others, and sweeps leaves for those of the movers alone.
 /// That saves the search for pairs that stay, and the look at their events. It parts the records of each leaf, and looks once more
 /// at each pair that goes.
-fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
+fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
     let (pairs, live) = (parts.state.pairs.swept, u64::from(parts.state.objects.live));
     let saved = if parts.sizes.previous > 0 { 6 } else { 3 };
     let cost = pairs + 2 * live;
-    // Not even if all of them stay.
-    if pairs.saturating_mul(saved) <= cost {
+    // Not even if all of them stay; or hardly any will.
+    if pairs.saturating_mul(saved) <= cost || 8 * u64::from(moved) > 7 * live {
         return false;
     }
     let list = parts.output.pairs.span(0, pairs as usize);
