@@ -2,7 +2,9 @@
 
 use crate::sharing::{Job, Judge, Sharing};
 use rayon::{ThreadPool, Yield};
+use std::cell::Cell;
 use std::hint::spin_loop;
+use std::ptr::null;
 use std::sync::atomic::Ordering::{Relaxed, SeqCst};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, fence};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -68,6 +70,8 @@ struct Common {
     offer: Offer,
     /// How many threads look for work instead of sleeping, or will when they have woken up.
     looking: AtomicU32,
+    /// How many of them were called for by threads that look already, and have not come yet.
+    passed_on: AtomicU32,
     /// How many callers have a job for them, or are about to.
     callers: AtomicU32,
     /// Nobody is going to have work for them.
@@ -128,9 +132,39 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+thread_local! {
+    /// Whose work this thread looks for.
+    static LOOKING: Cell<*const Common> = const { Cell::new(null()) };
+}
+
+/// This thread looks for work.
+struct Looks(*const Common);
+
+impl Looks {
+    fn of(common: &Common) -> Self {
+        Self(LOOKING.replace(common))
+    }
+}
+
+impl Drop for Looks {
+    fn drop(&mut self) {
+        LOOKING.set(self.0);
+    }
+}
+
 impl Common {
     /// Takes part in jobs and runs what else the pool has to do, until there has been nothing for a while.
-    fn look_for_work(&self) {
+    fn look_for_work(self: &Arc<Self>) {
+        if LOOKING.get() == Arc::as_ptr(self) {
+            // It has come to the call for another thread, which would sleep on.
+            self.passed_on.fetch_add(1, Relaxed);
+            let common = Arc::clone(self);
+            return rayon::spawn(move || {
+                common.passed_on.fetch_sub(1, Relaxed);
+                common.look_for_work();
+            });
+        }
+        let _looks = Looks::of(self);
         loop {
             self.look_for_a_while();
             self.looking.fetch_sub(1, Relaxed);
@@ -152,7 +186,9 @@ impl Common {
             if took_part {
                 self.tell_the_caller();
             }
-            let worked = took_part || rayon::yield_now() == Some(Yield::Executed);
+            // A thread that looks already leaves calls for others to these.
+            let calls = self.passed_on.load(Relaxed) > 0;
+            let worked = took_part || (!calls && rayon::yield_now() == Some(Yield::Executed));
             let now = Instant::now();
             if worked {
                 last = now;

@@ -28,9 +28,10 @@ fn wait_until(done: impl Fn() -> bool) {
 
 /// A job that needs `count` threads at once.
 fn meet(executor: &dyn Executor, count: u32) {
-    let met = Barrier::new(count as usize);
+    let met = AtomicU32::new(0);
     executor.fork_join(count, &|| {
-        met.wait();
+        met.fetch_add(1, Relaxed);
+        wait_until(|| met.load(Relaxed) == count);
     });
 }
 
@@ -115,6 +116,19 @@ fn steps_are_counted() {
     }
     let Sharing { shared, alone, .. } = executor.sharing();
     assert_eq!((shared, alone), (2, 3));
+}
+
+/// A thread that looks for work runs what else the pool has to do. The call for another thread is not for it: the other one would
+/// sleep on.
+#[test]
+fn each_call_for_a_thread_wakes_another() {
+    let pool = pool(3);
+    let executor = Rayon::in_pool(&pool);
+    for _ in 0..200 {
+        meet(&executor, 4);
+        wait_until(|| executor.common.looking.load(Relaxed) == 0);
+        assert_eq!(executor.common.passed_on.load(Relaxed), 0);
+    }
 }
 
 #[test]
