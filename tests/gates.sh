@@ -37,8 +37,8 @@ if $all; then
     else
         echo "skipped: cargo-fuzz is not installed"
     fi
-    cargo run --release -p trisap-tests --example million
-    cargo run --release -p trisap-tests --example overflow
+    cargo run --release -p trisap-runs --bin million
+    cargo run --release -p trisap-runs --bin overflow
     tests/instructions.sh
     tests/web.sh
     tests/targets.sh

@@ -8,8 +8,8 @@ cd "$(dirname "$0")/.."
 
 command -v valgrind >/dev/null || { apt-get update -qq && apt-get install -y -qq valgrind; }
 known=tests/instructions.txt
-cargo build --quiet --release -p trisap-tests --example instructions
-program="${CARGO_TARGET_DIR:-target}/release/examples/instructions"
+cargo build --quiet --release -p trisap-runs --bin instructions
+program="${CARGO_TARGET_DIR:-target}/release/instructions"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Random sequences of operations for so many hours, half of the time in a build whose trees begin at 17 objects instead of 513.
-# Prints what ran each minute, and in the end the sums of all turns. Stops at the first fault and leaves the sequence in soak-fault.bin, which
-# `tests/soak.sh soak-fault.bin` repeats (in both builds). With `forgeries` every second operation loads a forged snapshot.
+# Random sequences of operations for so many hours on all processors, half of the time in a build whose leaves have 16 objects instead of
+# 512. Prints what ran each minute, and in the end the sums of all turns. Stops at the first fault and leaves the sequence in
+# soak-fault.bin, which `tests/soak.sh soak-fault.bin` repeats (in both builds). With `forgeries` every second operation loads a forged
+# snapshot.
 #
 #     tests/soak.sh HOURS [FIRST_SEED [forgeries]]
 set -euo pipefail
@@ -9,11 +10,11 @@ folder="$(cd "$(dirname "$0")/.." && pwd)"
 [ $# -ge 1 ] || { echo "usage: tests/soak.sh HOURS [FIRST_SEED [forgeries]] | tests/soak.sh FILE" >&2 && exit 2; }
 target="${CARGO_TARGET_DIR:-$folder/target}"
 build() {
-    cargo build --quiet --manifest-path "$folder/Cargo.toml" --release -p trisap-tests --example soak --target-dir "$1"
+    cargo build --quiet --manifest-path "$folder/Cargo.toml" --release -p trisap-runs --bin soak --target-dir "$1"
 }
 build "$target"
 RUSTFLAGS="${RUSTFLAGS-} --cfg fuzzing" build "$target/small-trees"
-soaks=("$target/small-trees/release/examples/soak" "$target/release/examples/soak")
+soaks=("$target/small-trees/release/soak" "$target/release/soak")
 if [ -f "$1" ]; then
     for soak in "${soaks[@]}"; do "$soak" "$1"; done
     exit

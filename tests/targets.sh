@@ -74,8 +74,8 @@ conformance() {
 # The instructions of a step on AArch64, by each of its kernels: those of ten steps more of the same program.
 instructions() {
     gcc -O2 -shared -fPIC -o "$CARGO_TARGET_DIR/count.so" tests/targets/count.c
-    on build aarch64-unknown-linux-gnu --release -p trisap-tests --example instructions
-    local program=$CARGO_TARGET_DIR/aarch64-unknown-linux-gnu/release/examples/instructions
+    on build aarch64-unknown-linux-gnu --release -p trisap-runs --bin instructions
+    local program=$CARGO_TARGET_DIR/aarch64-unknown-linux-gnu/release/instructions
     local qemu=(qemu-aarch64 -L /usr/aarch64-linux-gnu) log steps first all
     log=$(mktemp)
     for recording in freefall_cubes_1000 gravity_assorted_1000 brownian_cubes_8000; do
@@ -108,12 +108,12 @@ for target in "$@"; do
         ;;
     s390x)
         core_tests s390x-unknown-linux-gnu
-        on run s390x-unknown-linux-gnu -p trisap-tests --example golden | diff tests/golden.txt -
+        on run s390x-unknown-linux-gnu -p trisap-runs --bin golden | diff tests/golden.txt -
         ;;
     wasm)
         # Threads, files that are written and processes are not there: only what is hashed on one thread runs.
-        CARGO_PROFILE_DEV_PANIC=abort on build wasm32-wasip1 -p trisap-tests --example golden
-        node --no-warnings tests/targets/wasi.mjs "$CARGO_TARGET_DIR/wasm32-wasip1/debug/examples/golden.wasm" \
+        CARGO_PROFILE_DEV_PANIC=abort on build wasm32-wasip1 -p trisap-runs --bin golden
+        node --no-warnings tests/targets/wasi.mjs "$CARGO_TARGET_DIR/wasm32-wasip1/debug/golden.wasm" \
             | diff tests/golden.txt -
         ;;
     esac

@@ -6,6 +6,8 @@
 extern crate std;
 
 mod access;
+#[cfg(all(debug_assertions, not(test)))]
+mod compiled;
 mod config;
 mod error;
 mod filter;

@@ -10,7 +10,8 @@ use std::sync::LazyLock;
 
 /// Warnings are mistakes, here and for those who include the headers.
 const WARNINGS: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"];
-pub(crate) const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+/// With what a complaint needs of debug information, the lines: all of it takes as long again to compile.
+pub(crate) const SANITIZERS: [&str; 3] = ["-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 pub(crate) const STATIC: [&str; 1] = ["-l:libtrisap.a"];
 
 /// Where this test run has installed the library.
@@ -150,7 +151,7 @@ fn recorded_pairs_are_those_of_brute_force() {
     let source = "recordings.cpp";
     let quick = Program::cpp("-std=c++20", source, "recordings").with(["-O3", "-ltrisap"]).build();
     let watched = Program::cpp("-std=c++17", source, "recordings_watched");
-    let watched = watched.with(SANITIZERS).with(["-O2"]).with(STATIC).build();
+    let watched = watched.with(SANITIZERS).with(["-O1"]).with(STATIC).build();
     for recording in recordings() {
         succeed(Command::new(quick.get_program()).env("LD_LIBRARY_PATH", PREFIX.join("lib")).arg(&recording));
         succeed(Command::new(watched.get_program()).arg(&recording).arg("3"));
@@ -165,7 +166,7 @@ fn random_operations_match_brute_force() {
     let source = "operations.cpp";
     let program = Program::cpp("-std=c++20", source, "operations").with(["-O2"]).with(STATIC).build();
     let watched = Program::cpp("-std=c++17", source, "operations_watched");
-    let watched = watched.with(SANITIZERS).with(["-O2"]).with(STATIC).build();
+    let watched = watched.with(SANITIZERS).with(["-O1"]).with(STATIC).build();
     succeed(Command::new(program.get_program()).arg(sequences.to_string()));
     // Others under the sanitizers.
     succeed(Command::new(watched.get_program()).args(["12", "10001"]));
@@ -175,7 +176,7 @@ fn random_operations_match_brute_force() {
 #[test]
 fn a_world_that_grows_says_what_a_large_one_says() {
     let program =
-        Program::cpp("-std=c++17", "growth.cpp", "growth").with(SANITIZERS).with(["-O2"]).with(STATIC);
+        Program::cpp("-std=c++17", "growth.cpp", "growth").with(SANITIZERS).with(["-O1"]).with(STATIC);
     let printed = succeed(&mut program.build());
     assert!(printed.contains("grown for objects"), "{printed}");
 }
@@ -198,7 +199,7 @@ fn the_example_engine_runs() {
     assert!(printed.lines().count() == 4 && printed.contains("frame 120: "), "{printed}");
     // The job system's own races, if it had any. trisap itself is not instrumented.
     let program = Program::new("g++", "-std=c++17", &source, "engine_threads").with(flags).with(STATIC);
-    assert_eq!(printed, succeed(&mut program.with(["-g", "-fsanitize=thread"]).build()));
+    assert_eq!(printed, succeed(&mut program.with(["-g1", "-fsanitize=thread"]).build()));
 }
 
 #[test]
@@ -229,13 +230,13 @@ fn valgrind() {
     };
     for test in ["life", "misuse", "regressions"] {
         let program = Program::c(&format!("{test}.c"), &format!("{test}_valgrind"));
-        succeed(&mut watch(&program.with(["-g"]).with(STATIC).build()));
+        succeed(&mut watch(&program.with(["-g1"]).with(STATIC).build()));
     }
     let program = Program::cpp("-std=c++17", "recordings.cpp", "recordings_valgrind");
-    let program = program.with(["-g", "-O2"]).with(STATIC).build();
+    let program = program.with(["-g1", "-O2"]).with(STATIC).build();
     succeed(watch(&program).arg(&recordings()[1]).arg("2"));
     // Proof that it looks.
-    let program = Program::c("broken.c", "broken_valgrind").with(["-g"]).with(STATIC).build();
+    let program = Program::c("broken.c", "broken_valgrind").with(["-g1"]).with(STATIC).build();
     assert_eq!(run(watch(&program).arg("address")).status.code(), Some(9));
 }
 

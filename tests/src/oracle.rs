@@ -29,16 +29,18 @@ pub fn sweep(boxes: &[Option<Aabb>]) -> Vec<SlotPair> {
         let end = live.partition_point(|(_, later)| later.min[0] <= first.max[0]);
         sides.meeting(i, end, |j| pairs.push([*a.min(&live[j].0), *a.max(&live[j].0)]));
     }
-    pairs.sort_unstable();
-    pairs
+    crate::sorted(&pairs)
 }
 
-/// The cheaper of the two for this many boxes. What a thread has asked lately is remembered: the same frames are played on
-/// all kernels and under all job systems, and most of the time of the tests went into the same answers.
+/// The cheaper of the two for this many boxes. What a thread has asked lately about many boxes is remembered: the same frames are
+/// played on all kernels and under all job systems, and most of the time of the tests went into the same answers.
 #[must_use]
 pub fn overlaps(boxes: &[Option<Aabb>]) -> Vec<SlotPair> {
-    if boxes.len() < 64 {
+    if boxes.len() < SWEPT {
         return brute_force(boxes);
+    }
+    if boxes.len() < KEPT {
+        return sweep(boxes);
     }
     KNOWN.with_borrow_mut(|known| {
         if let Some((_, pairs)) = known.iter().find(|(known, _)| known == boxes) {
@@ -53,6 +55,12 @@ pub fn overlaps(boxes: &[Option<Aabb>]) -> Vec<SlotPair> {
         pairs
     })
 }
+
+/// From so many boxes on sorting them is cheaper than all against all.
+const SWEPT: usize = 64;
+
+/// From so many boxes on the answer is remembered. Sequences of operations have smaller worlds, and never the same twice.
+const KEPT: usize = 300;
 
 /// How many boxes and pairs a thread remembers.
 const REMEMBERED: usize = 2_000_000;
@@ -148,9 +156,9 @@ mod tests {
 
     #[test]
     fn what_is_remembered_is_what_was_asked() {
-        let boxes = all_live(&scenes::uniform(200, 5));
+        let boxes = all_live(&scenes::uniform(KEPT, 5));
         let mut fewer = boxes.clone();
-        fewer[199] = None;
+        fewer[KEPT - 1] = None;
         let mut moved = boxes.clone();
         moved[100] = boxes[7];
         for _ in 0..3 {

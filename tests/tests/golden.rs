@@ -25,7 +25,7 @@ fn hashes_are_equal_over_kernels_workers_and_index_widths() {
 }
 
 /// The other half of the test above: what is equal on one machine is also what all other targets say. Who changes the order
-/// of pairs writes the table anew: `cargo run --release -p trisap-tests --example golden > tests/golden.txt`.
+/// of pairs writes the table anew: `cargo run --release -p trisap-runs --bin golden > tests/golden.txt`.
 #[test]
 fn hashes_are_those_of_all_targets() {
     assert_eq!(golden::table(Setup::REFERENCE), golden::TABLE, "not the hashes of tests/golden.txt");

@@ -37,6 +37,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`] where `out` is shorter than `casts`; nothing is written then.
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn first_hits(
         &self,
         casts: &[Cast],
@@ -80,6 +81,7 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`] or [`Error::LengthMismatch`] where `counts` is shorter than `regions`; nothing is written then.
     /// [`Error::OutputFull`] where some region has more objects than its share takes: the counts are right, and so are the
     /// shares that suffice.
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn overlaps_many(
         &self,
         regions: &[Region],

@@ -92,6 +92,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the cast is not valid: NaN, infinities other than the distance, a negative distance.
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });

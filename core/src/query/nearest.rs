@@ -34,6 +34,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.nearest_of(point, out, None)
     }

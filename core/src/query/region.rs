@@ -109,6 +109,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the region is not valid: NaN, a minimum above its maximum, a negative radius.
+    #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_overlaps(
         &self,
         region: &Region,

@@ -67,6 +67,7 @@ const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 
 /// A step.
 impl<I: Index> World<'_, I> {
+    #[cfg_attr(debug_assertions, inline(never))]
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
         let shared =

@@ -1,4 +1,4 @@
-//! Times of whole steps: `cargo bench -p trisap-core`, or a part of it as in `cargo bench -p trisap-core -- degenerate`.
+//! Times of whole steps: `cargo bench -p trisap-runs --bench step`, or a part of it: `cargo bench -p trisap-runs --bench step -- degenerate`.
 //!
 //! Every benchmark of steps but `crowd` hands over all boxes of the next frame; frames run forwards and backwards in turn. The
 //! pairs of a degenerate world are printed beside its time as throughput, since most of its cost is writing them.

@@ -2,7 +2,7 @@
 //! allocation after construction is counted. Fails if a pair is wrong or anything was allocated.
 //!
 //! ```text
-//! cargo run --release -p trisap-tests --example million -- [OBJECTS [FRAMES]]
+//! cargo run --release -p trisap-runs --bin million -- [OBJECTS [FRAMES]]
 //! ```
 
 use allocation_counter::measure;

@@ -1,4 +1,4 @@
-//! Times of whole steps in scenes of games: `cargo bench -p trisap -- real`.
+//! Times of whole steps in scenes of games: `cargo bench -p trisap-runs --bench real`.
 //!
 //! What is to be compared stands side by side: the same layer of cubes without a ground and on one without end, and a world that
 //! has lived through a spawn or a hitch beside a fresh one on the same frames. Every box of the next frame is handed

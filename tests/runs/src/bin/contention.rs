@@ -1,6 +1,6 @@
 //! What a second thread gains when the processors are free, and what it costs when others want them: one thread and two in
 //! alternating runs of the same steps, first alone, then beside a process that is always busy.
-//! `cargo run --release -p trisap --example contention [OBJECTS]... [--runs RUNS]`
+//! `cargo run --release -p trisap-runs --bin contention [OBJECTS]... [--runs RUNS]`
 
 use std::env::args;
 use std::error::Error;

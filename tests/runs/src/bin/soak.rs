@@ -6,9 +6,12 @@
 //! soak FILE                           # plays a sequence, also one that a fuzzer has found
 //! ```
 
+use std::num::NonZero;
 use std::panic::{self, catch_unwind};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
-use std::{env, fs, process};
+use std::{env, fs, process, thread};
 use trisap_tests::sequence::{Tally, format, play};
 
 /// Operations of a sequence.
@@ -33,33 +36,43 @@ fn main() {
     }
 }
 
+/// Each processor has a thread, which plays the next sequence.
 fn soak(time: Duration, first: u64, forging: bool) {
-    let (start, mut told) = (Instant::now(), Instant::now());
-    let mut tally = Tally::default();
-    let mut seed = first;
-    while start.elapsed() < time {
-        let mut bytes = format::random(seed, OPERATIONS);
-        if forging {
-            bytes = format::forging(bytes);
-        }
-        match catch_unwind(|| play(&bytes)) {
-            Ok(played) => tally += &played,
-            Err(_) => {
-                fs::write("soak-fault.bin", least(bytes)).expect("a folder that can be written to");
-                eprintln!(
-                    "sequence {seed} is at fault: it is in soak-fault.bin, and `soak soak-fault.bin` repeats it"
-                );
-                report(&tally, first, seed, start);
-                process::exit(1);
+    let start = Instant::now();
+    let next = AtomicU64::new(first);
+    let sum = Mutex::new((Tally::default(), start));
+    let work = || {
+        while start.elapsed() < time {
+            let seed = next.fetch_add(1, Relaxed);
+            let mut bytes = format::random(seed, OPERATIONS);
+            if forging {
+                bytes = format::forging(bytes);
+            }
+            let played = catch_unwind(|| play(&bytes));
+            // Where a sequence is at fault, the others wait here until the program has ended.
+            let mut sum = sum.lock().expect("nobody panics who has it");
+            let (tally, told) = &mut *sum;
+            match played {
+                Ok(played) => *tally += &played,
+                Err(_) => {
+                    fs::write("soak-fault.bin", least(bytes)).expect("a folder that can be written to");
+                    eprintln!("sequence {seed} is at fault: `soak soak-fault.bin` repeats it");
+                    report(tally, first, seed, start);
+                    process::exit(1);
+                }
+            }
+            if told.elapsed() > REPORT {
+                report(tally, first, seed, start);
+                *told = Instant::now();
             }
         }
-        seed += 1;
-        if told.elapsed() > REPORT {
-            report(&tally, first, seed, start);
-            told = Instant::now();
-        }
-    }
-    report(&tally, first, seed, start);
+    };
+    thread::scope(|scope| {
+        let threads = thread::available_parallelism().map_or(1, NonZero::get);
+        (0..threads).for_each(|_| drop(scope.spawn(work)));
+    });
+    let (tally, _) = sum.into_inner().expect("nobody panics who has it");
+    report(&tally, first, next.into_inner(), start);
 }
 
 /// The sequence without the operations that it is at fault without.

@@ -2,7 +2,7 @@
 //! kernel, and leave a valid world. Slow, as every pair is tested.
 //!
 //! ```text
-//! cargo run --release -p trisap-tests --example overflow
+//! cargo run --release -p trisap-runs --bin overflow
 //! ```
 
 use std::process::ExitCode;
