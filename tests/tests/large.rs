@@ -1,4 +1,4 @@
-//! A world of 200,000 objects against an independent sweep. (`examples/million.rs` has five times as many.)
+//! A world of 200,000 objects against an independent sweep. (`tests/runs/src/bin/million.rs` has five times as many.)
 
 use trisap_core::{Boxes, Config, World};
 use trisap_tests::checked::{Checked, slots};

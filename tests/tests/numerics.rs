@@ -596,7 +596,7 @@ fn sizes_over_twelve_orders_of_magnitude() {
     assert!(outcomes[0].stats.copies < 1200, "{:?}", outcomes[0].stats);
 }
 
-/// Everything overlaps: the count goes on where the buffer ends. (`examples/overflow.rs` counts beyond 32 bits.)
+/// Everything overlaps: the count goes on where the buffer ends. (`tests/runs/src/bin/overflow.rs` counts beyond 32 bits.)
 #[test]
 fn everything_overlaps() {
     let count_only = |count: usize, setup: Setup| {
