@@ -222,6 +222,9 @@ pub struct Boxes<'a> {
 /// The bytes of three `f32`.
 const CORNER: usize = 12;
 
+/// The bytes of four boxes that stand one after another.
+pub(crate) const FOUR_BOXES: usize = 4 * size_of::<Aabb>();
+
 impl<'a> Boxes<'a> {
     /// Boxes one after another.
     #[must_use]
@@ -315,6 +318,12 @@ impl<'a> Boxes<'a> {
     #[inline(always)]
     pub(crate) fn items_after(&self, items: &'a [u8]) -> &'a [u8] {
         items.get(self.stride..).unwrap_or_default()
+    }
+
+    /// Some items four at a time, if they are boxes and nothing else.
+    #[inline(always)]
+    pub(crate) fn fours(&self, items: &'a [u8]) -> &'a [[u8; FOUR_BOXES]] {
+        if self.stride == size_of::<Aabb>() { items.as_chunks().0 } else { &[] }
     }
 
     /// The bytes of the corners of the first of some items, if it is not cut off.

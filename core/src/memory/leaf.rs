@@ -90,6 +90,13 @@ impl Classification {
         self.inside & !self.before & MINIMA == MINIMA
     }
 
+    /// Whether its minimum corner is at home here, and the box is no large object.
+    #[inline(always)]
+    pub(crate) const fn is_member(self) -> bool {
+        // Both in one comparison.
+        (self.before & (MINIMA | MAXIMA)) << 3 | self.inside & MINIMA == MAXIMA << 3 | MINIMA
+    }
+
     /// Whether the box, if it is at home here, touches other cells.
     #[inline(always)]
     pub(crate) const fn leaves(self) -> bool {

@@ -1,7 +1,8 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
-use crate::access::Access;
-use crate::geometry::aabb::Boxes;
+use crate::access::{Access, bits};
+use crate::geometry::aabb::{Boxes, FOUR_BOXES};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
@@ -203,8 +204,14 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
-    let (mut changed, mut contained, mut resting, unused) = (0u32, 0, resting, 32 - now.len());
+    let (mut changed, mut contained, unused) = (0u32, 0, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
+    let fours = if fat.exist() { &[] } else { bounds.fours(items) };
+    let (taken, four_changed) = take_in_fours::<S, EVENTS>(simd, fours, now, before, kept, resting);
+    if taken == u32::MAX >> unused {
+        return objects.note(word, four_changed, 0);
+    }
+    let mut resting = resting | taken;
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
         items = bounds.items_after(items);
@@ -234,5 +241,39 @@ fn take_in<S: Simd, const EVENTS: bool>(
             }
         }
     }
-    objects.note(word, changed.checked_shr(unused as u32).unwrap_or_default(), contained)
+    let changed = changed.checked_shr(unused as u32).unwrap_or_default() | four_changed;
+    objects.note(word, changed, contained)
+}
+
+/// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns
+/// the bits of the slots that are done with, and of those among them that have other boxes now.
+#[inline(always)]
+fn take_in_fours<S: Simd, const EVENTS: bool>(
+    simd: S,
+    fours: &[[u8; FOUR_BOXES]],
+    now: &mut [KeyBox],
+    before: &mut [KeyBox],
+    kept: u32,
+    resting: u32,
+) -> (u32, u32) {
+    let (mut taken, mut changed) = (0, 0);
+    for (four, (boxes, old)) in fours.iter().zip(now.as_chunks_mut::<4>().0).enumerate() {
+        let first = 4 * four;
+        let mut new = [KeyBox::EMPTY; 4];
+        if resting >> first & 0b1111 != 0 {
+            continue;
+        }
+        let Some(others) = simd.encode_four(boxes, old, &mut new) else { continue };
+        match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
+            (0b1111, Some(before)) if EVENTS => *before = *old,
+            (unkept, Some(before)) if EVENTS => {
+                bits::of_word(unkept).for_each(|bit| before.put(bit, old.at(bit)));
+            }
+            _ => {}
+        }
+        *old = new;
+        taken |= 0b1111 << first;
+        changed |= others << first;
+    }
+    (taken, changed)
 }

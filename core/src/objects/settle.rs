@@ -53,8 +53,13 @@ impl<I: Index> Settle for Records<'_, '_, I> {
         let (homes, places) =
             (homes.get(word * 32..).unwrap_or_default(), places.get(word * 32..).unwrap_or_default());
         // Of one length, so that one check of an index serves them all.
-        let (Some(places), Some(swept)) = (places.get(..homes.len()), swept.get(..homes.len().min(32)))
+        let (count, leaf_count) = (swept.len().min(32), cells.len());
+        let (Some(homes), Some(places), Some(swept)) =
+            (homes.get(..count), places.get(..count), swept.get(..count))
         else {
+            return;
+        };
+        let (Some(frames), Some(leaves)) = (frames.get(..leaf_count), leaves.get(..leaf_count)) else {
             return;
         };
         for bit in bits::of_word(moved) {
@@ -72,7 +77,7 @@ impl<I: Index> Settle for Records<'_, '_, I> {
                 // Also of one that leaves: it is moved anyway.
                 let record = simd.record(frame, keys, slot | classified.marks());
                 records.store(leaf.start as usize + place.at(), &record);
-                stays = classified.is_home() & !classified.is_large();
+                stays = classified.is_member();
             }
             // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
             if let Some(left) = self.left.get_mut(self.noted as usize) {

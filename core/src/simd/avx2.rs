@@ -1,10 +1,12 @@
 //! 256-bit integers of x86-64: Haswell, Zen and later.
 
 use super::detect::Avx2;
+use super::encode;
 use super::fours::{self, HALVES};
 use super::lengths;
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
-use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
 use crate::id::{Index, Pair};
@@ -173,24 +175,12 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<__m256i> {
-        // SAFETY: `self` proves AVX2; each read stays inside one of the arrays of 12 bytes.
-        unsafe {
-            let [_, _, z]: [i32; 3] = bytemuck::cast(*min);
-            let [x, _, _]: [i32; 3] = bytemuck::cast(*max);
-            let first = _mm_loadl_epi64(min.as_ptr().cast());
-            let first = _mm_insert_epi32::<3>(_mm_insert_epi32::<2>(first, z), x);
-            let bits = _mm256_set_m128i(_mm_loadl_epi64(max.as_ptr().add(4).cast()), first);
-            // The magnitude with the sign, which turns -0.0 into zero.
-            let keys = _mm256_sign_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX)), bits);
-            // Minima from -infinity to the maxima, maxima to +infinity.
-            let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
-            let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
-            let least = _mm256_setr_epi32(low, low, low, i32::MIN, i32::MIN, i32::MIN, 0, 0);
-            let most = _mm256_blend_epi32::<0b111000>(maxima, _mm256_set1_epi32(high));
-            let bad = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
-            // By their signs: of a test of all bits the compiler makes two operations here.
-            (_mm256_movemask_ps(_mm256_castsi256_ps(bad)) == 0).then_some(keys)
-        }
+        encode::encode(self, min, max)
+    }
+
+    #[inline(always)]
+    fn encode_four(self, boxes: &[u8; FOUR_BOXES], old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
+        encode::encode_four(self, boxes, old, new)
     }
 
     #[inline(always)]

@@ -13,6 +13,8 @@ pub(crate) mod avx512;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
+mod encode;
+#[cfg(target_arch = "x86_64")]
 mod fours;
 pub(crate) mod kernels;
 #[cfg(target_arch = "x86_64")]
@@ -37,6 +39,7 @@ pub(crate) mod scalar;
 mod tests;
 
 use crate::access::Access;
+use crate::geometry::aabb::FOUR_BOXES;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -121,6 +124,18 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
+
+    /// The keys of four boxes that stand one after another: bit `k` of the result where box `k` is another one than `old[k]`. `None`
+    /// where one of them is bad or one of the old ones empty, and where vectors gain nothing; the new keys mean nothing then.
+    #[inline(always)]
+    fn encode_four(
+        self,
+        _boxes: &[u8; FOUR_BOXES],
+        _old: &[KeyBox; 4],
+        _new: &mut [KeyBox; 4],
+    ) -> Option<u32> {
+        None
+    }
 
     /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
@@ -255,6 +270,17 @@ pub(crate) trait Simd: Copy + Send + Sync {
 /// Bits of a mask that speak of minima, and of maxima.
 pub(crate) const MINIMA: u32 = 0b111;
 pub(crate) const MAXIMA: u32 = 0b111 << 3;
+
+/// Which of four boxes have changed, from a bit for each of their 24 keys; bits above these mean nothing.
+#[inline(always)]
+const fn changed_boxes(keys: u32) -> u32 {
+    // The sixth bit of each box, set where any of its six is.
+    const SIXTH: u32 = 0b100000_100000_100000_100000;
+    const FIRST_FIVE: u32 = SIXTH - (SIXTH >> 5);
+    let boxes = (((keys & FIRST_FIVE) + FIRST_FIVE) | keys) & SIXTH;
+    // Those bits, 6 apart, side by side: the product has them at 18, 19, 20 and 21, and no two others in one place.
+    (boxes >> 5).wrapping_mul(1 << 18 | 1 << 13 | 1 << 8 | 1 << 3) >> 18 & 0b1111
+}
 
 /// The lanes that a row comes from, complemented.
 #[inline(always)]

@@ -1,0 +1,97 @@
+//! The keys of boxes, of one or of four at a time, with 256-bit integers of x86-64.
+
+use super::changed_boxes;
+use super::detect::Avx2;
+use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use core::arch::x86_64::*;
+
+/// The keys of eight floats: the magnitude with the sign, which turns -0.0 into zero. A plain function, since a closure would
+/// not share the instruction set of its function.
+#[inline(always)]
+fn keys(_: Avx2, bits: __m256i) -> __m256i {
+    // SAFETY: the token proves AVX2.
+    unsafe { _mm256_sign_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX)), bits) }
+}
+
+/// As [`Simd::encode`](super::Simd::encode).
+#[inline(always)]
+pub(super) fn encode(simd: Avx2, min: &[u8; 12], max: &[u8; 12]) -> Option<__m256i> {
+    // SAFETY: the token proves AVX2; each read stays inside one of the arrays of 12 bytes.
+    unsafe {
+        let [_, _, z]: [i32; 3] = bytemuck::cast(*min);
+        let [x, _, _]: [i32; 3] = bytemuck::cast(*max);
+        let first = _mm_loadl_epi64(min.as_ptr().cast());
+        let first = _mm_insert_epi32::<3>(_mm_insert_epi32::<2>(first, z), x);
+        let bits = _mm256_set_m128i(_mm_loadl_epi64(max.as_ptr().add(4).cast()), first);
+        let keys = keys(simd, bits);
+        // Minima from -infinity to the maxima, maxima to +infinity.
+        let maxima = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(3, 4, 5, 6, 6, 6, 6, 6));
+        let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
+        let least = _mm256_setr_epi32(low, low, low, i32::MIN, i32::MIN, i32::MIN, 0, 0);
+        let most = _mm256_blend_epi32::<0b111000>(maxima, _mm256_set1_epi32(high));
+        let bad = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
+        // By their signs: of a test of all bits the compiler makes two operations here.
+        (_mm256_movemask_ps(_mm256_castsi256_ps(bad)) == 0).then_some(keys)
+    }
+}
+
+/// All ones in some lane where a box is bad or an old one empty: minima go from -infinity to the maxima, maxima to +infinity, and no
+/// key of a valid box is `i32::MAX`. `MAXIMA` has a bit for each lane of a maximum. A plain function for the same reason.
+#[inline(always)]
+fn bad<const MAXIMA: i32>(_: Avx2, keys: __m256i, maxima: __m256i, old: __m256i) -> __m256i {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let least =
+            _mm256_blend_epi32::<MAXIMA>(_mm256_set1_epi32(NEGATIVE_INFINITY), _mm256_set1_epi32(i32::MIN));
+        let most = _mm256_blend_epi32::<MAXIMA>(maxima, _mm256_set1_epi32(POSITIVE_INFINITY));
+        let apart = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
+        _mm256_or_si256(apart, _mm256_cmpeq_epi32(old, _mm256_set1_epi32(i32::MAX)))
+    }
+}
+
+/// A bit for each lane that is the same. A plain function for the same reason.
+#[inline(always)]
+fn same(_: Avx2, a: __m256i, b: __m256i) -> u32 {
+    // SAFETY: the token proves AVX2.
+    unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b))) as u32 }
+}
+
+/// As [`Simd::encode_four`](super::Simd::encode_four).
+#[inline(always)]
+pub(super) fn encode_four(
+    simd: Avx2,
+    boxes: &[u8; FOUR_BOXES],
+    old: &[KeyBox; 4],
+    new: &mut [KeyBox; 4],
+) -> Option<u32> {
+    let (from, old) = (boxes.as_ptr(), old.as_ptr().cast::<__m256i>());
+    // SAFETY: the token proves AVX2. Four boxes are 96 bytes: each load of 32 starts at most 64 bytes from the first one.
+    unsafe {
+        let a = keys(simd, _mm256_loadu_si256(from.cast()));
+        let b = keys(simd, _mm256_loadu_si256(from.add(32).cast()));
+        let c = keys(simd, _mm256_loadu_si256(from.add(64).cast()));
+        // The maximum of each minimum: three numbers further on.
+        let a_maxima = keys(simd, _mm256_loadu_si256(from.add(12).cast()));
+        let b_maxima = keys(simd, _mm256_loadu_si256(from.add(44).cast()));
+        let c_maxima = _mm256_permutevar8x32_epi32(c, _mm256_setr_epi32(0, 0, 5, 6, 7, 0, 0, 0));
+        let (old_a, old_b) = (_mm256_loadu_si256(old), _mm256_loadu_si256(old.add(1)));
+        let old_c = _mm256_loadu_si256(old.add(2));
+        let bad = _mm256_or_si256(
+            _mm256_or_si256(
+                bad::<0b0011_1000>(simd, a, a_maxima, old_a),
+                bad::<0b1000_1110>(simd, b, b_maxima, old_b),
+            ),
+            bad::<0b1110_0011>(simd, c, c_maxima, old_c),
+        );
+        if _mm256_movemask_ps(_mm256_castsi256_ps(bad)) != 0 {
+            return None;
+        }
+        let to = new.as_mut_ptr().cast::<__m256i>();
+        _mm256_storeu_si256(to, a);
+        _mm256_storeu_si256(to.add(1), b);
+        _mm256_storeu_si256(to.add(2), c);
+        let same = same(simd, a, old_a) | same(simd, b, old_b) << 8 | same(simd, c, old_c) << 16;
+        Some(changed_boxes(!same))
+    }
+}
