@@ -4,6 +4,7 @@
 //! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
 
 use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use crate::geometry::aabb::FOUR_BOXES;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::geometry::line::{Line, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -33,6 +34,7 @@ impl Phase for Rounds<'_> {
     fn run<S: Simd>(mut self, simd: S) {
         for _ in 0..self.rounds {
             boxes(simd, &mut self);
+            four_boxes(simd, &mut self);
             rows(simd, &mut self);
             records(simd, &mut self);
             candidates::<S, u16>(simd, &mut self);
@@ -80,6 +82,40 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
     ]);
+}
+
+#[inline(always)]
+fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let mut boxes = [(); 4].map(|()| random.bounds().to_aabb());
+    if random.below(4) == 0 {
+        // Bad, perhaps.
+        boxes[random.below(4)].min[random.below(3)] = random.float();
+        boxes[random.below(4)].max[random.below(3)] = random.float();
+    }
+    let keys = boxes.each_ref().map(KeyBox::from_aabb);
+    let old = keys.map(|keys| {
+        match random.below(16) {
+            0..4 => Some(random.bounds()),
+            4 => Some(KeyBox::free(random.bits() as u32)),
+            // One of six keys is another one.
+            5 => keys.map(|mut keys| {
+                keys.max[random.below(3)] = POSITIVE_INFINITY;
+                keys
+            }),
+            _ => keys,
+        }
+        .unwrap_or_default()
+    });
+    let mut new = [KeyBox::EMPTY; 4];
+    // Not all levels do this.
+    let is_done = simd.encode_four(&[0; FOUR_BOXES], &[KeyBox::default(); 4], &mut new).is_some();
+    let found = simd.encode_four(bytemuck::cast_ref(&boxes), &old, &mut new);
+    let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
+    let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
+    let expected = if good && is_done { Some(others) } else { None };
+    let same = expected.is_none() || new.map(Some) == keys;
+    rounds.check([("encode_four", found == expected && same)]);
 }
 
 #[inline(always)]
