@@ -222,8 +222,17 @@ pub struct Boxes<'a> {
 /// The bytes of three `f32`.
 const CORNER: usize = 12;
 
-/// The bytes of four boxes that stand one after another.
-pub(crate) const FOUR_BOXES: usize = 4 * size_of::<Aabb>();
+/// The bytes of a corner that is padded to four floats.
+const PADDED: usize = 16;
+
+/// Four boxes in the caller's memory.
+#[derive(Clone, Copy)]
+pub(crate) enum Four<'a> {
+    /// One after another.
+    Packed(&'a [u8; 8 * CORNER]),
+    /// With a float behind each corner.
+    Padded(&'a [u8; 8 * PADDED]),
+}
 
 impl<'a> Boxes<'a> {
     /// Boxes one after another.
@@ -320,10 +329,20 @@ impl<'a> Boxes<'a> {
         items.get(self.stride..).unwrap_or_default()
     }
 
-    /// Some items four at a time, if they are boxes and nothing else.
+    /// The first four of some items, if there are as many and they are boxes and nothing else.
     #[inline(always)]
-    pub(crate) fn fours(&self, items: &'a [u8]) -> &'a [[u8; FOUR_BOXES]] {
-        if self.stride == size_of::<Aabb>() { items.as_chunks().0 } else { &[] }
+    pub(crate) fn four(&self, items: &'a [u8]) -> Option<Four<'a>> {
+        match (self.stride, self.end) {
+            (24, _) => items.first_chunk().map(Four::Packed),
+            (32, 28) => items.first_chunk().map(Four::Padded),
+            _ => None,
+        }
+    }
+
+    /// Those after the first four of some items.
+    #[inline(always)]
+    pub(crate) fn items_after_four(&self, items: &'a [u8]) -> &'a [u8] {
+        items.get(4 * self.stride..).unwrap_or_default()
     }
 
     /// The bytes of the corners of the first of some items, if it is not cut off.

@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::geometry::aabb::{Boxes, FOUR_BOXES};
+use crate::geometry::aabb::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
@@ -206,8 +206,11 @@ fn take_in<S: Simd, const EVENTS: bool>(
     // shifted in, since it has few registers.
     let (mut changed, mut contained, unused) = (0u32, 0, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
-    let fours = if fat.exist() { &[] } else { bounds.fours(items) };
-    let (taken, four_changed) = take_in_fours::<S, EVENTS>(simd, fours, now, before, kept, resting);
+    let (taken, four_changed) = if fat.exist() {
+        (0, 0)
+    } else {
+        take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting)
+    };
     if taken == u32::MAX >> unused {
         return objects.note(word, four_changed, 0);
     }
@@ -248,21 +251,24 @@ fn take_in<S: Simd, const EVENTS: bool>(
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns
 /// the bits of the slots that are done with, and of those among them that have other boxes now.
 #[inline(always)]
-fn take_in_fours<S: Simd, const EVENTS: bool>(
+fn take_in_fours<'b, S: Simd, const EVENTS: bool>(
     simd: S,
-    fours: &[[u8; FOUR_BOXES]],
+    bounds: &Boxes<'b>,
+    mut items: &'b [u8],
     now: &mut [KeyBox],
     before: &mut [KeyBox],
     kept: u32,
     resting: u32,
 ) -> (u32, u32) {
     let (mut taken, mut changed) = (0, 0);
-    for (four, (boxes, old)) in fours.iter().zip(now.as_chunks_mut::<4>().0).enumerate() {
+    for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
-        let mut new = [KeyBox::EMPTY; 4];
+        let Some(boxes) = bounds.four(items) else { break };
+        items = bounds.items_after_four(items);
         if resting >> first & 0b1111 != 0 {
             continue;
         }
+        let mut new = [KeyBox::EMPTY; 4];
         let Some(others) = simd.encode_four(boxes, old, &mut new) else { continue };
         match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
             (0b1111, Some(before)) if EVENTS => *before = *old,

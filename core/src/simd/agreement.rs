@@ -4,7 +4,7 @@
 //! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
 
 use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
-use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::aabb::{Aabb, Four};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::geometry::line::{Line, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -109,8 +109,13 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     });
     let mut new = [KeyBox::EMPTY; 4];
     // Not all levels do this.
-    let is_done = simd.encode_four(&[0; FOUR_BOXES], &[KeyBox::default(); 4], &mut new).is_some();
-    let found = simd.encode_four(bytemuck::cast_ref(&boxes), &old, &mut new);
+    let is_done = simd.encode_four(Four::Packed(&[0; 96]), &[KeyBox::default(); 4], &mut new).is_some();
+    let padded = boxes.map(|Aabb { min: [a, b, c], max: [d, e, f] }| [a, b, c, f32::NAN, d, e, f, -0.5]);
+    let four = match random.below(2) {
+        0 => Four::Packed(bytemuck::cast_ref(&boxes)),
+        _ => Four::Padded(bytemuck::cast_ref(&padded)),
+    };
+    let found = simd.encode_four(four, &old, &mut new);
     let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
     let expected = if good && is_done { Some(others) } else { None };

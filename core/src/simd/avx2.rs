@@ -5,7 +5,7 @@ use super::encode;
 use super::fours::{self, HALVES};
 use super::lengths;
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
-use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
@@ -179,7 +179,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: &[u8; FOUR_BOXES], old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
+    fn encode_four(self, boxes: Four<'_>, old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
         encode::encode_four(self, boxes, old, new)
     }
 

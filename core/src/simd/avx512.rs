@@ -3,7 +3,7 @@
 
 use super::detect::Avx2;
 use super::{Contact, EIGHT, HALF, Phase, Row, Simd, Tested, WINDOW};
-use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -81,7 +81,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: &[u8; FOUR_BOXES], old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
+    fn encode_four(self, boxes: Four<'_>, old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
         self.0.encode_four(boxes, old, new)
     }
 

@@ -2,7 +2,7 @@
 
 use super::changed_boxes;
 use super::detect::Avx2;
-use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::aabb::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use core::arch::x86_64::*;
 
@@ -57,37 +57,79 @@ fn same(_: Avx2, a: __m256i, b: __m256i) -> u32 {
     unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b))) as u32 }
 }
 
+/// Eight lanes of two vectors: the lane of `a` at each place, or that of `b` where `B` has a bit. A plain function for the same
+/// reason.
+#[inline(always)]
+fn lanes<const B: i32>(_: Avx2, a: __m256i, b: __m256i, [c, d, e, f, g, h, i, j]: [i32; 8]) -> __m256i {
+    // SAFETY: the token proves AVX2.
+    unsafe {
+        let places = _mm256_setr_epi32(c, d, e, f, g, h, i, j);
+        let (a, b) = (_mm256_permutevar8x32_epi32(a, places), _mm256_permutevar8x32_epi32(b, places));
+        _mm256_blend_epi32::<B>(a, b)
+    }
+}
+
+/// The 24 numbers of four boxes, and behind them, where a minimum stands, its maximum.
+#[inline(always)]
+fn numbers(simd: Avx2, boxes: Four<'_>) -> [__m256i; 6] {
+    // SAFETY: the token proves AVX2. Four packed boxes are 96 bytes: each load of 32 starts at most 64 bytes from the first one.
+    // Four padded ones are 128: at most 96.
+    unsafe {
+        match boxes {
+            Four::Packed(boxes) => {
+                let from = boxes.as_ptr();
+                let c = _mm256_loadu_si256(from.add(64).cast());
+                [
+                    _mm256_loadu_si256(from.cast()),
+                    _mm256_loadu_si256(from.add(32).cast()),
+                    c,
+                    // Three numbers further on.
+                    _mm256_loadu_si256(from.add(12).cast()),
+                    _mm256_loadu_si256(from.add(44).cast()),
+                    _mm256_permutevar8x32_epi32(c, _mm256_setr_epi32(0, 0, 5, 6, 7, 0, 0, 0)),
+                ]
+            }
+            Four::Padded(boxes) => {
+                let from = boxes.as_ptr().cast::<__m256i>();
+                let (a, b) = (_mm256_loadu_si256(from), _mm256_loadu_si256(from.add(1)));
+                let (c, d) = (_mm256_loadu_si256(from.add(2)), _mm256_loadu_si256(from.add(3)));
+                [
+                    lanes::<0b1100_0000>(simd, a, b, [0, 1, 2, 4, 5, 6, 0, 1]),
+                    lanes::<0b1111_0000>(simd, b, c, [2, 4, 5, 6, 0, 1, 2, 4]),
+                    lanes::<0b1111_1100>(simd, c, d, [5, 6, 0, 1, 2, 4, 5, 6]),
+                    lanes::<0b1100_0000>(simd, a, b, [4, 5, 6, 0, 0, 0, 4, 5]),
+                    lanes::<0b1111_0000>(simd, b, c, [6, 0, 0, 0, 4, 5, 6, 0]),
+                    lanes::<0b1111_1100>(simd, c, d, [0, 0, 4, 5, 6, 0, 0, 0]),
+                ]
+            }
+        }
+    }
+}
+
 /// As [`Simd::encode_four`](super::Simd::encode_four).
 #[inline(always)]
 pub(super) fn encode_four(
     simd: Avx2,
-    boxes: &[u8; FOUR_BOXES],
+    boxes: Four<'_>,
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
 ) -> Option<u32> {
-    let (from, old) = (boxes.as_ptr(), old.as_ptr().cast::<__m256i>());
-    // SAFETY: the token proves AVX2. Four boxes are 96 bytes: each load of 32 starts at most 64 bytes from the first one.
+    let [a, b, c, a_maxima, b_maxima, c_maxima] = numbers(simd, boxes);
+    let (a, b, c) = (keys(simd, a), keys(simd, b), keys(simd, c));
+    let (a_maxima, b_maxima, c_maxima) = (keys(simd, a_maxima), keys(simd, b_maxima), keys(simd, c_maxima));
+    let (from, to) = (old.as_ptr().cast::<__m256i>(), new.as_mut_ptr().cast::<__m256i>());
+    // SAFETY: the token proves AVX2. Four boxes of keys are three times 32 bytes.
     unsafe {
-        let a = keys(simd, _mm256_loadu_si256(from.cast()));
-        let b = keys(simd, _mm256_loadu_si256(from.add(32).cast()));
-        let c = keys(simd, _mm256_loadu_si256(from.add(64).cast()));
-        // The maximum of each minimum: three numbers further on.
-        let a_maxima = keys(simd, _mm256_loadu_si256(from.add(12).cast()));
-        let b_maxima = keys(simd, _mm256_loadu_si256(from.add(44).cast()));
-        let c_maxima = _mm256_permutevar8x32_epi32(c, _mm256_setr_epi32(0, 0, 5, 6, 7, 0, 0, 0));
-        let (old_a, old_b) = (_mm256_loadu_si256(old), _mm256_loadu_si256(old.add(1)));
-        let old_c = _mm256_loadu_si256(old.add(2));
-        let bad = _mm256_or_si256(
-            _mm256_or_si256(
-                bad::<0b0011_1000>(simd, a, a_maxima, old_a),
-                bad::<0b1000_1110>(simd, b, b_maxima, old_b),
-            ),
-            bad::<0b1110_0011>(simd, c, c_maxima, old_c),
-        );
+        let (old_a, old_b) = (_mm256_loadu_si256(from), _mm256_loadu_si256(from.add(1)));
+        let old_c = _mm256_loadu_si256(from.add(2));
+        // A bit of each mask for each lane of a maximum.
+        let bad_a = bad::<0b0011_1000>(simd, a, a_maxima, old_a);
+        let bad_b = bad::<0b1000_1110>(simd, b, b_maxima, old_b);
+        let bad_c = bad::<0b1110_0011>(simd, c, c_maxima, old_c);
+        let bad = _mm256_or_si256(_mm256_or_si256(bad_a, bad_b), bad_c);
         if _mm256_movemask_ps(_mm256_castsi256_ps(bad)) != 0 {
             return None;
         }
-        let to = new.as_mut_ptr().cast::<__m256i>();
         _mm256_storeu_si256(to, a);
         _mm256_storeu_si256(to.add(1), b);
         _mm256_storeu_si256(to.add(2), c);

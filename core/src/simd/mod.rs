@@ -39,7 +39,7 @@ pub(crate) mod scalar;
 mod tests;
 
 use crate::access::Access;
-use crate::geometry::aabb::FOUR_BOXES;
+use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -125,15 +125,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
 
-    /// The keys of four boxes that stand one after another: bit `k` of the result where box `k` is another one than `old[k]`. `None`
+    /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None`
     /// where one of them is bad or one of the old ones empty, and where vectors gain nothing; the new keys mean nothing then.
     #[inline(always)]
-    fn encode_four(
-        self,
-        _boxes: &[u8; FOUR_BOXES],
-        _old: &[KeyBox; 4],
-        _new: &mut [KeyBox; 4],
-    ) -> Option<u32> {
+    fn encode_four(self, _boxes: Four<'_>, _old: &[KeyBox; 4], _new: &mut [KeyBox; 4]) -> Option<u32> {
         None
     }
 
