@@ -16,6 +16,7 @@ mod errata;
 mod events;
 mod executors;
 mod filters;
+mod flat;
 mod forged;
 mod golden;
 mod growth;

@@ -7,8 +7,8 @@
 //! What passes is tested with the whole 16-bit records; only where two coordinates share a step of the grid do
 //! the exact boxes decide.
 
-use super::Sink;
 use super::scan::Scan;
+use super::{Sink, flat};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -40,6 +40,7 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     let axis = axis.min(2);
     let ends = sort(simd, buckets, axis, leaf_scratch);
     let count = buckets[0].len() + buckets[1].len();
+    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
     Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, within(axis, &ends));
 }
 
@@ -56,6 +57,7 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     let axis = axis.min(2);
     let (ends, left) = sort_apart(simd, buckets, axis, leaf_scratch, |bucket, _| bucket);
     let count = buckets[0].len() + buckets[1].len();
+    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
     Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, left, &ends));
 }
 
@@ -77,8 +79,9 @@ pub(crate) fn sweep_moved<S: Simd, I: Index>(
     if movers == 0 {
         return;
     }
-    Scan::new(axis, movers, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
     let count = buckets[0].len() + buckets[1].len();
+    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
+    Scan::new(axis, movers, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
     Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, movers, &ends));
 }
 

@@ -4,6 +4,7 @@
 //! them to chunks, which are then put in the order of their blocks, so that the bytes are the same.
 
 pub(crate) mod bucket;
+mod flat;
 pub(crate) mod leaves;
 pub(crate) mod movers;
 mod rounds;
