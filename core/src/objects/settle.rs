@@ -52,8 +52,8 @@ impl<I: Index> Settle for Records<'_, '_, I> {
         let Self { first, homes, places, cells, frames, leaves, records, .. } = *self;
         let (homes, places) =
             (homes.get(word * 32..).unwrap_or_default(), places.get(word * 32..).unwrap_or_default());
-        // Of one length, so that one check of an index serves them all.
-        let (count, leaf_count) = (swept.len().min(32), cells.len());
+        // Of one length, so that one check of an index serves them all. Fat boxes are more: there is one for each slot.
+        let (count, leaf_count) = (homes.len().min(32), cells.len());
         let (Some(homes), Some(places), Some(swept)) =
             (homes.get(..count), places.get(..count), swept.get(..count))
         else {
