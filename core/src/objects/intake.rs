@@ -206,15 +206,14 @@ fn take_in<S: Simd, const EVENTS: bool>(
     // shifted in, since it has few registers.
     let (mut changed, mut contained, unused) = (0u32, 0, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
-    let (taken, four_changed) = if fat.exist() {
-        (0, 0)
-    } else {
-        take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting)
-    };
-    if taken == u32::MAX >> unused {
-        return objects.note(word, four_changed, 0);
+    let (mut resting, mut four_changed) = (resting, 0);
+    if S::ENCODES_FOUR && !fat.exist() {
+        let (taken, others) = take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting);
+        if taken == u32::MAX >> unused {
+            return objects.note(word, others, 0);
+        }
+        (resting, four_changed) = (resting | taken, others);
     }
-    let mut resting = resting | taken;
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
         items = bounds.items_after(items);

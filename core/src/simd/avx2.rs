@@ -141,6 +141,8 @@ impl Simd for Avx2 {
 
     type Query = __m256i;
 
+    const ENCODES_FOUR: bool = true;
+
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
         #[inline(never)]

@@ -54,6 +54,8 @@ impl Simd for Avx512 {
 
     type Query = __m512i;
 
+    const ENCODES_FOUR: bool = true;
+
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
         #[inline(never)]

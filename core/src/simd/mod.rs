@@ -113,6 +113,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// What rows are compared with.
     type Query: Copy;
 
+    /// Whether it encodes four boxes at a time: see [`encode_four`](Self::encode_four).
+    const ENCODES_FOUR: bool = false;
+
     /// Runs a phase compiled for this level, as a call: what it needs takes no registers from its caller's loops.
     fn call<P: Phase>(self, phase: P) -> P::Output;
 
@@ -126,7 +129,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
 
     /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None`
-    /// where one of them is bad or one of the old ones empty, and where vectors gain nothing; the new keys mean nothing then.
+    /// where one of them is bad or one of the old ones empty; the new keys mean nothing then.
     #[inline(always)]
     fn encode_four(self, _boxes: Four<'_>, _old: &[KeyBox; 4], _new: &mut [KeyBox; 4]) -> Option<u32> {
         None
