@@ -474,7 +474,7 @@ typedef struct trisap_hit {
     double distance;
 } trisap_hit;
 
-/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
+/// Called with a hit; returns how far to look on: infinity to see everything, the hit's distance to see only what is not farther,
 /// less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
@@ -1005,6 +1005,19 @@ trisap_status trisap_world_visit_hits(const struct trisap_world *world,
                                       const struct trisap_cast *cast,
                                       trisap_visit_hit visit,
                                       void *user)
+TRISAP_NOEXCEPT;
+
+/// Visits the objects whose boxes are at most `distance` from a point of three numbers, each once, nearer leaves of the tree
+/// before farther ones. `user` is handed to the visitor. A visitor that returns infinity for what it refuses, and for the rest the
+/// distance of the shape in the box, has seen the nearest shape. Expected as `trisap_world_nearest`.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, also where the distance is NaN or negative.
+TRISAP_NODISCARD
+trisap_status trisap_world_visit_nearest(const struct trisap_world *world,
+                                         const float *position,
+                                         double distance,
+                                         trisap_visit_hit visit,
+                                         void *user)
 TRISAP_NOEXCEPT;
 
 /// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the

@@ -639,19 +639,18 @@ public:
     }
 
     /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It must not
-    /// call into this world.
+    /// change this world.
     template <class Visit> [[nodiscard]] Status visit_hits(const Cast &cast, Visit &&visit) const noexcept {
-        const auto call = [](void *user, trisap_hit hit) noexcept -> double {
-            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
-            if constexpr (std::is_void_v<decltype(visitor(hit))>) {
-                visitor(hit);
-                return std::numeric_limits<double>::infinity();
-            } else {
-                return visitor(hit);
-            }
-        };
         Reference<Visit> reference{visit};
-        return trisap_world_visit_hits(world_, &cast, call, &reference);
+        return trisap_world_visit_hits(world_, &cast, far_of<Visit>, &reference);
+    }
+
+    /// Visits the objects that are at most so far from a point of three numbers, nearer leaves of the tree first: `visit(hit)` returns
+    /// how far to look on. Infinity refuses an object; the distance of the shape in the box finds the nearest shape.
+    template <class Visit>
+    [[nodiscard]] Status visit_nearest(const float *position, double distance, Visit &&visit) const noexcept {
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_nearest(world_, position, distance, far_of<Visit>, &reference);
     }
 
     /// Asks queries as if only objects were there that fulfil a condition: `condition(id)` is true if the object may answer. It has to
@@ -802,6 +801,17 @@ private:
     template <class Callable> struct Reference {
         std::remove_reference_t<Callable> &callable;
     };
+
+    /// How far a visitor wants to look on; all the way where it does not say.
+    template <class Visit> static double far_of(void *user, trisap_hit hit) noexcept {
+        auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
+        if constexpr (std::is_void_v<decltype(visitor(hit))>) {
+            visitor(hit);
+            return std::numeric_limits<double>::infinity();
+        } else {
+            return visitor(hit);
+        }
+    }
 
     [[nodiscard]] Status values_of(const Id *first, std::size_t stride, std::size_t count,
                                    View<std::uint64_t> values) const noexcept {

@@ -25,6 +25,7 @@ fn mentioned<I: Index>() {
     black_box((
         World::<I>::visit_overlaps as fn(_, _, _) -> _,
         World::<I>::visit_hits as fn(_, _, _) -> _,
+        World::<I>::visit_nearest as fn(_, _, _, _) -> _,
         World::<I>::nearest as fn(_, _, _) -> _,
         World::<I>::first_hits as fn(_, _, _, _) -> _,
         World::<I>::overlaps_many as fn(_, _, _, _, _) -> _,

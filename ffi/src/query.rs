@@ -267,7 +267,7 @@ pub unsafe extern "C" fn trisap_world_hits(
     unsafe { look(world, ask) }
 }
 
-/// Called with a hit; returns how far to look on: the cast's distance to see everything, the hit's to see only nearer ones,
+/// Called with a hit; returns how far to look on: infinity to see everything, the hit's distance to see only what is not farther,
 /// less than zero to stop. Calls that change the same world are refused as busy.
 pub type trisap_visit_hit = Option<unsafe extern "C" fn(user: *mut c_void, hit: trisap_hit) -> f64>;
 
@@ -290,6 +290,33 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
         // SAFETY: called as its contract says.
         let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
         Ok(call.world()?.visit_hits(&cast, &mut visit)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
+/// Visits the objects whose boxes are at most `distance` from a point of three numbers, each once, nearer leaves of the tree
+/// before farther ones. `user` is handed to the visitor. A visitor that returns infinity for what it refuses, and for the rest the
+/// distance of the shape in the box, has seen the nearest shape. Expected as `trisap_world_nearest`.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, also where the distance is NaN or negative.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_visit_nearest(
+    world: *const trisap_world,
+    position: *const f32,
+    distance: f64,
+    visit: trisap_visit_hit,
+    user: *mut c_void,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        let visit = visit.ok_or(trisap_status::NullPointer)?;
+        border::check(position)?;
+        // SAFETY: the caller's promise.
+        let position = unsafe { point(position, f32::NAN) };
+        // SAFETY: called as its contract says.
+        let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
+        Ok(call.world()?.visit_nearest(position, distance, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }

@@ -353,6 +353,9 @@ static void queries(void) {
         CHECK(hits[0].id == ids[0] && hits[1].id == ids[0] && hits[1].distance == 0.5);
         CHECK_OK(trisap_world_nearest(world, left, NULL, NULL, hits, 3, &count));
         CHECK(count == 3 && hits[0].id == ids[0] && hits[2].id == ids[2] && hits[2].distance == 5.0);
+        far = 0.0;
+        CHECK_OK(trisap_world_visit_nearest(world, left, 4.0, farthest, &far));
+        CHECK(far == hits[1].distance);
         trisap_result result = trisap_default_result();
         CHECK_OK(trisap_world_step(world, NULL, &result));
     }

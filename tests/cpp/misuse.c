@@ -585,6 +585,15 @@ static void casts(void) {
             TRISAP_STATUS_OVERLAP);
     REFUSED(trisap_world_nearest(world, origin, NULL, NULL, NULL, 0, &count), TRISAP_STATUS_OK);
     CHECK(count == 0);
+    visits = 0;
+    REFUSED(trisap_world_visit_nearest(world, nowhere, 1.0, visit_no_hit, &visits), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_visit_nearest(world, origin, NAN, visit_no_hit, &visits), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_visit_nearest(world, origin, -1.0, visit_no_hit, &visits), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(trisap_world_visit_nearest(world, NULL, 1.0, visit_no_hit, &visits), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_visit_nearest(world, origin, 1.0, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(visits == 0);
+    REFUSED(trisap_world_visit_nearest(world, origin, INFINITY, visit_no_hit, &visits), TRISAP_STATUS_OK);
+    CHECK(visits == 1);
 
     trisap_cast batch[3] = {good, good, bad[0]};
     const size_t stride = sizeof good;

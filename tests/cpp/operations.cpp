@@ -528,7 +528,24 @@ private:
         std::vector<trisap::Hit> room(below(2) == 0 ? below(8) : config_.objects + 3);
         const trisap::Answers<trisap::Hit> answers = world_.nearest(at, room);
         CHECK_OK(answers.status);
-        CHECK(same_hits(answers, model_.nearest(at, room.size())));
+        const std::vector<trisap::Hit> expected = model_.nearest(at, room.size());
+        CHECK(same_hits(answers, expected));
+        // A visitor that refuses every second slot gets the nearest of the others, and of as near ones all.
+        const auto refused = [](const trisap::Hit &hit) { return trisap::slot(hit.id) % 2 != 0; };
+        double nearest = std::numeric_limits<double>::infinity();
+        CHECK_OK(world_.visit_nearest(at, nearest, [&](const trisap::Hit &hit) {
+            return refused(hit) ? std::numeric_limits<double>::infinity() : nearest = std::min(nearest, hit.distance);
+        }));
+        const auto all = model_.nearest(at, config_.objects);
+        const auto first = std::find_if_not(all.begin(), all.end(), refused);
+        CHECK(first == all.end() ? std::isinf(nearest) : nearest == first->distance);
+        if (!expected.empty()) {
+            std::size_t visits = 0;
+            const double distance = expected.back().distance;
+            CHECK_OK(world_.visit_nearest(at, distance, [&](const trisap::Hit &) { visits++; }));
+            CHECK(static_cast<std::ptrdiff_t>(visits) ==
+                  std::count_if(all.begin(), all.end(), [&](const trisap::Hit &hit) { return hit.distance <= distance; }));
+        }
     }
 
     void check_batches(const std::vector<trisap::Region> &regions, const std::vector<trisap::Cast> &casts) {

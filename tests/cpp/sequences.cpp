@@ -403,15 +403,16 @@ private:
         std::vector<trisap::Hit> hits;
     };
 
+    static double tell_far(void *user, trisap::Hit hit) {
+        auto &its = *static_cast<Visit *>(user);
+        its.hits.push_back(hit);
+        return its.far < 0 ? hit.distance : its.far;
+    }
+
     /// All of them, or only those that are nearer than the last.
     void visit_hits(const Operation &op, const trisap::Cast &cast) {
         Visit visit = {op.argument % 2 == 0 ? static_cast<double>(cast.distance) : -1.0, {}};
-        const auto each = [](void *user, trisap::Hit hit) -> double {
-            auto &its = *static_cast<Visit *>(user);
-            its.hits.push_back(hit);
-            return its.far < 0 ? hit.distance : its.far;
-        };
-        CHECK_OK(trisap_world_visit_hits(world_, &cast, each, &visit));
+        CHECK_OK(trisap_world_visit_hits(world_, &cast, tell_far, &visit));
         say_hits(visit.hits, visit.hits.size());
     }
 
@@ -425,6 +426,10 @@ private:
         say_hits(hits, count);
         CHECK_OK(trisap_world_nearest(world_, point, two_in_three, &op.argument, hits.data(), hits.size(), &count));
         say_hits(hits, count);
+        Visit visit = {op.argument % 2 == 0 ? std::numeric_limits<double>::infinity() : -1.0, {}};
+        const double distance = count == 0 ? 1.0 : hits[count - 1].distance;
+        CHECK_OK(trisap_world_visit_nearest(world_, point, distance, tell_far, &visit));
+        say_hits(visit.hits, visit.hits.size());
     }
 
     void batches(Operation &op) {

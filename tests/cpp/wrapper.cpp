@@ -275,6 +275,11 @@ static void callables() {
     CHECK_STATUS(world.overlaps_many(regions, {}, {}), TRISAP_STATUS_INVALID_ARGUMENT);
     CHECK(world.hits(ray, one).status == TRISAP_STATUS_OUTPUT_FULL && world.hits(ray, one).needed == 8);
     CHECK(world.nearest(left, one).size() == 1);
+    visits = 0;
+    CHECK_OK(world.visit_nearest(left, 1e9, [&](const trisap::Hit &) { visits++; }));
+    CHECK(visits == 8);
+    CHECK_OK(world.visit_nearest(left, 1e9, [&](const trisap::Hit &) { return visits--, -1.0; }));
+    CHECK(visits == 7);
     CHECK_STATUS(world.set_filter(ids, trisap::View<const trisap::Filter>()), TRISAP_STATUS_INVALID_ARGUMENT);
 
     // Groups and classes.

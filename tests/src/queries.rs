@@ -156,6 +156,44 @@ pub fn ask_nearest<I: Index>(
     let told: Vec<Near> =
         out[..expected.len()].iter().flatten().map(|hit| (hit.id.slot(), hit.distance)).collect();
     assert_eq!(told, expected, "the {count} nearest to {point:?} with {setup:?}");
+    visit_nearest(world, &nearest(model.boxes(), point, usize::MAX), point, expected.last());
+}
+
+/// Visits the nearest objects in every way: `all` of them, the nearest first, `last` the farthest one that is wanted.
+fn visit_nearest<I: Index>(world: &World<'_, I>, all: &[Near], point: [f32; 3], last: Option<&Near>) {
+    let visit = |distance: f64, far: &dyn Fn(Near) -> f64| {
+        let mut visited: Vec<Near> = Vec::new();
+        let mut each = |hit: Hit| {
+            visited.push((hit.id.slot(), hit.distance));
+            far((hit.id.slot(), hit.distance))
+        };
+        world.visit_nearest(point, distance, &mut each).expect("a good point");
+        visited
+    };
+    let in_order = |mut visited: Vec<Near>| {
+        visited.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        visited
+    };
+    let each = visit(f64::INFINITY, &|_| f64::INFINITY);
+    assert_eq!(visit(f64::INFINITY, &|_| f64::NAN), each, "the same order each time");
+    assert_eq!(in_order(each.clone()), all, "each object is visited once: {point:?}");
+    assert_eq!(visit(f64::INFINITY, &|_| -1.0), each[..each.len().min(1)], "a visitor can stop");
+    if let Some(&(_, distance)) = last {
+        let within = &all[..all.partition_point(|near| near.1 <= distance)];
+        assert_eq!(in_order(visit(distance, &|_| f64::INFINITY)), within, "up to {distance} from {point:?}");
+        assert_eq!(in_order(visit(distance.next_down().max(0.0), &|_| f64::INFINITY)), {
+            let nearer = all.partition_point(|near| near.1 <= distance.next_down().max(0.0));
+            &all[..nearer]
+        });
+    }
+    let nearer = visit(f64::INFINITY, &|near| near.1);
+    assert!(nearer.windows(2).all(|two| two[1].1 <= two[0].1), "only nearer ones: {nearer:?}");
+    // One in three is refused, and shapes are farther than their boxes: as many as are as near as that have been visited.
+    let shape = |(slot, distance): Near| distance + f64::from(slot % 5);
+    let wanted = |near: &&Near| near.0 % 3 != 0;
+    let visited = visit(f64::INFINITY, &|near| if wanted(&&near) { shape(near) } else { f64::INFINITY });
+    let least = |nears: &[Near]| nears.iter().filter(wanted).map(|near| shape(*near)).reduce(f64::min);
+    assert_eq!(least(&visited), least(all), "the nearest shape: {point:?}");
 }
 
 /// Asks a world about a cast in every way.

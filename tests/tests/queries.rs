@@ -382,6 +382,8 @@ fn bad_queries_are_refused() {
             casts.push(Cast::ray([0.0; 3], with(x), 1.0));
             casts.push(Cast::swept(Aabb::new([-1.0; 3], with(x)), [1.0; 3]));
             assert_eq!(world.set_kernels(kernels).nearest(with(x), &mut [None]), Err(bad));
+            let visited = world.visit_nearest(with(x), 1.0, &mut |_| panic!("nothing is answered"));
+            assert_eq!(visited, Err(bad));
         }
     }
     let good = Region::Point([0.5; 3]);
@@ -407,6 +409,10 @@ fn bad_queries_are_refused() {
         let mut out = [None; 2];
         let told = world.set_kernels(kernels).first_hits(&[ray, cast], &Jobs::Serial, &mut out);
         assert_eq!((told, out), (Err(Error::BadQuery { index: 1 }), [None; 2]));
+    }
+    for distance in [f64::NAN, -1.0, f64::NEG_INFINITY] {
+        let visited = world.visit_nearest([0.0; 3], distance, &mut |_| panic!("nothing is answered"));
+        assert_eq!(visited, Err(bad), "{distance}");
     }
     let short = Error::LengthMismatch { needed: 2, given: 1 };
     let told = world.set_kernels(kernels).first_hits(&[ray, ray], &Jobs::Serial, &mut [None]);

@@ -17,7 +17,7 @@ use crate::world::World;
 /// What is nearest to a point.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Hit, Id, InlineWorld, Region, Serial, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
@@ -26,9 +26,44 @@ use crate::world::World;
 /// let mut hits = [None; 2];
 /// assert_eq!(world.nearest([0.0; 3], &mut hits)?, 2);
 /// assert_eq!(hits.map(|hit| hit.map(|hit| (hit.id, hit.distance))), [Some((ids[0], 2.0)), Some((ids[1], 5.0))]);
+///
+/// // The nearest shape, which need not have the nearest box; without the first object. Shapes are no nearer than their boxes.
+/// let shape = |hit: &Hit| if hit.id == ids[1] { 8.5 } else { hit.distance + 0.2 };
+/// let mut nearest = None;
+/// world.visit_nearest([0.0; 3], f64::INFINITY, &mut |hit| {
+///     if hit.id == ids[0] {
+///         return f64::INFINITY; // refused: look on as far as before
+///     }
+///     let distance = shape(&hit);
+///     if nearest.is_none_or(|(_, before)| distance < before) {
+///         nearest = Some((hit.id, distance));
+///     }
+///     distance // beyond it nothing matters any more
+/// })?;
+/// assert_eq!(nearest, Some((ids[1], 8.5)));
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
+    /// Visits the objects whose boxes are at most so far from a point, each once, nearer leaves of the tree before farther ones. The
+    /// visitor returns how far to look on: infinity to refuse an object and look as far as before, its distance to see only what
+    /// is not farther, less than zero to stop. For the nearest of those that only the caller knows: by the distance of a shape, by
+    /// what was visited before. Where boxes decide, [`nearest`](Self::nearest) and [`among`](Self::among) are shorter.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] where the point is not finite, or the distance is NaN or negative; it may be infinite.
+    #[cfg_attr(debug_assertions, inline(never))]
+    pub fn visit_nearest(
+        &self,
+        point: [f32; 3],
+        distance: f64,
+        visit: &mut dyn FnMut(Hit) -> f64,
+    ) -> Result<(), Error> {
+        if distance.is_nan() || distance < 0.0 {
+            return Err(Error::BadQuery { index: 0 });
+        }
+        self.look_around(point, Visitor { far: distance, visit })
+    }
+
     /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
     /// ones by ascending slot. Returns how many there are: less than `out` takes only if there are no more objects.
     ///
@@ -46,21 +81,42 @@ impl<I: Index> World<'_, I> {
         out: &mut [Option<Hit>],
         condition: Option<&dyn Fn(Id) -> bool>,
     ) -> Result<usize, Error> {
+        self.look_around(point, Best { heap: out, count: 0, condition })
+    }
+
+    fn look_around<W: Wanted>(&self, point: [f32; 3], wanted: W) -> Result<W::Output, Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(self.kernels.run(Nearest { world: self, point, out, condition }))
+        Ok(self.kernels.run(Nearest { world: self, point, wanted }))
     }
+}
+
+/// What is to become of the objects near a point.
+trait Wanted {
+    type Output;
+
+    /// Beyond which squared distance nothing matters any more.
+    fn limit(&self) -> f64;
+
+    /// Takes an object within the limit, with its squared distance.
+    fn offer(&mut self, id: Id, squared: f64);
+
+    fn conclude(self) -> Self::Output;
 }
 
 /// The nearest objects so far: a heap with the farthest one of them at its root.
 struct Best<'o> {
     heap: &'o mut [Option<Hit>],
     count: usize,
+    /// Asked by reference, if there is one: the search is compiled once.
+    condition: Option<&'o dyn Fn(Id) -> bool>,
 }
 
-impl Best<'_> {
-    /// Beyond which squared distance nothing matters any more.
+impl Wanted for Best<'_> {
+    type Output = usize;
+
+    #[inline(always)]
     fn limit(&self) -> f64 {
         match self.heap.first() {
             Some(Some(farthest)) if self.count == self.heap.len() => farthest.distance,
@@ -69,7 +125,12 @@ impl Best<'_> {
         }
     }
 
-    fn offer(&mut self, hit: Hit) {
+    #[inline(always)]
+    fn offer(&mut self, id: Id, squared: f64) {
+        if !self.condition.is_none_or(|condition| condition(id)) {
+            return;
+        }
+        let hit = Hit { id, distance: squared };
         if self.count < self.heap.len() {
             self.heap.put(self.count, Some(hit));
             self.count += 1;
@@ -79,6 +140,45 @@ impl Best<'_> {
             sift_down(self.heap, 0, &precedes);
         }
     }
+
+    #[inline(always)]
+    fn conclude(self) -> usize {
+        let found = self.heap.span_mut(0, self.count);
+        heapsort(found, precedes);
+        for hit in found.iter_mut().flatten() {
+            hit.distance = libm::sqrt(hit.distance);
+        }
+        found.len()
+    }
+}
+
+/// Objects go to the caller.
+struct Visitor<'v> {
+    /// How far to look; less than zero where the caller has stopped.
+    far: f64,
+    visit: &'v mut dyn FnMut(Hit) -> f64,
+}
+
+impl Wanted for Visitor<'_> {
+    type Output = ();
+
+    /// A little larger than need be, so that no square whose root is rounded to `far` is beyond it.
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        let far = self.far.max(0.0);
+        far * far * (1.0 + 4.0 * f64::EPSILON)
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, id: Id, squared: f64) {
+        let distance = libm::sqrt(squared);
+        if distance <= self.far {
+            self.far = self.far.min((self.visit)(Hit { id, distance }));
+        }
+    }
+
+    #[inline(always)]
+    fn conclude(self) {}
 }
 
 /// A point meets the nodes that are near enough, by their squared distance.
@@ -110,33 +210,28 @@ impl Probe for Around<'_> {
     }
 }
 
-struct Nearest<'q, 'm, I: Index> {
+struct Nearest<'q, 'm, W, I: Index> {
     world: &'q World<'m, I>,
     point: [f32; 3],
-    out: &'q mut [Option<Hit>],
-    /// Asked by reference, if there is one: the search is compiled once.
-    condition: Option<&'q dyn Fn(Id) -> bool>,
+    wanted: W,
 }
 
-impl<I: Index> Phase for Nearest<'_, '_, I> {
-    type Output = usize;
+impl<W: Wanted, I: Index> Phase for Nearest<'_, '_, W, I> {
+    type Output = W::Output;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { world, point, out, condition } = self;
+    fn run<S: Simd>(self, simd: S) -> W::Output {
+        let Self { world, point, mut wanted } = self;
         let parts = &world.parts;
-        let mut best = Best { heap: out, count: 0 };
-        let offer = |best: &mut Best<'_>, slot: usize| {
+        let offer = |wanted: &mut W, slot: usize| {
             let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
-            if let (true, Some(id)) = (squared <= best.limit(), world.id_of(slot))
-                && condition.is_none_or(|condition| condition(id))
-            {
-                best.offer(Hit { id, distance: squared });
+            if let (true, Some(id)) = (squared <= wanted.limit(), world.id_of(slot)) {
+                wanted.offer(id, squared);
             }
         };
         if world.has_others() {
             for slot in world.others() {
-                offer(&mut best, slot);
+                offer(&mut wanted, slot);
             }
         }
         if world.has_tree() {
@@ -145,31 +240,26 @@ impl<I: Index> Phase for Nearest<'_, '_, I> {
             let start = home >> sub_levels;
             // The part around the point first: the others are hardly near enough then.
             let around_point = 1u32 << (home - (start << sub_levels));
-            let probe = Around { point: &point, limit: best.limit() };
+            let probe = Around { point: &point, limit: wanted.limit() };
             let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, start, probe);
             while let Some(whole) = visit.next(simd) {
                 let first = if whole == start { around_point } else { 0 };
                 for some in [first, !first].into_iter().filter(|some| *some != 0) {
-                    let (record, near) = parts_near(simd, parts, whole, &around(&point, best.limit()));
+                    let (record, near) = parts_near(simd, parts, whole, &around(&point, wanted.limit()));
                     let mut mask = near & some;
                     while mask != 0 {
                         let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
                         mask &= mask - 1;
                         let mut members = MembersNear::new(simd, parts, leaf, record);
                         while let Some((slot, _)) = members.next() {
-                            offer(&mut best, slot);
+                            offer(&mut wanted, slot);
                         }
                     }
                 }
-                visit.probe.limit = best.limit();
+                visit.probe.limit = wanted.limit();
             }
         }
-        let found = best.heap.span_mut(0, best.count);
-        heapsort(found, precedes);
-        for hit in found.iter_mut().flatten() {
-            hit.distance = libm::sqrt(hit.distance);
-        }
-        found.len()
+        wanted.conclude()
     }
 }
 

@@ -113,6 +113,16 @@ impl<I: Index> Life<'_, '_, I> {
         let count = self.checked.world().among(some).nearest(point, &mut hits).expect("a good point");
         assert!(hits[..count].iter().eq(expected), "among some");
         self.say_hits(&hits[..count]);
+        // All that is as near as the farthest of them, or only what is nearer than the last.
+        let distance = hits[..count].last().copied().flatten().map_or(1.0, |hit| hit.distance);
+        let all = op.argument.is_multiple_of(2);
+        let mut visited = Vec::new();
+        let mut visit = |hit: Hit| {
+            visited.push(Some(hit));
+            if all { f64::INFINITY } else { hit.distance }
+        };
+        self.checked.world().visit_nearest(point, distance, &mut visit).expect("a good point");
+        self.say_hits(&visited);
         let setup = self.setup(op);
         let (world, model) = self.checked.parts_mut();
         ask_nearest(world, model, point, room, Setup::REFERENCE);
