@@ -19,6 +19,7 @@ struct Ball {
 
 #[derive(Default)]
 struct Game {
+    broad_phase: BroadPhase<u64>,
     balls: HashMap<u64, Ball>,
     contacts: HashMap<[u64; 2], Contact>,
     born: u64,
@@ -26,7 +27,7 @@ struct Game {
 
 impl Game {
     /// Some come, the oldest go, and all fall.
-    fn play(&mut self, frame: usize, broad_phase: &mut BroadPhase<u64>) -> Result<(), Error> {
+    fn play(&mut self, frame: usize) -> Result<(), Error> {
         for _ in 0..20 {
             self.born += 1;
             let place = [(self.born * 7 % 40) as f32, (self.born * 11 % 40) as f32, 12.0];
@@ -34,22 +35,20 @@ impl Game {
         }
         for entity in self.born.saturating_sub(2020)..self.born.saturating_sub(2000) {
             if self.balls.remove(&entity).is_some() {
-                broad_phase.remove(&entity);
+                self.broad_phase.remove(&entity);
             }
         }
-        let mut sleepers = Vec::new();
         for (entity, ball) in self.balls.iter_mut().filter(|(_, ball)| !ball.asleep) {
             ball.speed += 0.01;
             ball.place[2] = (ball.place[2] - ball.speed).max(0.5);
-            broad_phase.insert(*entity, Aabb::from_center(ball.place, [0.5; 3]))?;
+            self.broad_phase.insert(*entity, Aabb::from_center(ball.place, [0.5; 3]))?;
             if ball.place[2] == 0.5 {
                 ball.asleep = true;
-                sleepers.extend(broad_phase.id(entity));
+                // Its pairs stay, and steps set them aside until its box is given anew.
+                self.broad_phase.set_resting(entity);
             }
         }
-        // Steps do not look at them until their box is given anew. Their pairs stay.
-        broad_phase.world().set_resting(&sleepers)?;
-        let step = broad_phase.step()?;
+        let step = self.broad_phase.step()?;
         for pair in step.lost() {
             self.contacts.remove(&pair);
         }
@@ -62,11 +61,11 @@ impl Game {
 }
 
 fn run(frames: usize) -> Result<Game, Error> {
-    let mut broad_phase = BroadPhase::new();
-    broad_phase.insert(GROUND, Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY, f32::INFINITY, 0.0]))?;
     let mut game = Game::default();
+    let ground = Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY, f32::INFINITY, 0.0]);
+    game.broad_phase.insert(GROUND, ground)?;
     for frame in 0..frames {
-        game.play(frame, &mut broad_phase)?;
+        game.play(frame)?;
     }
     Ok(game)
 }

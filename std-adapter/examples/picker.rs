@@ -3,9 +3,11 @@
 
 use trisap::{Aabb, BroadPhase, Cast, Error, Region};
 
+type Town = BroadPhase<&'static str>;
+
 /// A town of houses, and one that flies.
-fn town() -> Result<BroadPhase<&'static str>, Error> {
-    let mut town = BroadPhase::new();
+fn town() -> Result<Town, Error> {
+    let mut town = Town::new();
     town.insert("ground", Aabb::new([-100.0, -100.0, -1.0], [100.0, 100.0, 0.0]))?;
     town.insert("church", Aabb::new([0.0, 0.0, 0.0], [10.0, 20.0, 40.0]))?;
     town.insert("inn", Aabb::new([20.0, 0.0, 0.0], [30.0, 8.0, 9.0]))?;
@@ -19,22 +21,28 @@ fn ray(x: f32, y: f32) -> Cast {
     Cast::ray([25.0, 4.0, 100.0], [(x - 50.0) / 50.0, (y - 50.0) / 50.0, -1.0], f32::INFINITY)
 }
 
+/// What is seen there.
+fn under(town: &Town, x: f32, y: f32) -> Result<Option<&'static str>, Error> {
+    Ok(town.first_hit(&ray(x, y))?.map(|(house, _)| house))
+}
+
 fn main() -> Result<(), Error> {
     let mut town = town()?;
-    let under =
-        |town: &mut BroadPhase<_>, x, y| town.first_hit(&ray(x, y)).map(|hit| hit.map(|(key, _)| key));
-    assert_eq!(under(&mut town, 50.0, 50.0)?, Some("balloon"));
-    assert_eq!(under(&mut town, 33.0, 50.0)?, Some("church"));
-    assert_eq!(under(&mut town, 50.0, 70.0)?, Some("ground"));
+    assert_eq!(under(&town, 50.0, 50.0)?, Some("balloon"));
+    assert_eq!(under(&town, 33.0, 50.0)?, Some("church"));
+    assert_eq!(under(&town, 50.0, 70.0)?, Some("ground"));
+    // What flies can be hidden.
+    let standing = town.among(|house| house != "balloon").first_hit(&ray(50.0, 50.0))?;
+    assert_eq!(standing, Some(("inn", 91.0)));
     // The balloon is dragged away: what is below is seen without a step.
     town.insert("balloon", Aabb::from_center([-60.0, 4.0, 60.0], [6.0; 3]))?;
-    assert_eq!(under(&mut town, 50.0, 50.0)?, Some("inn"));
+    assert_eq!(under(&town, 50.0, 50.0)?, Some("inn"));
 
     let mut framed = town.overlaps(&Region::Aabb(Aabb::new([-1.0, -1.0, 1.0], [40.0, 40.0, 50.0])))?;
     framed.sort_unstable();
     assert_eq!(framed, ["church", "inn"]);
-    let nearest: Vec<_> = town.nearest([22.0, 4.0, 14.0], 2)?.into_iter().map(|(key, _)| key).collect();
-    assert_eq!(nearest, ["inn", "church"]);
+    let nearest = town.nearest([20.5, 4.0, 12.0], 2)?;
+    assert_eq!(nearest, [("inn", 3.0), ("church", 10.5)]);
 
     town.insert("doorstep of the inn", Aabb::new([18.0, 3.0, 0.5], [19.5, 5.0, 2.5]))?;
     assert_eq!(town.step()?.found().count(), 0);

@@ -1,14 +1,15 @@
 //! A world that is keyed by the caller's own type, and grows by itself.
 
+mod among;
 mod view;
 
+pub use among::AmongKeys;
 pub use view::KeyedStep;
 
 use crate::OwnedWorld;
 use core::hash::Hash;
-use core::ops::ControlFlow;
 use std::collections::HashMap;
-use trisap_core::{Aabb, Capacity, Cast, Config, Error, Field, Filter, Id, Region, World};
+use trisap_core::{Aabb, Capacity, Config, Error, Field, Filter, Id, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] for those who do not want to count memory.
 ///
@@ -146,14 +147,14 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.names.key(id)
     }
 
-    /// The world itself, to look at: results, batches, and queries [among](World::among) some objects. Any number of threads may at
-    /// once.
+    /// The world itself, to look at: results, batches, and visitors of queries, to which [`key`](Self::key) tells who an id is. Any
+    /// number of threads may at once.
     #[must_use]
     pub fn as_world(&self) -> &World<'_> {
         self.owned.as_world()
     }
 
-    /// The world itself, to change what is not here: margins, rest, values. Who removes or inserts objects there leaves the keys wrong.
+    /// The world itself, to change what is not here: margins, classes, values. Who removes or inserts objects there leaves the keys wrong.
     #[must_use]
     pub fn world(&mut self) -> World<'_> {
         self.owned.world()
@@ -222,6 +223,46 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         }
     }
 
+    /// Whether a key meets what has a filter, by groups and classes: for queries [among](Self::among) some. False where it has no box.
+    #[must_use]
+    pub fn meets(&self, key: &K, filter: &Filter) -> bool {
+        self.id(key).is_some_and(|id| self.as_world().meets(id, filter))
+    }
+
+    /// Puts a key to rest, until it gets another box or is woken: steps set aside its pairs with others that rest. False where it
+    /// has no box.
+    ///
+    /// ```
+    /// use trisap::{Aabb, BroadPhase};
+    ///
+    /// let mut broad_phase = BroadPhase::new();
+    /// for (key, x) in [('a', 0.0), ('b', 0.5), ('c', 1.25)] {
+    ///     broad_phase.insert(key, Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]))?;
+    /// }
+    /// assert!(broad_phase.set_resting(&'a') && broad_phase.set_resting(&'b'));
+    /// let step = broad_phase.step()?;
+    /// assert_eq!(step.pairs().count(), 2);
+    /// assert_eq!(step.awake_pairs().collect::<Vec<_>>(), [['b', 'c']]); // whose contacts may have changed
+    ///
+    /// broad_phase.wake(&'a'); // so does a box of its own
+    /// assert!(!broad_phase.is_resting(&'a'));
+    /// # Ok::<(), trisap::Error>(())
+    /// ```
+    pub fn set_resting(&mut self, key: &K) -> bool {
+        self.id(key).is_some_and(|id| self.owned.world().set_resting(&[id]).is_ok())
+    }
+
+    /// Wakes a key. False where it has no box.
+    pub fn wake(&mut self, key: &K) -> bool {
+        self.id(key).is_some_and(|id| self.owned.world().wake(&[id]).is_ok())
+    }
+
+    /// Whether a key was put to rest and has not been woken since.
+    #[must_use]
+    pub fn is_resting(&self, key: &K) -> bool {
+        self.id(key).is_some_and(|id| self.as_world().is_resting(id))
+    }
+
     /// Finds all overlapping pairs of the boxes as they are now, with as much memory as they take.
     ///
     /// # Errors
@@ -259,39 +300,6 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.owned.move_to(&config)?;
         self.config = config;
         Ok(())
-    }
-
-    /// The keys whose boxes overlap a region.
-    ///
-    /// # Errors
-    /// [`Error::BadQuery`].
-    pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
-        let mut keys = Vec::new();
-        let names = &self.names;
-        self.as_world().visit_overlaps(region, &mut |id| {
-            keys.extend(names.key(id));
-            ControlFlow::Continue(())
-        })?;
-        Ok(keys)
-    }
-
-    /// The first box that a ray or a moving box meets, and the distance.
-    ///
-    /// # Errors
-    /// [`Error::BadQuery`].
-    pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
-        let hit = self.as_world().first_hit(cast)?;
-        Ok(hit.and_then(|hit| Some((self.names.key(hit.id)?, hit.distance))))
-    }
-
-    /// The boxes nearest to a point, as many as wanted or as there are, by ascending distance.
-    ///
-    /// # Errors
-    /// [`Error::BadQuery`].
-    pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
-        let mut hits = vec![None; count.min(self.len())];
-        self.as_world().nearest(point, &mut hits)?;
-        Ok(hits.iter().flatten().filter_map(|hit| Some((self.names.key(hit.id)?, hit.distance))).collect())
     }
 
     /// All that there is, for a way back: boxes, keys, and what the next events are compared with.

@@ -1,6 +1,6 @@
 use super::*;
 use std::collections::{BTreeMap, BTreeSet};
-use trisap_core::Margin;
+use trisap_core::{Cast, Margin, Region};
 
 /// Numbers that look random (SplitMix64).
 struct Numbers(u64);
@@ -40,11 +40,38 @@ fn overlapping(boxes: &BTreeMap<u64, Aabb>) -> Pairs {
     pairs
 }
 
+/// As if keys were not there that leave `rest` when divided by three.
+fn ask_among(broad_phase: &BroadPhase<u64>, boxes: &BTreeMap<u64, Aabb>, around: Aabb, rest: u64) {
+    let wanted = |key: u64| key % 3 != rest;
+    let among = broad_phase.among(wanted);
+    let region = Region::Aabb(around.grown(1.5));
+    let mut found = broad_phase.overlaps(&region).expect("a region");
+    found.retain(|key| wanted(*key));
+    assert_eq!(among.overlaps(&region).expect("a region"), found);
+
+    let point = around.max.map(|x| x + 0.25);
+    let gap = |aabb: &Aabb, k: usize| f64::from(point[k] - point[k].clamp(aabb.min[k], aabb.max[k])).powi(2);
+    let distance = |aabb: &Aabb| (gap(aabb, 0) + gap(aabb, 1) + gap(aabb, 2)).sqrt();
+    let mut distances: Vec<f64> =
+        boxes.iter().filter(|(key, _)| wanted(**key)).map(|(_, aabb)| distance(aabb)).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.truncate(3);
+    let nearest = among.nearest(point, 3).expect("a point");
+    assert!(nearest.iter().all(|(key, far)| wanted(*key) && distance(&boxes[key]) == *far));
+    assert_eq!(nearest.iter().map(|near| near.1).collect::<Vec<_>>(), distances);
+
+    let ray = Cast::ray(around.min, [1.0, 0.5, 0.0], f32::INFINITY);
+    let mut hits = vec![None; boxes.len()];
+    broad_phase.as_world().hits(&ray, &mut hits).expect("a ray");
+    let mut hits = hits.iter().flatten().filter_map(|hit| Some((broad_phase.key(hit.id)?, hit.distance)));
+    assert_eq!(among.first_hit(&ray).expect("a ray"), hits.find(|(key, _)| wanted(*key)));
+}
+
 /// From nothing on, with keys that come and go; now and then back to a snapshot. Returns to how many objects and pairs the room grew.
 fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
     let mut numbers = Numbers(seed);
     let mut broad_phase = BroadPhase::with_config(config).expect("a small world");
-    let (mut boxes, mut last) = (BTreeMap::new(), Pairs::new());
+    let (mut boxes, mut last, mut resting) = (BTreeMap::new(), Pairs::new(), BTreeSet::new());
     let mut next = 0;
     let mut saved = None;
     for round in 0..rounds {
@@ -58,29 +85,44 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
             let key = numbers.below(next.max(1));
             if numbers.below(2) == 0 {
                 assert_eq!(broad_phase.remove(&key), boxes.remove(&key).is_some());
+                resting.remove(&key);
                 continue;
             }
+            resting.remove(&key);
             let aabb = numbers.aabb(12);
             let known = broad_phase.update(&key, aabb).expect("a good box");
             assert_eq!(known, boxes.contains_key(&key));
             boxes.entry(key).and_modify(|old| *old = aabb);
         }
+        for _ in 0..numbers.below(6) {
+            let key = numbers.below(next.max(1));
+            let known = boxes.contains_key(&key);
+            if numbers.below(3) == 0 {
+                assert_eq!(broad_phase.wake(&key), known);
+                resting.remove(&key);
+            } else {
+                assert_eq!(broad_phase.set_resting(&key), known);
+                resting.extend(known.then_some(key));
+            }
+        }
         if round % 16 == 3 {
-            saved = Some((broad_phase.save(), boxes.clone(), last.clone()));
+            saved = Some((broad_phase.save(), boxes.clone(), last.clone(), resting.clone()));
         }
         if round % 16 == 13
-            && let Some((snapshot, then, pairs)) = &saved
+            && let Some((snapshot, then, pairs, asleep)) = &saved
         {
             let into_another = numbers.below(2) == 0;
             if into_another {
                 broad_phase = BroadPhase::with_config(config).expect("a small world");
             }
             broad_phase.restore(snapshot).expect("memory");
-            (boxes, last) = (then.clone(), pairs.clone());
+            (boxes, last, resting) = (then.clone(), pairs.clone(), asleep.clone());
         }
         let step = broad_phase.step().expect("memory");
         let expected = overlapping(&boxes);
         assert_eq!(in_order(step.pairs()), expected);
+        let awake = expected.iter().filter(|pair| !pair.iter().all(|key| resting.contains(key)));
+        assert_eq!(in_order(step.awake_pairs()), awake.copied().collect());
         if config.events {
             assert_eq!(in_order(step.found()), expected.difference(&last).copied().collect::<Pairs>());
             assert_eq!(in_order(step.lost()), last.difference(&expected).copied().collect::<Pairs>());
@@ -96,7 +138,9 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
             assert_eq!(broad_phase.aabb(key), Some(*aabb));
             let nearest = broad_phase.nearest(aabb.min, 1).expect("a point");
             assert_eq!(nearest[0].1, 0.0);
+            ask_among(&broad_phase, &boxes, *aabb, numbers.below(3));
         }
+        assert!(boxes.keys().all(|key| broad_phase.is_resting(key) == resting.contains(key)));
     }
     broad_phase.config().capacity
 }

@@ -15,6 +15,13 @@ impl<K: Copy + Eq> KeyedStep<'_, K> {
         self.world.pair_ids().filter_map(|pair| self.keys(pair))
     }
 
+    /// Those of which at least one has not been put to rest: what a narrow phase has to look at that keeps the contacts of those
+    /// that rest.
+    pub fn awake_pairs(&self) -> impl Iterator<Item = [K; 2]> {
+        let id = |slot| self.world.id_at(slot);
+        self.world.awake_pairs().filter_map(move |[a, b]| self.keys([id(a)?, id(b)?]))
+    }
+
     /// With events: the pairs that this step has and the last one had not.
     pub fn found(&self) -> impl Iterator<Item = [K; 2]> {
         self.world.found_ids().filter_map(|pair| self.keys(pair))

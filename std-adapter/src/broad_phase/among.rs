@@ -1,0 +1,118 @@
+//! Queries by key, about all boxes or about some of them.
+
+use super::BroadPhase;
+use core::hash::Hash;
+use core::ops::ControlFlow;
+use trisap_core::{Cast, Error, Hit, Id, Region};
+
+/// Queries between two steps, about the boxes as they are now.
+impl<K: Copy + Eq + Hash> BroadPhase<K> {
+    /// The keys whose boxes overlap a region.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
+        let mut keys = Vec::new();
+        self.as_world().visit_overlaps(region, &mut |id| {
+            keys.extend(self.key(id));
+            ControlFlow::Continue(())
+        })?;
+        Ok(keys)
+    }
+
+    /// The first box that a ray or a moving box meets, and the distance.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
+        Ok(self.as_world().first_hit(cast)?.and_then(|hit| self.named(hit)))
+    }
+
+    /// The boxes nearest to a point, as many as wanted or as there are, by ascending distance.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
+        let mut hits = vec![None; count.min(self.len())];
+        self.as_world().nearest(point, &mut hits)?;
+        Ok(hits.into_iter().flatten().filter_map(|hit| self.named(hit)).collect())
+    }
+
+    /// Asks queries as if only boxes were there whose keys fulfil a condition: without one's own, by filters, by what they are. The
+    /// condition is asked of boxes that the query has come to, in any order, and has to answer the same for the same key.
+    ///
+    /// ```
+    /// use trisap::{Aabb, BroadPhase, Cast, Config, Filter};
+    ///
+    /// const WALLS: u32 = 1;
+    /// const BALLS: u32 = 2;
+    /// let mut broad_phase = BroadPhase::with_config(&Config::default().with_filters())?;
+    /// for (key, x, group) in [("ball", 0.0, BALLS), ("other ball", 2.0, BALLS), ("wall", 5.0, WALLS)] {
+    ///     broad_phase.insert(key, Aabb::from_center([x, 0.0, 0.0], [0.5; 3]))?;
+    ///     broad_phase.set_filter(&key, Filter::groups(group, u32::MAX))?;
+    /// }
+    /// let nearest = broad_phase.among(|key| key != "ball").nearest([0.0; 3], 1)?;
+    /// assert_eq!(nearest, [("other ball", 1.5)]);
+    ///
+    /// let sees = Filter::groups(u32::MAX, WALLS);
+    /// let ray = Cast::ray([0.0; 3], [1.0, 0.0, 0.0], 100.0);
+    /// let hit = broad_phase.among(|key| broad_phase.meets(&key, &sees)).first_hit(&ray)?;
+    /// assert_eq!(hit, Some(("wall", 4.5)));
+    /// # Ok::<(), trisap::Error>(())
+    /// ```
+    pub fn among<C: Fn(K) -> bool>(&self, condition: C) -> AmongKeys<'_, K, C> {
+        AmongKeys { broad_phase: self, condition }
+    }
+
+    fn named(&self, hit: Hit) -> Option<(K, f64)> {
+        Some((self.key(hit.id)?, hit.distance))
+    }
+}
+
+/// Queries that only boxes whose keys fulfil a condition can answer: made by [`BroadPhase::among`].
+#[must_use = "a query that nobody asks"]
+pub struct AmongKeys<'b, K, C> {
+    broad_phase: &'b BroadPhase<K>,
+    condition: C,
+}
+
+impl<K: Copy + Eq + Hash, C: Fn(K) -> bool> AmongKeys<'_, K, C> {
+    /// See [`BroadPhase::overlaps`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
+        let mut keys = self.broad_phase.overlaps(region)?;
+        keys.retain(|key| (self.condition)(*key));
+        Ok(keys)
+    }
+
+    /// See [`BroadPhase::first_hit`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
+        let hit = self.broad_phase.as_world().among(self.by_id()).first_hit(cast)?;
+        Ok(hit.and_then(|hit| self.broad_phase.named(hit)))
+    }
+
+    /// See [`BroadPhase::nearest`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
+        let mut hits = vec![None; count.min(self.broad_phase.len())];
+        self.broad_phase.as_world().among(self.by_id()).nearest(point, &mut hits)?;
+        Ok(hits.into_iter().flatten().filter_map(|hit| self.broad_phase.named(hit)).collect())
+    }
+
+    fn by_id(&self) -> impl Fn(Id) -> bool {
+        |id| self.broad_phase.key(id).is_some_and(&self.condition)
+    }
+}
+
+impl<K, C> core::fmt::Debug for AmongKeys<'_, K, C> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("AmongKeys").field("broad_phase", self.broad_phase).finish_non_exhaustive()
+    }
+}
