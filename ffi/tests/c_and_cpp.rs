@@ -485,6 +485,29 @@ fn adapters_fit_the_job_systems_of_others() {
     succeed(&mut program("jolt", &jolt).with(["-c"]).compile);
 }
 
+/// As on a machine without Debian's packages: all that the script finds is what it needs to begin.
+#[test]
+fn packages_that_cannot_be_made_are_skipped() {
+    let folder = scratch("few_commands");
+    remove(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder of this test");
+    for command in ["bash", "dirname", "mkdir", "tr"] {
+        let paths = std::env::var_os("PATH").expect("a path");
+        let found = std::env::split_paths(&paths).map(|path| path.join(command)).find(|path| path.exists());
+        std::os::unix::fs::symlink(found.expect(command), folder.join(command))
+            .expect("a folder of this test");
+    }
+    let packages = || {
+        let mut packages = Command::new(folder.join("bash"));
+        packages.arg(sources().join("packages.sh")).args(["windows", "macos", "conan"]);
+        packages.env_remove("TRISAP_NO_SKIP").env("PATH", &folder).env("CARGO_TARGET_DIR", &folder);
+        packages
+    };
+    let said = succeed(&mut packages());
+    assert_eq!(said.lines().filter(|line| line.starts_with("skipped: ")).count(), 3, "{said}");
+    assert!(!run(packages().env("TRISAP_NO_SKIP", "1")).status.success(), "nothing is skipped");
+}
+
 #[test]
 fn bullet() {
     let headers = Path::new("/usr/include/bullet");

@@ -8,6 +8,8 @@
 #     vcpkg      the portfile, with stand-ins for vcpkg's own functions
 #     windows    the library by mingw-w64, static and shared; its C tests run under Wine
 #     macos      the static library, compiled and looked at
+#
+# A way that this machine has no tools for says that it is skipped; with TRISAP_NO_SKIP=1 it fails.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 [ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows macos
@@ -37,13 +39,36 @@ consume_by_cmake() {
     ctest --test-dir "$build" --output-on-failure
 }
 
-# Debian's compiler builds core for targets that Debian does not ship it for. Further arguments are packages.
+# What a way takes from Debian, whose compiler builds core for targets that Debian does not ship it for.
+packages_for() {
+    case $1 in
+    windows) echo rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64 g++-mingw-w64-x86-64 wine wine64 ;;
+    macos) echo rustc-web cargo-web rust-web-src ;;
+    esac
+}
+
+is_installed() { dpkg -s $(packages_for "$1") >/dev/null 2>&1; }
+
+# What a way needs that this machine has not and cannot get.
+lacks() {
+    local commands=(cargo cc c++ make cmake ctest pkg-config)
+    case $1 in
+    cargo-c) commands=(cargo cc c++ make pkg-config readelf) ;;
+    conan) commands=(cargo cc c++ cmake python3) ;;
+    windows | macos) commands=(dpkg apt-get) ;;
+    esac
+    for command in "${commands[@]}"; do
+        command -v "$command" >/dev/null || echo "$command"
+    done
+    if [ -n "$(packages_for "$1")" ] && command -v dpkg >/dev/null && ! is_installed "$1" && [ "$(id -u)" != 0 ]; then
+        packages_for "$1"
+    fi
+}
+
 debian() {
-    local packages=(rustc-web cargo-web rust-web-src "$@")
-    if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
-        [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
+    if ! is_installed "$1"; then
         apt-get update -qq
-        apt-get install -y -qq --no-install-recommends "${packages[@]}"
+        apt-get install -y -qq --no-install-recommends $(packages_for "$1")
     fi
     . tests/linker.sh
     export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
@@ -108,7 +133,7 @@ vcpkg() {
 }
 
 windows() {
-    debian gcc-mingw-w64-x86-64 g++-mingw-w64-x86-64 wine wine64
+    debian windows
     local build=$root/windows prefix=$root/windows-prefix
     cmake -S ffi -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc \
         -DCMAKE_INSTALL_PREFIX="$prefix" -DTRISAP_TARGET=x86_64-pc-windows-gnu -DTRISAP_CARGO=/usr/bin/cargo \
@@ -129,7 +154,7 @@ windows() {
 }
 
 macos() {
-    debian
+    debian macos
     local build=$root/macos symbols
     # There is no linker for macOS here, and a static library needs none.
     CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false /usr/bin/cargo rustc --quiet --release --locked -p trisap-ffi \
@@ -143,6 +168,12 @@ macos() {
 }
 
 for way in "$@"; do
+    missing=$(lacks "$way" | tr '\n' ' ')
+    if [ -n "$missing" ]; then
+        echo "skipped: $way, for want of: $missing"
+        [ -z "${TRISAP_NO_SKIP-}" ] || exit 1
+        continue
+    fi
     case $way in
     cargo-c) (cargo_c) ;;
     archive | conan | vcpkg | windows | macos) ("$way") ;;

@@ -190,7 +190,7 @@ fn visit_nearest<I: Index>(world: &World<'_, I>, all: &[Near], point: [f32; 3], 
     assert!(nearer.windows(2).all(|two| two[1].1 <= two[0].1), "only nearer ones: {nearer:?}");
     // One in three is refused, and shapes are farther than their boxes: as many as are as near as that have been visited.
     let shape = |(slot, distance): Near| distance + f64::from(slot % 5);
-    let wanted = |near: &&Near| near.0 % 3 != 0;
+    let wanted = |near: &&Near| !near.0.is_multiple_of(3);
     let visited = visit(f64::INFINITY, &|near| if wanted(&&near) { shape(near) } else { f64::INFINITY });
     let least = |nears: &[Near]| nears.iter().filter(wanted).map(|near| shape(*near)).reduce(f64::min);
     assert_eq!(least(&visited), least(all), "the nearest shape: {point:?}");

@@ -18,6 +18,7 @@ mod executors;
 mod filters;
 mod flat;
 mod forged;
+mod glue;
 mod golden;
 mod growth;
 mod large;
