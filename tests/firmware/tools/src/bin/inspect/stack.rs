@@ -39,7 +39,7 @@ const HOOKS: [(&str, &[&str]); 28] = [
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
     ("enclose::", &["Executor>::"]),
-    ("nearest::Nearest<u16>", &["api::nearest::{closure"]),
+    ("nearest::Nearest<", &["api::nearest::{closure"]),
 ];
 
 /// The filter rule of the program `around`.
