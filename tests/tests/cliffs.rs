@@ -2,7 +2,7 @@
 //! it, or of a fresh one on the same frame. Counters repeat exactly, so that no time is needed; and all steps but those of the
 //! largest worlds are checked against brute force.
 
-use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats};
+use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
@@ -14,9 +14,29 @@ const AT_MOST: f64 = 1.5;
 /// Steps after which a world must be as a fresh one.
 const RECOVERY: usize = 8;
 
+/// How many leaves a step looks into for the boxes that touch another leaf's cell: of each leaf, all whose objects' boxes reach
+/// there. Large objects have no leaf.
+fn visits(world: &World<'_, u32>) -> u64 {
+    let mut leaves: Vec<(Aabb, Aabb)> = world.leaves().map(|leaf| (leaf.cell, leaf.cell)).collect();
+    let large: Vec<u32> = world.large().map(Id::slot).collect();
+    for (_, aabb) in world.iter().filter(|(id, _)| !large.contains(&id.slot())) {
+        // Minima on a high side are in the next cell.
+        let home = |cell: &Aabb| (0..3).all(|k| cell.min[k] <= aabb.min[k] && aabb.min[k] < cell.max[k]);
+        if let Some((_, reach)) = leaves.iter_mut().find(|(cell, _)| home(cell)) {
+            *reach = reach.union(&aabb);
+        }
+    }
+    let into = |cell: &Aabb| leaves.iter().filter(|(_, reach)| reach.overlaps(cell)).count() as u64;
+    leaves.iter().map(|(cell, _)| into(cell)).sum()
+}
+
 /// The counters must be at most so many times those of another world; a few more are no cliff.
 #[track_caller]
-fn assert_near(what: &str, stats: &Stats, fresh: &Stats) {
+fn assert_near(what: &str, (stats, visits): &(Stats, u64), (fresh, fresh_visits): &(Stats, u64)) {
+    assert!(
+        *visits as f64 <= AT_MOST * *fresh_visits as f64 + 64.0,
+        "{what}: {visits} visits, {fresh_visits}"
+    );
     let within = |a: u64, b: u64| a as f64 <= AT_MOST * b as f64 + 64.0;
     assert!(within(stats.candidates, fresh.candidates), "{what}: candidates\n{stats:?}\n{fresh:?}");
     assert!(within(stats.copies, fresh.copies), "{what}: copies\n{stats:?}\n{fresh:?}");
@@ -25,8 +45,13 @@ fn assert_near(what: &str, stats: &Stats, fresh: &Stats) {
     assert!(2 * stats.leaves_in_use >= fresh.leaves_in_use, "{what}: leaves in use\n{stats:?}\n{fresh:?}");
 }
 
+/// What the last step of a world has counted, and how many leaves it has looked into.
+fn counted(world: &World<'_, u32>) -> (Stats, u64) {
+    (world.stats(), visits(world))
+}
+
 /// What the second step of a fresh world over these boxes counts.
-fn fresh(boxes: &[Aabb]) -> Stats {
+fn fresh(boxes: &[Aabb]) -> (Stats, u64) {
     let config = Config::new(ample(boxes.len(), 40 * boxes.len())).with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
@@ -34,7 +59,7 @@ fn fresh(boxes: &[Aabb]) -> Stats {
     for _ in 0..2 {
         world.step().expect("room for the pairs");
     }
-    world.stats()
+    counted(&world)
 }
 
 /// Cubes on a plane, about two edges apart.
@@ -53,7 +78,7 @@ fn grounds_cost_only_their_own_pairs() {
     for count in [60, 400, 1000, 8000, 32_000, 128_000] {
         let layer = layer(count, 7);
         let side = 2.0 * (count as f32).sqrt();
-        let plain = fresh(&layer);
+        let (plain, plain_visits) = fresh(&layer);
         let grounds: [(&str, Vec<Aabb>); 9] = [
             ("as large as the layer", vec![Aabb::new([0.0, -1.0, 0.0], [side, 0.0, side])]),
             ("1e4", vec![flat(1e4, -1.0)]),
@@ -80,11 +105,15 @@ fn grounds_cost_only_their_own_pairs() {
             for first in [false, true] {
                 let boxes =
                     if first { [&ground[..], &layer].concat() } else { [&layer[..], &ground].concat() };
-                let with = fresh(&boxes);
+                let (with, with_visits) = fresh(&boxes);
                 let own = (with.pairs - plain.pairs) as f64;
                 let most = AT_MOST * (plain.candidates as f64 + own) + 64.0;
                 let what = format!("{name}, {count} cubes");
                 assert!(with.candidates as f64 <= most, "{what}\n{with:?}\n{plain:?}");
+                assert!(
+                    with_visits as f64 <= AT_MOST * plain_visits as f64 + 64.0,
+                    "{what}: {with_visits} visits, {plain_visits}"
+                );
                 assert!(
                     with.copies <= 2 * plain.copies + 64 * ground.len() as u64,
                     "{what}\n{with:?}\n{plain:?}"
@@ -120,7 +149,7 @@ fn recovers(what: &str, frames: &[Vec<Aabb>], then: impl Fn(usize) -> Vec<Aabb>)
     let last = then(RECOVERY);
     checked.step_over(&last, SETUP);
     let fresh = fresh(&last);
-    assert_near(what, &checked.world().stats(), &fresh);
+    assert_near(what, &counted(checked.world()), &fresh);
     // And it stays so, without a rebuild in each step.
     let mut rebuilt = 0;
     for step in 0..RECOVERY {
@@ -243,7 +272,7 @@ fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
         checked.step_over(&wobbling, SETUP);
         checked.step_over(&boxes, SETUP);
     }
-    assert_near("grown", &checked.world().stats(), &fresh(&boxes));
+    assert_near("grown", &counted(checked.world()), &fresh(&boxes));
 }
 
 /// Another object is large in each of many steps with few movers: none is taken for large afterwards.
@@ -306,9 +335,9 @@ fn few_movers_for_long_leave_no_trace() {
             }
             world.step().expect("room");
         }
-        after.push(world.stats());
+        after.push(counted(&world));
     }
-    assert!(after.iter().all(|stats| stats.path == Path::Movers), "{after:?}");
+    assert!(after.iter().all(|(stats, _)| stats.path == Path::Movers), "{after:?}");
     assert_near("after a thousand steps", &after[1], &after[0]);
 }
 
