@@ -43,6 +43,8 @@ if $all; then
     tests/web.sh
     tests/targets.sh
     tests/cpp/packages.sh
+    # Jolt on trisap.
+    tests/cpp/jolt/run.sh
     # avian3d, with trisap as its broad phase.
     cargo test --release --manifest-path std-adapter/avian/Cargo.toml
     if command -v mpirun >/dev/null; then

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Jolt on trisap: `tests/cpp/jolt/run.sh`. Its own performance test has to end in the same state, bit for bit, with its own broad phase
+# and with trisap, on one thread and on several; in each step both find the same pairs, and the same answers to casts; and so they do
+# while bodies come, go and change. Prints the steps a second of both. Compiles Jolt, which takes minutes the first time; its sources
+# come in a package of crates.io.
+set -euo pipefail
+cd "$(dirname "$0")/../../.."
+
+root="${CARGO_TARGET_DIR:-$PWD/target}/jolt"
+mkdir -p "$root"
+cargo fetch --locked --quiet --manifest-path tests/cpp/hosts/Cargo.toml
+jolt=$(cargo metadata --locked --offline --format-version 1 --manifest-path tests/cpp/hosts/Cargo.toml |
+    grep -o '"manifest_path":"[^"]*joltc-sys[^"]*/Cargo.toml"' | head -1 | cut -d'"' -f4)
+jolt=$(dirname "$jolt")/JoltC/JoltPhysics
+cmake -S ffi -B "$root/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_LIBDIR=lib >/dev/null
+cmake --build "$root/build" >/dev/null
+cmake --install "$root/build" --prefix "$root/prefix" >/dev/null
+make -s -j "${JOBS:-2}" -C "$root" -f "$PWD/tests/cpp/jolt/Makefile" JOLT="$jolt" TRISAP="$PWD" LIBRARY="$root/prefix/lib/libtrisap.a"
+
+cd "$root"
+./life
+steps=${STEPS:-300}
+for scene in ConvexVsMesh Pyramid; do
+    # Motion quality, threads, steps a second, hash.
+    lines() {
+        local lines
+        lines=$(./"$1" "-s=$scene" "-i=$2" "$3" | grep '^\(Discrete\|LinearCast\), ')
+        echo "$lines" | tee >(cat >&2)
+    }
+    for threads in 1 2; do
+        echo "$scene: Jolt's own broad phase" >&2
+        own=$(lines own "$steps" "-t=$threads" | sed 's|, [0-9]*[.][0-9]*,|,|')
+        echo "$scene: trisap" >&2
+        ours=$(lines trisap "$steps" "-t=$threads" | sed 's|, [0-9]*[.][0-9]*,|,|')
+        [ "$(wc -l <<<"$own")" = 2 ]
+        diff <(echo "$own") <(echo "$ours")
+    done
+    ./shadow "-s=$scene" "-i=$steps" -t=2 | grep '^the same: [1-9]'
+done
