@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the WebAssembly modules of the package: `ffi/js/build.sh`, from anywhere. They go to ffi/js/wasm: trisap.wasm, and
-# trisap-simd128.wasm for hosts with 128-bit vectors.
+# trisap-simd128.wasm for hosts with 128-bit vectors. `ffi/js/build.sh --parts` also says what fills them, part by part of the
+# library, with `--functions` behind it function by function.
 #
 # Needs node with npm, and a Rust that can build core for wasm32-unknown-unknown: Debian's packages rustc-web, cargo-web and
 # rust-web-src, or rustup's with its component rust-src.
@@ -21,9 +22,13 @@ fi
 export RUSTC_BOOTSTRAP=1
 [[ -d node_modules/binaryen ]] || npm ci --no-audit --no-fund --loglevel=error
 
+parts=false
+[[ "${1-}" == --parts ]] && parts=true && shift
+options=("$@")
+
 # A panic ends in a trap, without a text. The stack comes first in memory, so that an overflow traps, too; steps need less
 # than 16 KiB of it. Less inlining saves much of the file and costs little time.
-export CARGO_PROFILE_RELEASE_PANIC=immediate-abort CARGO_PROFILE_RELEASE_STRIP=true CARGO_PROFILE_RELEASE_DEBUG=none
+export CARGO_PROFILE_RELEASE_PANIC=immediate-abort CARGO_PROFILE_RELEASE_STRIP=none CARGO_PROFILE_RELEASE_DEBUG=none
 flags="-C link-arg=-zstack-size=131072 -C llvm-args=-inline-threshold=40"
 folder=${CARGO_TARGET_DIR:-$(cd ../.. && pwd)/target}
 mkdir -p wasm
@@ -35,8 +40,13 @@ one() {
     RUSTFLAGS="$flags $3" CARGO_TARGET_DIR="$folder/web/$1" "$cargo" rustc -Zbuild-std=core -Zpanic-immediate-abort \
         --quiet --release --locked -p trisap-ffi --target $target --no-default-features --features panic-handler \
         --crate-type cdylib
-    cp "$folder/web/$1/$target/release/trisap_ffi.wasm" "wasm/$1.wasm"
-    node optimise.js "wasm/$1.wasm" "$2"
+    local linked="$folder/web/$1/$target/release/trisap_ffi.wasm"
+    node optimise.js "$linked" "wasm/$1.wasm" "$2"
+    if $parts; then
+        node optimise.js "$linked" "$folder/web/$1-named.wasm" "$2" names
+        echo "$1.wasm:"
+        node parts.js "$folder/web/$1-named.wasm" "${options[@]}"
+    fi
 }
 # So does less unrolling; but with vectors, loops that are not unrolled get none.
 one trisap scalar "-C llvm-args=-unroll-threshold=30 -C llvm-args=-unroll-runtime=false"

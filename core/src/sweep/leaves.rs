@@ -174,13 +174,17 @@ fn sweep_leaf<S: Simd, I: Index>(
             }
             _ => bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink),
         }
-    } else if let Some(moved) = moved
-        && KEEPS
-    {
-        let sink = &mut OfMovers { moved, sink };
-        sweep_tiles(simd, tree_view, index, members.len() + count, scratch, sink);
     } else {
-        sweep_tiles(simd, tree_view, index, members.len() + count, scratch, sink);
+        let count = members.len() + count;
+        let mut of_movers;
+        let sink: &mut dyn Sink<I> = match moved {
+            Some(moved) if KEEPS => {
+                of_movers = OfMovers { moved, sink };
+                &mut of_movers
+            }
+            _ => sink,
+        };
+        simd.call(Tiles { tree_view, index, count, scratch, sink });
     }
 }
 
@@ -222,39 +226,66 @@ impl Phase for AskFor<'_> {
     }
 }
 
-/// Sweeps a leaf that is too large for the bucket: tiles of half a bucket, each alone and each two against each other.
-#[inline(always)]
-fn sweep_tiles<S: Simd, I: Index>(
-    simd: S,
-    tree_view: &TreeView<'_>,
+/// Sweeps a leaf that is too large for the bucket: tiles of half a bucket, each alone and each two against each other. Rare, and so
+/// a call.
+struct Tiles<'p, 's, 'g, I> {
+    tree_view: &'p TreeView<'g>,
     index: usize,
+    /// Members and ghosts.
     count: usize,
-    scratch: &mut Scratch<'_, I>,
-    sink: &mut dyn Sink<I>,
-) {
-    let axis = tree_view.leaves.at(index).axis as usize;
-    let half = (scratch.ghosts.len() / 2).max(1);
-    let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
-    for a in (0..count).step_by(half) {
-        let left = left.span_mut(0, half.min(count - a));
-        fill_tile(simd, tree_view, index, a, left);
-        bucket::sweep(simd, [left, &[]], axis, &mut scratch.leaf_scratch, tree_view.boxes, sink);
-        for b in (a + half..count).step_by(half) {
-            let right = right.span_mut(0, half.min(count - b));
-            fill_tile(simd, tree_view, index, b, right);
-            bucket::sweep_across(simd, [left, right], axis, &mut scratch.leaf_scratch, tree_view.boxes, sink);
+    scratch: &'p mut Scratch<'s, I>,
+    sink: &'p mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for Tiles<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { tree_view, index, count, scratch, sink } = self;
+        let axis = tree_view.leaves.at(index).axis as usize;
+        let half = (scratch.ghosts.len() / 2).max(1);
+        let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
+        for a in (0..count).step_by(half) {
+            let left = left.span_mut(0, half.min(count - a));
+            simd.call(FillTile { tree_view, index, from: a, tile: left });
+            bucket::sweep(simd, [left, &[]], axis, &mut scratch.leaf_scratch, tree_view.boxes, sink);
+            for b in (a + half..count).step_by(half) {
+                let right = right.span_mut(0, half.min(count - b));
+                simd.call(FillTile { tree_view, index, from: b, tile: right });
+                bucket::sweep_across(
+                    simd,
+                    [left, right],
+                    axis,
+                    &mut scratch.leaf_scratch,
+                    tree_view.boxes,
+                    sink,
+                );
+            }
         }
     }
 }
 
 /// Fills a tile with the members and ghosts of a leaf from number `from` on.
-#[inline(always)]
-fn fill_tile<S: Simd>(simd: S, tree_view: &TreeView<'_>, index: usize, from: usize, tile: &mut [Record]) {
-    let members = tree_view.members(&tree_view.leaves.at(index));
-    let own = members.get(from..).unwrap_or_default();
-    let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
-    inside.copy_in(own);
-    if !outside.is_empty() {
-        tree_view.gather(simd, index, from.saturating_sub(members.len()), outside);
+struct FillTile<'p, 'g> {
+    tree_view: &'p TreeView<'g>,
+    index: usize,
+    from: usize,
+    tile: &'p mut [Record],
+}
+
+impl Phase for FillTile<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { tree_view, index, from, tile } = self;
+        let members = tree_view.members(&tree_view.leaves.at(index));
+        let own = members.get(from..).unwrap_or_default();
+        let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
+        inside.copy_in(own);
+        if !outside.is_empty() {
+            tree_view.gather(simd, index, from.saturating_sub(members.len()), outside);
+        }
     }
 }

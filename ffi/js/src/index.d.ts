@@ -174,8 +174,6 @@ export class World {
   /** A snapshot: bytes that any world of the same configuration can load. */
   save(): Uint8Array;
   load(snapshot: Uint8Array): void;
-  /** Checks every invariant, for debugging. */
-  validate(): void;
 }
 
 /** An empty world. */

@@ -306,10 +306,6 @@ export class World {
     this.#reread();
   }
 
-  validate() {
-    this.#check(this.#memory.calls.trisap_world_validate(this.#world), "validate");
-  }
-
   /** The view of boxes for a call. */
   #view(first, count) {
     const at = this.#memory.structs + BOXES;
