@@ -79,17 +79,33 @@ if (names.size === 0) {
 const mangled = sizes.map((_, index) => names.get(index) ?? "without a name");
 const plain = execFileSync("c++filt", { input: mangled.join("\n"), maxBuffer: 2 ** 26 }).toString().split("\n");
 
+/** What parts of the library are made of: modules of the core, and what is in the names of functions of the C ABI and of a world. */
+const PARTS = {
+  "steps": [/^(step|sweep|pairs|objects|lists|parallel|sort|access|simd)$/, /step|result|advance|stats/],
+  "tree": [/^tree$/, /(?!)/],
+  "queries": [/^query$/, /overlaps|hit|nearest|among/],
+  "snapshots and their checks": [/^(snapshot|validate)$/, /save|load|snapshot|image/],
+  "memory of a world": [/^memory$/, /size|align|init|new_in|open/],
+  "moved origin": [/(?!)/, /shift/],
+  "values": [/(?!)/, /value/],
+  "filters, rest": [/(?!)/, /filter|class|resting|wake/],
+  "objects come, change, go": [/^(world|geometry|id)$/, /insert|update|remove|aabb|contains|id_at|len/],
+};
+
 /** The part of the library that a function belongs to. A phase that is compiled for vectors is that of its type. */
 function part(name) {
-  const phase = name.match(/(?:::call|::run|Kernels>?::run(?:_wide)?)::<.*?trisap_core::((?!simd::)\w+)/);
-  if (phase) {
-    return phase[1];
+  const plainest = name.replace(/\[[0-9a-f]{16}\]/g, "");
+  const [, phase] = plainest.match(/::call::<.*?trisap_core::((?!simd::)\w+)/) ?? [];
+  const [, module, rest] = plainest.match(/trisap_core::(\w+)(.*)/) ?? [];
+  const abi = /^trisap_\w+$/.test(plainest) || plainest.includes("trisap_ffi");
+  const named = Object.entries(PARTS);
+  // A world's functions are told apart by their own names.
+  if (abi || (!phase && module === "world")) {
+    const found = named.find(([, [, names]]) => names.test(abi ? plainest : rest));
+    return found ? found[0] : abi ? "C ABI" : "objects come, change, go";
   }
-  if (/^trisap_\w+$/.test(name) || name.includes("trisap_ffi")) {
-    return "C ABI";
-  }
-  const crate = name.match(/trisap_core(?:\[\w+\])?::(\w+)/);
-  return crate ? crate[1] : /libm|compiler_builtins|mem(cpy|set|move|cmp)/.test(name) ? "compiler, libm" : "Rust's core";
+  const found = named.find(([, [modules]]) => modules.test(phase ?? module ?? ""));
+  return module ? (found ? found[0] : "other") : "compiler, libm";
 }
 
 const parts = new Map();
