@@ -1,24 +1,24 @@
 //! Slice access that cannot panic.
 //!
-//! The core promises no panic, so an index is never taken with `[]` where the compiler cannot see that it is in
-//! range. By the world's invariants these indices always are; should one not be, reads give the default, writes are
-//! dropped, and a mark is left that the next step reports ([`Error::InvariantBroken`](crate::Error::InvariantBroken)), since a
-//! pair may be missing. Builds with debug assertions stop there instead, and nearly all tests run in such a build.
+//! The core never panics. So it takes no index with `[]` where the compiler cannot see that the index is in range.
+//! The invariants of a world keep every index in range. If one is not, a read gives the default, a write does
+//! nothing, and the next step reports [`Error::InvariantBroken`](crate::Error::InvariantBroken), since a pair may be
+//! missing. Builds with debug assertions stop at once instead; nearly all tests run in such a build.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// How often an index was out of range, in all worlds of the process: nothing that belongs to one is within reach there.
+/// How many indices were out of range, in all worlds of the process: this code has no world at hand.
 static FAULTS: AtomicU32 = AtomicU32::new(0);
 
-/// Leaves the mark.
+/// Counts an index out of range.
 #[cold]
 #[inline(never)]
 pub(crate) fn note_fault() {
-    // Not in one piece, which some processors cannot do: of two at the same time one is enough.
+    // Not one atomic operation, as some processors have none. If two threads count at once, one count is enough.
     FAULTS.store(FAULTS.load(Relaxed).wrapping_add(1), Relaxed);
 }
 
-/// The number of marks: another one than before tells that there were some.
+/// The count. If it has changed, an index was out of range in between.
 pub(crate) fn faults() -> u32 {
     FAULTS.load(Relaxed)
 }
@@ -40,8 +40,7 @@ pub(crate) trait Access<T> {
         self.put(a, second);
         self.put(b, first);
     }
-    /// Copies elements from the front of `from`, as many as both have. Not `copy_from_slice`, whose check of the lengths
-    /// can panic.
+    /// Copies as many elements as both slices have. `copy_from_slice` would check the lengths and could panic.
     fn copy_in(&mut self, from: &[T])
     where
         T: Copy;
@@ -160,7 +159,7 @@ pub(crate) mod bits {
     }
 }
 
-/// Where debug assertions stop at once, there is nothing to report.
+/// Only without debug assertions, which stop at once and leave nothing to report.
 #[cfg(all(test, not(debug_assertions)))]
 mod tests {
     use super::*;
@@ -171,7 +170,7 @@ mod tests {
     #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
     struct Line([u8; 64]);
 
-    /// A place that is none is an error of the step that meets it, and the next step finds all pairs.
+    /// A step reports an index out of range, and the next step finds all pairs.
     #[test]
     fn an_index_out_of_range_is_an_error_of_the_step() {
         let config = Config::new(Capacity::for_objects(1000)).with_events();

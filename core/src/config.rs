@@ -2,39 +2,38 @@
 
 use crate::error::Error;
 
-/// How much fits into a world. Nothing is ever lost at these limits: see each field.
+/// How much fits into a world. No limit loses anything silently: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Capacity {
-    /// Objects that can live at once. One more is [`Error::ObjectsFull`].
+    /// The most living objects. One more is [`Error::ObjectsFull`].
     pub objects: u32,
-    /// Boxes that may reach beyond the leaf that they live in; of no meaning in worlds for up to 64 objects and lean ones, which
-    /// have no tree. With fewer than a scene needs, the tree uses larger leaves, which is slower; zero means one leaf. Half of
-    /// `objects` suits most scenes.
+    /// The most boxes that reach beyond their leaf. If a scene has more, the tree uses larger leaves, which is
+    /// slower; with zero it is one leaf. Half of `objects` suits most scenes. Worlds for up to 64 objects and lean
+    /// ones have no tree and do not use this.
     pub leaf_refs: u32,
-    /// Pairs that a step can return. More are counted and reported as [`Error::PairsFull`]. An exact world with margins keeps
-    /// the overlaps of fat boxes there, too, if there is room; else its steps are slower:
-    /// [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
+    /// The most pairs that a step can return. If there are more, the step counts them and reports
+    /// [`Error::PairsFull`]. An exact world with margins also keeps the overlaps of fat boxes here while there is
+    /// room; without room its steps are slower: [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
     pub pairs: u32,
 }
 
 impl Capacity {
-    /// A capacity for `objects` boxes with the proportions that suit most scenes: half as many leaf references,
-    /// eight pairs an object.
+    /// A capacity that suits most scenes: half as many leaf references as objects, and eight pairs an object.
     #[must_use]
     pub const fn for_objects(objects: u32) -> Self {
         Self { objects, leaf_refs: objects / 2, pairs: objects.saturating_mul(8) }
     }
 
-    /// The same with room for another number of pairs.
+    /// The same with another number of pairs.
     #[must_use]
     pub const fn with_pairs(mut self, pairs: u32) -> Self {
         self.pairs = pairs;
         self
     }
 
-    /// The same with room for another number of boxes that reach beyond their leaf.
+    /// The same with another number of boxes that reach beyond their leaf.
     #[must_use]
     pub const fn with_leaf_refs(mut self, leaf_refs: u32) -> Self {
         self.leaf_refs = leaf_refs;
@@ -54,21 +53,21 @@ pub enum Mode {
     Fat,
 }
 
-/// Whether something is done: as counts have it, or as the caller has it.
+/// Whether steps do something: they choose, or the caller has chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Choice {
-    /// By counts alone, so that equal calls choose equally on any machine.
+    /// Steps choose by counts alone, so equal calls choose equally on every machine.
     #[default]
     Automatic,
-    /// Not at all.
+    /// Never.
     Never,
-    /// Wherever it is possible.
+    /// Wherever possible.
     Always,
 }
 
 impl Choice {
-    /// The choice of a caller who has one.
+    /// The caller's choice, or `None` for automatic.
     pub(crate) const fn fixed(self) -> Option<bool> {
         match self {
             Self::Automatic => None,
@@ -77,7 +76,7 @@ impl Choice {
         }
     }
 
-    /// `None` of bits of no choice. Looks at the lowest two.
+    /// The choice of the lowest two bits; `None` if they name none.
     pub(crate) const fn from_bits(bits: u32) -> Option<Self> {
         match bits & 3 {
             0 => Some(Self::Automatic),
@@ -88,23 +87,23 @@ impl Choice {
     }
 }
 
-/// What steps otherwise choose by their counts. For tests and measurements: no choice changes a pair. Snapshots do not have it.
+/// What steps choose by counts, fixed for tests and measurements. No choice changes a pair. Snapshots do not hold it.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hooks {
-    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where few have
-    /// moved (see [`Reason::FewMovers`](crate::Reason::FewMovers)). Always: wherever there is a complete step to go on from. Never: every step finds all pairs anew, also
-    /// where nothing has moved.
+    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where few
+    /// have moved (see [`Reason::FewMovers`](crate::Reason::FewMovers)). Always: after every complete step. Never:
+    /// every step finds all pairs anew, even if nothing has moved.
     pub movers_only: Choice,
-    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while few have
-    /// moved. Always: from the first one on.
+    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while few move. Always:
+    /// from the first one on.
     pub fine_leaves: Choice,
-    /// Whether steps are shared between the workers of the executor. Automatic: from 4,096 objects on. Worlds that are swept
-    /// box by box never are.
+    /// Whether steps are shared between the workers of the executor. Automatic: from 4,096 objects on. Worlds without
+    /// a tree never share.
     pub sharing: Choice,
-    /// Whether steps that fill all leaves sweep them for the pairs of objects that have moved alone, and keep the others. Automatic:
-    /// where more have moved and enough pairs stay. Always: wherever `movers_only` is automatic and there is a
-    /// complete step to go on from.
+    /// Whether steps that fill all leaves find only the pairs of objects that have moved, and keep the other pairs.
+    /// Automatic: where many have moved and enough pairs stay. Always: after every complete step, if `movers_only` is
+    /// automatic.
     pub movers_by_leaf: Choice,
 }
 
@@ -116,10 +115,10 @@ impl Hooks {
         sharing: Choice::Automatic,
         movers_by_leaf: Choice::Automatic,
     };
-    /// The bits that [`bits`](Self::bits) uses.
+    /// All bits that [`bits`](Self::bits) uses.
     pub(crate) const MASK: u32 = 0xff;
 
-    /// Two bits each, the first ones lowest.
+    /// Two bits a field, the first field lowest.
     #[must_use]
     pub const fn bits(self) -> u32 {
         self.movers_only as u32
@@ -128,7 +127,7 @@ impl Hooks {
             | (self.movers_by_leaf as u32) << 6
     }
 
-    /// `None` of bits that [`bits`](Self::bits) does not give.
+    /// The hooks of such bits; `None` if [`bits`](Self::bits) never gives them.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Option<Self> {
         let choices = [
@@ -148,18 +147,18 @@ impl Hooks {
     }
 }
 
-/// How far a box may move before it counts as moved: its fat box is the box of its last move, grown by
-/// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest one of the box, or less for
-/// flat boxes: see [`per_extent`](Self::per_extent).
+/// How far a box may move before it counts as moved. Its fat box is the box of its last move, grown by
+/// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the box, or
+/// less for flat boxes: see [`per_extent`](Self::per_extent).
 ///
-/// A margin pays where many objects rest or move little. Where most objects rest, it is enough if the moving ones have a margin:
-/// see [`World::set_margin`](crate::World::set_margin). An object that goes farther than its margin from one of its boxes to the
-/// next would gain nothing by it, and has none until it is slower; see [`Config::fixed_margins`].
+/// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones have a
+/// margin: see [`World::set_margin`](crate::World::set_margin). An object that moves by more than its margin at once
+/// would leave its fat box each time; it has no margin until it is slower: see [`Config::fixed_margins`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {
-    /// Share of the object's largest extent, of which no more counts than eight times the smallest one that is not zero. Of a
-    /// box without bounds nothing counts.
+    /// A share of the object's largest side. That side counts only up to eight times the smallest one above zero. A
+    /// box without bounds counts as size zero.
     pub per_extent: f32,
     /// Lower bound, a length.
     pub min: f32,
@@ -168,13 +167,13 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// The same margin for objects of every size.
+    /// The same length for objects of every size.
     #[must_use]
     pub const fn length(length: f32) -> Self {
         Self { per_extent: 0.0, min: length, max: length }
     }
 
-    /// A share of the object's largest extent, without bounds.
+    /// A share of the object's size, without bounds.
     #[must_use]
     pub const fn share(per_extent: f32) -> Self {
         Self { per_extent, min: 0.0, max: f32::MAX }
@@ -204,28 +203,28 @@ pub struct Config {
     pub capacity: Capacity,
     /// Which pairs a step returns.
     pub mode: Mode,
-    /// The margin of new objects; `None` stores no fat boxes: an object has moved when its box has changed.
+    /// The margin of new objects. `None` stores no fat boxes: every change of a box is a move.
     pub margin: Option<Margin>,
-    /// Whether steps tell the found and lost pairs. Costs a second pair buffer and the boxes of the last step.
+    /// Whether steps tell found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
-    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object, and
-    /// needs the feature `large`.
+    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object. Needs
+    /// the feature `large`.
     pub filters: bool,
-    /// Whether objects have a value of 64 bits, which means what the caller likes: see
-    /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, no time of a step, and needs the
-    /// feature `large`.
+    /// Whether objects have a value of 64 bits for the caller's use: see
+    /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, and no time of a step.
+    /// Needs the feature `large`.
     pub values: bool,
-    /// Whether up to 256 objects are swept box by box, without vectors and their scratch memory, as worlds for up to 64
-    /// are anyway: a third to half of the bytes, and faster on a microcontroller. On a processor with vectors it costs
-    /// time from about 100 objects on.
+    /// Whether a world for up to 256 objects does without a tree, vectors and scratch memory, as worlds for up to 64
+    /// always do. It takes a third to half of the bytes and is faster on a microcontroller. On a processor with
+    /// vectors it is slower from about 100 objects on.
     pub lean: bool,
-    /// The most workers that a step may use at once (1 to 32); each has its own scratch memory, and more than
-    /// one needs a buffer to merge their pairs.
+    /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer to
+    /// merge their pairs.
     pub workers: u32,
-    /// Whether objects have their margin however they move. Otherwise an object that goes farther than its margin from one
-    /// of its boxes to the next has none until it is slower, since it would leave its fat box in every step; and one that
-    /// has become much smaller gets a smaller fat box. And in exact mode no object has one for 64 steps where steps of many
-    /// movers are the rule in spite of all margins: then they only make the boxes larger that are swept.
+    /// Whether objects keep their margin however they move. If not, three rules save work. An object that moves by
+    /// more than its margin at once has none until it is slower, since it would leave its fat box in every step. An
+    /// object that has become much smaller gets a smaller fat box. In exact mode no object has a margin for 64 steps
+    /// after steps of many movers in a row, since margins then only make the swept boxes larger.
     pub fixed_margins: bool,
     /// For tests.
     #[doc(hidden)]
@@ -241,7 +240,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Exact pairs, no margin, no events, no filters, no values, one worker.
+    /// Exact pairs, one worker; no margin, events, filters or values.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
         Self {
@@ -300,7 +299,7 @@ impl Config {
         self
     }
 
-    /// The same without scratch memory, for up to 256 objects: see [`lean`](Self::lean).
+    /// The same without a tree, for up to 256 objects: see [`lean`](Self::lean).
     #[must_use]
     pub const fn with_lean(mut self) -> Self {
         self.lean = true;
@@ -314,7 +313,7 @@ impl Config {
         self
     }
 
-    /// The same with margins that objects keep however they move: see [`fixed_margins`](Self::fixed_margins).
+    /// The same with margins that objects always keep: see [`fixed_margins`](Self::fixed_margins).
     #[must_use]
     pub const fn with_fixed_margins(mut self) -> Self {
         self.fixed_margins = true;

@@ -1,10 +1,9 @@
-//! What can go wrong, as small values that name the culprit and leave the world as it was.
+//! The errors: small values that name the cause. The world stays as it was.
 
 use crate::id::Id;
 use core::fmt;
 
-/// Why a call was refused. The world is valid and unchanged after every one of them, except where a variant
-/// says what it keeps.
+/// Why a call was refused. The world is then valid and unchanged, unless the variant says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -15,43 +14,43 @@ pub enum Error {
         /// Bytes that the slab has.
         given: usize,
     },
-    /// The slab does not start on the boundary that [`layout`](crate::layout) says.
+    /// The slab is not aligned as [`layout`](crate::layout) says.
     SlabMisaligned {
-        /// The boundary in bytes.
+        /// The alignment in bytes.
         align: usize,
     },
-    /// The slab does not hold a world of this index width and version.
+    /// The slab holds no world of this index width and version.
     NotAWorld,
-    /// The configuration is beyond what the index width, the address space or the features of this build allow, a lean world is for more
-    /// than 256 objects, or the number of workers is not from 1 to 32.
+    /// The configuration needs more than the index width, the address space or the features of this build allow. Or a
+    /// lean world is for more than 256 objects, or the number of workers is not from 1 to 32.
     CapacityTooLarge {
         /// What there is too much of.
         field: Field,
-        /// The most that there can be; zero of what this build is without.
+        /// The most that there can be; zero if this build lacks the feature.
         most: u64,
     },
-    /// The memory of a world that brings its own cannot be had: of the crate `trisap`.
+    /// The memory of an owned world cannot be allocated. Only the crate `trisap` gives this.
     NoMemory {
         /// Bytes that were asked for.
         bytes: usize,
     },
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin,
-    /// A part of a shift of the origin is not finite.
+    /// A shift of the origin is not finite.
     BadShift,
-    /// All slots are taken. A batch inserts nothing then.
+    /// All slots are taken. A batch then inserts nothing.
     ObjectsFull {
         /// Objects that would have to fit.
         needed: u64,
         /// How many there is room for.
         room: u32,
     },
-    /// The box has NaN in it or a minimum above its maximum. In a batch nothing is done.
+    /// The box has NaN in it or a minimum above its maximum. A batch then does nothing.
     BadBox {
         /// The position of the box in the batch; zero for a single one.
         index: u32,
     },
-    /// The id names no living object. In a batch nothing is done.
+    /// The id names no living object. A batch then does nothing.
     StaleId {
         /// The id.
         id: Id,
@@ -65,7 +64,7 @@ pub enum Error {
         /// The class.
         class: u32,
     },
-    /// A query has NaN, infinities or negative lengths where they make no sense. Nothing is answered.
+    /// A query has NaN, or an infinity or a negative length where none is allowed. A batch then answers nothing.
     BadQuery {
         /// The position of the query in the batch; zero for a single one.
         index: u32,
@@ -77,9 +76,9 @@ pub enum Error {
         /// How many there is room for.
         room: usize,
     },
-    /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
+    /// The bytes are no snapshot, or have changed since it was taken.
     BadSnapshot,
-    /// A world or a snapshot has more than the configuration that it is moved to has room for. Nothing is done.
+    /// A world or a snapshot holds more than the configuration that it moves to has room for. Nothing is done.
     NoRoom {
         /// What there is too much of.
         field: Field,
@@ -88,24 +87,25 @@ pub enum Error {
         /// How many there is room for.
         room: u32,
     },
-    /// A world or a snapshot differs from the configuration that it is moved to in what cannot change. Nothing is done.
+    /// A world or a snapshot moves to a configuration that differs in what cannot change. Nothing is done.
     OtherConfig {
         /// What differs.
         field: Field,
     },
-    /// The slices of a batch do not fit together: there are not as many boxes as ids, or the output is too short.
+    /// The slices of a batch do not match: boxes and ids differ in number, or the output is too short.
     LengthMismatch {
         /// Items that are needed.
         needed: usize,
         /// Items that were given.
         given: usize,
     },
-    /// An index inside of the library was out of range since the last step, in this world or in another one of the process: a
-    /// fault of this library, or of whoever wrote to the memory of a world. Pairs may be missing. The next step finds all of
-    /// them anew; found and lost resume from the last complete step. [`World::validate`](crate::World::validate) tells more.
+    /// An index inside the library was out of range since the last step, in any world of the process. That is a fault
+    /// of this library, or something wrote to the memory of a world. Pairs may be missing. The next step finds all
+    /// pairs anew; found and lost are then relative to the last complete step.
+    /// [`World::validate`](crate::World::validate) tells more.
     InvariantBroken,
-    /// More pairs than the capacity. The step has happened and counted on; [`World::pairs`](crate::World::pairs)
-    /// holds the first ones in order; found and lost are empty and resume from the last complete step.
+    /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit. Found and
+    /// lost are empty; the next complete step tells them relative to the last complete one.
     PairsFull {
         /// Pairs that would have to fit.
         needed: u64,
@@ -114,11 +114,11 @@ pub enum Error {
     },
 }
 
-/// A part of a configuration, where an error speaks of it.
+/// The part of a configuration that an error is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Field {
-    /// [`Capacity::objects`](crate::Capacity::objects), counted in slots: those that are free keep their generation.
+    /// [`Capacity::objects`](crate::Capacity::objects), counted in slots: a free slot keeps its generation.
     Objects,
     /// [`Capacity::pairs`](crate::Capacity::pairs).
     Pairs,
@@ -215,10 +215,10 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// The boxes that a step over the caller's array refused. The objects keep their last good boxes.
+/// The boxes in the caller's array that a step refused. These objects keep their last good boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
-    /// The object with the lowest slot among them.
+    /// The one with the lowest slot.
     pub first: Id,
     /// How many there are.
     pub count: u32,

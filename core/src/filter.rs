@@ -1,15 +1,15 @@
-//! Whom an object meets: asked before a pair is written, so that a pair that is not wanted takes no room.
+//! Filters: whom an object meets. They are asked before a pair is written, so unwanted pairs take no room.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Whether there can be filters. A lean program does without their code.
+/// Whether there can be filters. Small builds leave out their code.
 pub(crate) const FILTERS: bool = cfg!(feature = "large");
 
 /// Classes that the class matrix knows.
 pub(crate) const CLASSES: usize = 32;
 
-/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
-/// [`World::set_classes`](crate::World::set_classes)).
+/// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
+/// (see [`World::set_classes`](crate::World::set_classes)).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -18,12 +18,12 @@ pub struct Filter {
     pub group: u32,
     /// The groups that it meets.
     pub mask: u32,
-    /// Its class, below 32: for instance static, kinematic, dynamic, sensor.
+    /// Its class, below 32: static, kinematic, dynamic or sensor, for instance.
     pub class: u32,
 }
 
 impl Filter {
-    /// In all groups, meets all groups, class 0: what a new object has.
+    /// The filter of a new object: in all groups, meets all groups, class 0.
     pub const ALL: Self = Self { group: u32::MAX, mask: u32::MAX, class: 0 };
 
     /// Of a class, in all groups, meets all groups.
@@ -45,14 +45,14 @@ impl Default for Filter {
     }
 }
 
-/// A caller's own rule: whether the objects in two slots, the lower one first, make a pair.
+/// A rule of the caller: whether the objects in two slots, the lower one first, make a pair.
 ///
-/// It is asked from any worker, at any time during the step, only of boxes that overlap (with their
-/// margins), and has to answer the same as long
-/// as neither object was [refiltered](crate::World::refilter): pairs of resting objects are not asked about again.
+/// Any worker may ask it at any time during the step, and only about boxes that overlap with their margins. It has to
+/// answer the same until one of the objects is [refiltered](crate::World::refilter), since pairs of resting objects
+/// are not asked about again.
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 
-/// Whether two objects make a pair by their filters and the rows of the class matrix.
+/// Whether two filters meet; `row` gives the rows of the class matrix.
 #[inline(always)]
 pub(crate) fn meet(a: &Filter, b: &Filter, row: impl Fn(usize) -> u32) -> bool {
     let class = |a: &Filter, b: &Filter| row(a.class as usize % CLASSES) >> (b.class % 32) & 1;
@@ -60,11 +60,11 @@ pub(crate) fn meet(a: &Filter, b: &Filter, row: impl Fn(usize) -> u32) -> bool {
     groups && class(a, b) & class(b, a) != 0
 }
 
-/// Whether every two objects with these filters make a pair: `true` only if it is so, `false` now and then though it is so. Filters
-/// of slots that are free count as well. O(filters).
+/// Whether every two of these filters meet. `true` is certain; `false` may be wrong. Filters of free slots count too.
+/// O(filters).
 #[inline(always)]
 pub(crate) fn all_meet(filters: &[Filter], row: impl Fn(usize) -> u32) -> bool {
-    // An object in all groups is left out of `groups`: it meets every mask that is not empty.
+    // An object in all groups needs no look: it meets every mask that is not empty.
     let (mut groups, mut masks, mut empty, mut classes) = (0, u32::MAX, false, 0);
     for filter in filters {
         groups |= if filter.group == u32::MAX { 0 } else { filter.group };
@@ -80,8 +80,7 @@ pub(crate) fn all_meet(filters: &[Filter], row: impl Fn(usize) -> u32) -> bool {
 mod tests {
     use super::*;
 
-    /// Over all sets of three filters of a few groups, masks and classes: where all are said to meet, they do, and it is said where
-    /// it matters.
+    /// Tries all sets of three filters. What is said to meet has to meet, and some sets have to be said to.
     #[test]
     fn all_are_said_to_meet_only_if_every_two_meet() {
         let bits = [0, 1, 2, 3, 0x8000_0001, u32::MAX];

@@ -1,13 +1,13 @@
-//! Generational ids and the slots that they name.
+//! Ids of objects: a slot and its generation.
 
 use bytemuck::Pod;
 use core::fmt;
 use core::num::NonZeroU64;
 
-/// Names one object for as long as it lives: a slot and the generation of that slot.
+/// Names one object while it lives: a slot and the generation of that slot.
 ///
-/// The bits are never zero, so that zero is null in C and `Option<Id>` costs nothing. A slot that is given
-/// to a new object gets a new generation, so the id of a removed object is recognised as stale.
+/// The bits are never zero: zero is null in C, and `Option<Id>` takes no more bytes. A slot gets a new generation
+/// with each object, so the id of a removed object is stale.
 #[repr(transparent)]
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Id(NonZeroU64);
@@ -21,13 +21,13 @@ impl Id {
         }
     }
 
-    /// The index under which the object stands in pairs and in a bounds array.
+    /// The index of the object in pairs and in the caller's arrays.
     #[must_use]
     pub const fn slot(self) -> u32 {
         self.0.get() as u32
     }
 
-    /// How many objects have held this slot so far, this one included.
+    /// How many objects have had this slot, this one included.
     #[must_use]
     pub const fn generation(self) -> u32 {
         (self.0.get() >> 32) as u32
@@ -39,7 +39,7 @@ impl Id {
         self.0.get()
     }
 
-    /// The id with these bits, or `None` where they cannot be one (zero, or generation zero).
+    /// The id with these bits; `None` if the bits or the generation are zero.
     #[must_use]
     pub const fn from_bits(bits: u64) -> Option<Self> {
         Self::new(bits as u32, (bits >> 32) as u32)
@@ -64,17 +64,17 @@ mod sealed {
     impl Sealed for u32 {}
 }
 
-/// The width of a slot index inside a world: `u16` halves the memory of worlds of up to 65,534 objects.
+/// The width of slots in a world. `u16` halves their memory in worlds of up to 65,534 objects.
 pub trait Index:
     sealed::Sealed + Pod + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static
 {
     /// The index that no object has.
     const NONE: Self;
-    /// The home of an object that lives in the large-object list instead of a leaf.
+    /// The home of a large object, which is in no leaf.
     const LARGE: Self;
     /// The most objects that a world of this width can hold.
     const MAX_OBJECTS: u32;
-    /// From a slot, which the world's capacity keeps within range.
+    /// From a slot. The world's capacity keeps it in range.
     fn from_slot(slot: u32) -> Self;
     /// As a slot.
     fn slot(self) -> u32;

@@ -1,19 +1,19 @@
-//! Sorts where the items are: no scratch memory, no recursion, no panic. Also keeps the first ones of a stream.
+//! Heaps and the heap sort: no scratch memory, no recursion, no panic.
 
 use crate::access::Access;
 
 /// Sorts items by a total order. O(n log n).
 #[inline(never)]
 pub(crate) fn heapsort<T: Copy + Default>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
-    // The first half makes the heap, the second one takes the last items off it.
+    // The first rounds make the heap, the others take the last items off it.
     let count = items.len();
     for round in (0..count + count / 2).rev() {
         let (root, end) = if round >= count { (round - count, count) } else { (0, round) };
         if round < count {
             items.swap_at(0, round);
         }
-        // Down to a leaf by the upper children, then up again: most items belong near the leaves, and going down takes
-        // one comparison a level instead of two.
+        // Down to a leaf by the larger children, then up again. Most items belong near the leaves, and this way down
+        // takes one comparison a level instead of two.
         let item = items.at(root);
         let mut at = root;
         loop {
@@ -35,7 +35,7 @@ pub(crate) fn heapsort<T: Copy + Default>(items: &mut [T], precedes: impl Fn(T, 
     }
 }
 
-/// Brings the last item of a heap, whose last one in order is at the root, up to its place. O(log n).
+/// Moves the last item of a heap up to its place. The last item in order is at the root. O(log n).
 pub(crate) fn sift_up<T: Copy + Default>(heap: &mut [T], precedes: &impl Fn(T, T) -> bool) {
     let mut at = heap.len().saturating_sub(1);
     while at > 0 {
@@ -48,7 +48,7 @@ pub(crate) fn sift_up<T: Copy + Default>(heap: &mut [T], precedes: &impl Fn(T, T
     }
 }
 
-/// Brings an item of such a heap down to its place. O(log n).
+/// Moves an item of such a heap down to its place. O(log n).
 pub(crate) fn sift_down<T: Copy + Default>(heap: &mut [T], mut at: usize, precedes: &impl Fn(T, T) -> bool) {
     loop {
         let mut child = 2 * at + 1;

@@ -5,12 +5,12 @@
 
 mod allocation;
 mod among;
-
 mod by_leaf;
 mod capacity;
 mod choices;
 mod cliffs;
 mod contents;
+mod documents;
 mod edges;
 mod errata;
 mod events;

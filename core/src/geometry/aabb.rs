@@ -1,12 +1,12 @@
-//! Boxes as callers give them, and views of boxes in callers' memory.
+//! Boxes as callers give them, and views of boxes in the caller's memory.
 
 use super::key::{KeyBox, key, value};
 use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
 ///
-/// Any unit will do, as long as it is the same for all. Infinite bounds are welcome (a ground plane, a
-/// half-space); NaN and `min > max` are refused by the [`World`](crate::World).
+/// Any unit is right if all boxes use the same. Infinite bounds are allowed (a ground plane, a half-space). The
+/// [`World`](crate::World) refuses NaN and `min > max`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,11 +24,12 @@ impl Aabb {
         Self { min, max }
     }
 
-    /// The least box that holds a box in `f64`, seen from `origin`: minima are rounded down and maxima up, so that boxes
-    /// that overlap in `f64` overlap in `f32` too. Nearest rounding would leave parts of objects outside their boxes.
+    /// The least box that holds a box in `f64`, relative to `origin`. Minima are rounded down and maxima up, so boxes
+    /// that overlap in `f64` overlap in `f32` too. Rounding to nearest would leave parts of objects outside their
+    /// boxes.
     ///
-    /// Keep `origin` near the objects; what is lost is precision alone, never a pair. A margin that the caller adds
-    /// belongs into the `f64` box, so that the rounding comes after it.
+    /// Keep `origin` near the objects: far from it boxes lose precision, but never a pair. Add margins of your own to
+    /// the `f64` box, so that the rounding comes after them.
     #[must_use]
     pub fn from_f64(min: [f64; 3], max: [f64; 3], origin: [f64; 3]) -> Self {
         let low = |k: usize| round_down(min[k], origin[k]);
@@ -36,13 +37,13 @@ impl Aabb {
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
-    /// The least box that holds a box in fixed point: a coordinate `x` means `x / 2^fraction_bits` of the caller's unit, so
-    /// that 16 fraction bits are the usual Q16.16, and 0 are whole numbers. Minima are rounded down and maxima up, so that
-    /// boxes that overlap in fixed point overlap in `f32` too. Coordinates of at most 24 significant bits, such
-    /// as all from -2^24 to 2^24, are not rounded, and their overlaps are exactly those in fixed point.
+    /// The least box that holds a box in fixed point. A coordinate `x` means `x / 2^fraction_bits` of your unit: 16
+    /// fraction bits are the usual Q16.16, and 0 are whole numbers. Minima are rounded down and maxima up, so boxes
+    /// that overlap in fixed point overlap in `f32` too. Coordinates of at most 24 significant bits, such as all from
+    /// -2^24 to 2^24, are exact, and so are their overlaps.
     ///
-    /// Takes integer operations alone, as a step does to tell overlaps: a processor without FPU calls no soft-float.
-    /// With more than 126 fraction bits the box is not [valid](Self::is_valid), since `f32` does not go so low.
+    /// Uses integer operations alone, so a processor without FPU calls no soft-float. With more than 126 fraction
+    /// bits the box is not [valid](Self::is_valid), since `f32` does not go so low.
     ///
     /// ```
     /// use trisap_core::Aabb;
@@ -66,14 +67,14 @@ impl Aabb {
         }
     }
 
-    /// Whether the box can be accepted: no NaN, and `min <= max` on every axis.
+    /// Whether a world accepts the box: no NaN, and `min <= max` on every axis.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         KeyBox::from_aabb(self).is_some()
     }
 
-    /// Whether the closed boxes share a point; false where one of them is not [valid](Self::is_valid). Exact, also
-    /// where the host flushes denormals to zero: integers are compared, as in a step.
+    /// Whether the closed boxes share a point; false if one of them is not [valid](Self::is_valid). Exact also if the
+    /// host flushes denormals to zero, since integers are compared, as in a step.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         match (KeyBox::from_aabb(self), KeyBox::from_aabb(other)) {
@@ -92,7 +93,7 @@ pub(crate) fn round_up(x: f64, origin: f64) -> f32 {
 pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
     let (x, origin) = (without_denormals(x), -without_denormals(-origin));
     let difference = x - origin;
-    // What the subtraction has rounded away, exactly; nothing where a number is infinite.
+    // The exact rounding error of the subtraction; meaningless if a number is infinite.
     let back = difference - x;
     let error = (x - (difference - back)) - (origin + back);
     // A host that flushes denormals to zero may have flushed the difference itself.
@@ -100,7 +101,7 @@ pub(crate) fn round_down(x: f64, origin: f64) -> f32 {
     narrowed(if is_above { difference.next_down() } else { difference })
 }
 
-/// The number itself, or the next lower one that is no denormal: a host may take a denormal for zero.
+/// The number, or the next lower one that is no denormal: a host may take a denormal for zero.
 fn without_denormals(x: f64) -> f64 {
     match x.classify() {
         core::num::FpCategory::Subnormal if x.is_sign_negative() => -f64::MIN_POSITIVE,
@@ -109,12 +110,13 @@ fn without_denormals(x: f64) -> f64 {
     }
 }
 
-/// The greatest `f32` that is not above `x`, or NaN. By its bits, so that a host that flushes denormals gets the same.
+/// The greatest `f32` that is not above `x`, or NaN. It is computed from the bits, so a host that flushes denormals
+/// gets the same.
 pub(crate) const fn narrowed(x: f64) -> f32 {
     const MANTISSA: u32 = 52;
     /// Bits of an `f64` below the last one of an `f32`.
     const LOST: u32 = MANTISSA - 23;
-    /// The exponents, as they are stored, of the least normal `f32`, of the first number beyond the greatest, and of infinity.
+    /// Stored exponents: of the least normal `f32`, of the first number beyond the greatest, and of infinity.
     const LEAST: u64 = 1023 - 126;
     const BEYOND: u64 = 1023 + 128;
     const INFINITY: u64 = 2047;
@@ -122,7 +124,7 @@ pub(crate) const fn narrowed(x: f64) -> f32 {
     let sign = (bits >> 63) as u32;
     let magnitude = bits & (u64::MAX >> 1);
     let (exponent, fraction) = (magnitude >> MANTISSA, magnitude & (u64::MAX >> (64 - MANTISSA)));
-    // Towards zero at first, and whether anything was lost by that.
+    // The number rounded towards zero, and whether that has changed it.
     let (toward_zero, is_less) = if exponent == INFINITY {
         if fraction != 0 {
             return f32::NAN;
@@ -142,11 +144,11 @@ pub(crate) const fn narrowed(x: f64) -> f32 {
             _ => (0, magnitude != 0),
         }
     };
-    // The next number away from zero has the next bits, and infinity is next to the greatest.
+    // The next number away from zero has the next bits; after the greatest comes infinity.
     f32::from_bits(sign << 31 | (toward_zero + (is_less && sign != 0) as u32))
 }
 
-/// A number as `f64`, by its bits where it is denormal, for the same reason.
+/// A number as `f64`. A denormal is converted by its bits, for the same reason.
 #[inline(always)]
 pub(crate) const fn widened(x: f32) -> f64 {
     const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
@@ -158,7 +160,7 @@ pub(crate) const fn widened(x: f32) -> f64 {
     if x.is_sign_negative() { -value } else { value }
 }
 
-/// The `f32` next to `x / 2^fraction_bits` from above or from below, or NaN where that may be denormal.
+/// `x / 2^fraction_bits` rounded up or down to `f32`, or NaN if that may be denormal.
 const fn fixed(x: i32, fraction_bits: u32, up: bool) -> f32 {
     const MANTISSA: u32 = 23;
     const BIAS: u32 = 127;
@@ -168,14 +170,14 @@ const fn fixed(x: i32, fraction_bits: u32, up: bool) -> f32 {
     if fraction_bits >= BIAS {
         return f32::NAN;
     }
-    // The highest set bit goes to the top; what is below the mantissa would be lost.
+    // The highest set bit goes to the top. Bits below the mantissa are lost.
     let zeros = x.unsigned_abs().leading_zeros();
     let amount = x.unsigned_abs() << zeros;
     let lost = amount << (MANTISSA + 1) != 0;
     let away_from_zero = up == (x > 0);
     let sign = (x < 0) as u32;
     let exponent = BIAS + 31 - zeros - fraction_bits;
-    // The mantissa's highest bit, which is not stored, adds one to the exponent, and so does a mantissa that overflows.
+    // The mantissa's highest bit is not stored: it adds one to the exponent. So does a mantissa that overflows.
     let bits = ((exponent - 1) << MANTISSA) + (amount >> (31 - MANTISSA)) + (lost && away_from_zero) as u32;
     f32::from_bits(sign << 31 | bits)
 }
@@ -208,13 +210,13 @@ impl From<Aabb> for [mint::Point3<f32>; 2] {
     }
 }
 
-/// Boxes in the caller's memory: three `f32` of the minimum and three of the maximum at fixed places in items
-/// of a fixed size. Nothing is copied, and no alignment is asked for.
+/// Boxes in the caller's memory. Each item has three `f32` of the minimum and three of the maximum at fixed places.
+/// Nothing is copied, and any alignment is right.
 #[derive(Clone, Copy, Debug)]
 pub struct Boxes<'a> {
     bytes: &'a [u8],
     stride: usize,
-    /// Where a maximum corner ends in an item.
+    /// Where the maximum corner ends in an item.
     end: usize,
     count: usize,
 }
@@ -246,16 +248,16 @@ impl<'a> Boxes<'a> {
         }
     }
 
-    /// Boxes whose corners are padded to four floats, as SIMD maths libraries and `.aabbs` recordings have them:
-    /// `[min x, y, z, _, max x, y, z, _]`.
+    /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings: `[min x, y,
+    /// z, _, max x, y, z, _]`.
     #[must_use]
     pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
         Self { bytes: bytemuck::cast_slice(boxes), stride: 32, end: 16 + CORNER, count: boxes.len() }
     }
 
-    /// Boxes inside larger items: an item starts with its minimum corner, is `stride` bytes long and has its
-    /// maximum corner `max_at` bytes from its start. `None` where the corners overlap or do not fit the stride.
-    /// A last item that is cut off after its maximum corner still counts.
+    /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its maximum corner
+    /// `max_at` bytes later. `None` if the corners overlap or do not fit the stride. A last item that ends right
+    /// after its maximum corner counts.
     #[must_use]
     pub fn strided(bytes: &'a [u8], stride: usize, max_at: usize) -> Option<Self> {
         let end = max_at.checked_add(CORNER)?;
@@ -266,7 +268,8 @@ impl<'a> Boxes<'a> {
         Some(Self { bytes, stride, end, count })
     }
 
-    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` where a box is no part of its item.
+    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` if the box is no part
+    /// of its item.
     ///
     /// ```
     /// use trisap_core::{Aabb, Boxes};
@@ -316,14 +319,14 @@ impl<'a> Boxes<'a> {
     /// The bytes of the items from `index` on.
     #[inline(always)]
     pub(crate) fn items_from(&self, index: usize) -> &'a [u8] {
-        // Beyond the last one the product could be too much for a `usize`.
+        // For a larger index the product could overflow.
         if index >= self.count {
             return &[];
         }
         self.bytes.get(index * self.stride..).unwrap_or_default()
     }
 
-    /// Those after the first of some items.
+    /// All items but the first.
     #[inline(always)]
     pub(crate) fn items_after(&self, items: &'a [u8]) -> &'a [u8] {
         items.get(self.stride..).unwrap_or_default()
@@ -360,7 +363,7 @@ impl<'a> From<&'a [Aabb]> for Boxes<'a> {
 }
 
 impl KeyBox {
-    /// The keys of a box, or `None` where it has NaN in it or a minimum above its maximum.
+    /// The keys of a box; `None` if it has NaN in it or a minimum above its maximum.
     #[inline(always)]
     pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
         let [a, b, c] = aabb.min;

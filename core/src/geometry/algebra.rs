@@ -1,11 +1,11 @@
 //! Boxes from boxes: unions, boxes that are grown or moved.
 //!
-//! Plain `f32` operations, rounded to nearest: for the caller's own boxes, not for those of a step.
+//! Plain `f32` operations, rounded to nearest. They are for the caller's own boxes; a step does not use them.
 
 use super::aabb::Aabb;
 
 impl Aabb {
-    /// A box by its centre and its half extents.
+    /// A box from its centre and its half extents.
     ///
     /// ```
     /// use trisap_core::Aabb;
@@ -21,7 +21,7 @@ impl Aabb {
     /// The centre; NaN on an axis without bounds.
     #[must_use]
     pub fn center(&self) -> [f32; 3] {
-        // Halves first, so that their sum is not too large.
+        // Halves first, so that the sum cannot overflow.
         [0, 1, 2].map(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
     }
 
@@ -48,19 +48,19 @@ impl Aabb {
         }
     }
 
-    /// Whether all of the other box is within this one, sides included. False where a number is NaN.
+    /// Whether the other box is inside this one, sides included. False if a number is NaN.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
-    /// The same, larger by a length on every side; smaller where that is negative.
+    /// The box grown by a length on every side; a negative length makes it smaller.
     #[must_use]
     pub fn grown(&self, length: f32) -> Self {
         Self { min: self.min.map(|low| low - length), max: self.max.map(|high| high + length) }
     }
 
-    /// The same elsewhere.
+    /// The box moved by a vector.
     #[must_use]
     pub fn translated(&self, by: [f32; 3]) -> Self {
         Self { min: [0, 1, 2].map(|k| self.min[k] + by[k]), max: [0, 1, 2].map(|k| self.max[k] + by[k]) }

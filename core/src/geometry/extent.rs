@@ -1,8 +1,8 @@
-//! Bounds of minimum corners, and what else a pass over boxes finds.
+//! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse for them.
 
 use super::key::{KeyBox, key};
 
-/// The bounds of the finite minimum corners in a world, large objects left out where these are known.
+/// The bounds of the finite minimum corners in a world, without large objects where these are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Extent {
     pub(crate) low: [i32; 3],
@@ -12,7 +12,7 @@ pub(crate) struct Extent {
 impl Extent {
     pub(crate) const NONE: Self = Self { low: [i32::MAX; 3], high: [i32::MIN; 3] };
 
-    /// The least and the most that coordinates of a frame can be.
+    /// The bounds of all finite coordinates.
     pub(crate) const FINITE: Self = Self { low: [key(f32::MIN); 3], high: [key(f32::MAX); 3] };
 
     /// Takes in one minimum corner, unbounded or not.
@@ -27,7 +27,7 @@ impl Extent {
         include(2);
     }
 
-    /// Without unbounded coordinates, which would only blur the frames: once for many corners.
+    /// Cuts off infinite coordinates, which would make frames too coarse: once for many corners.
     pub(crate) fn make_finite(&mut self) {
         for k in 0..3 {
             self.low[k] = self.low[k].max(Self::FINITE.low[k]);
@@ -43,7 +43,7 @@ impl Extent {
     }
 }
 
-/// What a pass over boxes found.
+/// What a pass found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoundsScan {
     pub(crate) extent: Extent,
@@ -55,7 +55,7 @@ pub(crate) struct BoundsScan {
 impl BoundsScan {
     pub(crate) const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
 
-    /// Looks at a box that may be coarse, as few are.
+    /// Looks closely at a box that may be coarse. Few may.
     #[cold]
     #[inline(never)]
     pub(crate) fn examine(&mut self, bounds: &KeyBox) {
@@ -63,9 +63,9 @@ impl BoundsScan {
         self.points |= bounds.is_distant_point();
     }
 
-    /// Whether `f32` is too coarse for some of the boxes, as many as there are. Points may be meant to be points, or have
-    /// lost all their sides far from the origin: then neighbours are not told apart either. So points count where on no axis
-    /// the world has four steps for each box of a row, if the boxes filled a cube.
+    /// Whether `f32` is too coarse for some of `live` boxes. A point may be meant as a point, or it may be a box that
+    /// has lost all its sides far from the origin; then `f32` cannot tell neighbours apart either. So points count
+    /// only if on no axis the world has four steps for each box of a row, were the boxes to fill a cube.
     pub(crate) fn is_coarse(&self, live: u32) -> bool {
         let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
         let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);

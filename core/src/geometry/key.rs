@@ -1,8 +1,8 @@
 //! Boxes as order-preserving integer keys.
 //!
-//! Every decision compares keys, never floats: integers know no NaN, no -0.0 and no flush-to-zero mode, so the
-//! same boxes give the same bytes on any host, and a CPU without FPU compares in one instruction. The mapping is
-//! one to one, but for -0.0, which becomes 0.0 on the way in.
+//! Every decision compares keys, never floats: integers know no NaN, no -0.0 and no flush-to-zero mode. So the same
+//! boxes give the same bytes on any host, and a CPU without FPU compares in one instruction. The mapping is one to
+//! one, except that -0.0 becomes 0.0.
 
 use crate::access::note_fault;
 use bytemuck::{Pod, Zeroable};
@@ -30,8 +30,7 @@ const fn mirrored(bits: i32) -> i32 {
     if bits < 0 { i32::MIN.wrapping_sub(bits) } else { bits }
 }
 
-/// Lengths below this (2^-100) count as zero: so near to the denormals, hosts that flush them to zero would compute
-/// another number.
+/// Lengths below this (2^-100) count as zero. Hosts that flush denormals to zero would compute them differently.
 pub(crate) const SHORTEST: f32 = f32::from_bits(27 << 23);
 
 /// The length from one key to a higher one.
@@ -45,8 +44,8 @@ fn flushed(length: f32) -> f32 {
     if length < SHORTEST { 0.0 } else { length }
 }
 
-/// Whether something holds of all three axes. Written out, since a loop of three costs more than its body where code
-/// is made small.
+/// Whether something holds on all three axes. Written out, since a loop of three costs more than its body where code
+/// is compiled for size.
 #[inline(always)]
 pub(crate) fn on_all_axes(holds: impl Fn(usize) -> bool) -> bool {
     holds(0) && holds(1) && holds(2)
@@ -61,10 +60,11 @@ pub(crate) struct KeyBox {
 }
 
 impl KeyBox {
-    /// Overlaps nothing, not even itself: the box of a slot without an object.
+    /// The box of a slot without an object. It overlaps nothing, not even itself.
     pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
 
-    /// A box around nothing, whose sides are numbers: it only overlaps what is unbounded.
+    /// A box around nothing, to be grown by [`include`](Self::include). Its sides are numbers; it overlaps only
+    /// unbounded boxes.
     pub(crate) const NOTHING: Self = Self { min: [POSITIVE_INFINITY; 3], max: [NEGATIVE_INFINITY; 3] };
 
     /// The box of one point.
@@ -72,7 +72,7 @@ impl KeyBox {
         Self { min: corner, max: corner }
     }
 
-    /// The box at a slot, without a copy.
+    /// The box of a slot, by reference.
     #[inline(always)]
     pub(crate) fn of(boxes: &[Self], slot: usize) -> &Self {
         debug_assert!(slot < boxes.len(), "box {slot} of {}", boxes.len());
@@ -85,7 +85,7 @@ impl KeyBox {
         }
     }
 
-    /// The box of a free slot: as empty, with a link to another slot where it does no harm.
+    /// The box of a free slot: empty, with a link to the next free slot in a side that no test of emptiness reads.
     pub(crate) const fn free(next: u32) -> Self {
         let mut keys = Self::EMPTY;
         keys.min[1] = next as i32;
@@ -100,7 +100,8 @@ impl KeyBox {
     /// Whether these are the keys of a box.
     #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
-        // The infinities are constants that a small processor's compare can hold, if it asks for more or less than them.
+        // Compared so that the constants are the infinities, which fit into the compare instruction of a small
+        // processor.
         let wrong = |k: usize| {
             self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
         };
@@ -123,7 +124,7 @@ impl KeyBox {
         on_all_axes(|k| self.min[k] <= inner.min[k] && inner.max[k] <= self.max[k])
     }
 
-    /// Grows it to hold another box as well.
+    /// Grows the box to hold another one too.
     #[inline(always)]
     pub(crate) fn include(&mut self, other: &Self) {
         for k in 0..3 {
@@ -132,8 +133,8 @@ impl KeyBox {
         }
     }
 
-    /// The box grown by a length on all sides (erratum E1): two single-rounded operations an axis that saturate
-    /// at the largest float. Where rounding would shrink it, the tight side stays.
+    /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where rounding would
+    /// shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
         let mut fat = *self;
         if length < SHORTEST {
@@ -148,41 +149,41 @@ impl KeyBox {
         fat
     }
 
-    /// Whether this fat box is much larger than one that is anchored at the box inside would be: on some side it is
-    /// farther away than four margins and half of the box. It is never farther than two margins from a box of the size
-    /// that it was anchored at, and rounding at most doubles a margin.
+    /// Whether this fat box has become much too large for the box inside: a side is farther away than four margins
+    /// and half of the box. It is never farther than two margins from a box of the size that it was made for, and
+    /// rounding at most doubles a margin.
     pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
         let fat = bytemuck::cast::<KeyBox, [i32; 6]>(*self).map(value);
         let inner = bytemuck::cast::<KeyBox, [i32; 6]>(*inner).map(value);
         let mut dwarfs = false;
         for k in 0..6 {
             let near = 4.0 * margin + 0.5 * flushed(inner[k % 3 + 3] - inner[k % 3]);
-            // Not so of NaN, which is between infinities.
+            // False for NaN, the length between two equal infinities.
             dwarfs |= flushed((inner[k] - fat[k]).abs()) > near;
         }
         dwarfs
     }
 
-    /// The largest extent as a length, infinite where the box is unbounded.
+    /// The largest side; infinite if the box is unbounded.
     pub(crate) fn largest_extent(&self) -> f32 {
         let extent = |k: usize| length(self.min[k], self.max[k]);
-        // The box [inf, inf] has no extent that arithmetic could tell; `max` passes over its NaN.
+        // The length of [inf, inf] is NaN, which `max` ignores.
         extent(0).max(extent(1)).max(extent(2)).max(0.0)
     }
 
-    /// Whether a side is below four steps of its coordinate: only such a box can be coarse.
+    /// Whether a side is shorter than four steps of `f32` there. Only such a box can be coarse.
     #[inline(always)]
     pub(crate) fn is_narrow(&self) -> bool {
         !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
     }
 
-    /// Whether the box has no side, and is not at the origin.
+    /// Whether the box is a point away from the origin.
     pub(crate) fn is_distant_point(&self) -> bool {
         self.min == self.max && !on_all_axes(|k| value(self.min[k]).abs() <= 1e-20)
     }
 
-    /// Whether `f32` can hardly tell the box's sides apart at its distance from the origin: a side, or, where a side
-    /// has vanished, the largest one, is below four steps of the coordinate.
+    /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than four steps
+    /// of the coordinate. Where a side has vanished, the largest one decides.
     pub(crate) fn is_coarse(&self) -> bool {
         let largest = self.largest_extent();
         (0..3).any(|k| {
@@ -229,15 +230,15 @@ mod tests {
 
     #[test]
     fn keys_are_the_order_of_all_floats() {
-        // From one infinity to the other, a block at a time: each float is below the next, and stands at its key. Where other
-        // processors are emulated, some blocks are enough: the machine code differs, not the rule.
+        // From one infinity to the other, a block at a time: each float is below the next and has its key. On
+        // emulated processors some blocks are enough: the machine code differs, not the rule.
         let blocks = (NEGATIVE_INFINITY..POSITIVE_INFINITY).step_by(1 << 16);
         for block in blocks.step_by(if cfg!(target_arch = "x86_64") { 1 } else { 61 }) {
             let stands = |k: i32| value(k) < value(k.wrapping_add(1)) && key(value(k)) == k;
             let right = (block..block + (1 << 16)).fold(true, |right, k| right & stands(k));
             assert!(right, "between {:?} and the next 65,536 floats", value(block));
         }
-        // Beyond them is what is no number.
+        // Beyond them is NaN.
         for bits in (0x7f80_0001..=0x7fff_ffff_u32).step_by(if cfg!(target_arch = "x86_64") { 1 } else { 61 })
         {
             assert!(key(f32::from_bits(bits)) > POSITIVE_INFINITY);

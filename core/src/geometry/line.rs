@@ -1,22 +1,23 @@
-//! The line that a box moves along, and where it meets a box.
+//! The line of a cast, and where it meets boxes: exactly in `f64`, and sooner or equal in `f32` for nodes and
+//! records.
 
 use super::aabb::{Aabb, widened};
 use super::key::{KeyBox, value};
 use super::record::{Frame, Record};
 
-/// A cast, prepared: a box is met where the point `t * direction` is inside the box's difference from the start. A fourth
-/// axis, which nothing moves along, fills the vectors.
+/// A prepared cast. It meets a box where the point `t * direction` is inside the box's difference from the start. A
+/// fourth axis without movement fills the vectors.
 pub(crate) struct Line {
     direction: [f64; 4],
     pub(crate) distance: f64,
     pub(crate) slabs: Slabs,
 }
 
-/// What it takes to find where a line passes the sides of a box.
+/// The numbers that tell where a line passes the sides of a box.
 pub(crate) struct Slabs {
-    /// All ones where the line runs backwards, so that the high side of a box comes first.
+    /// All ones on an axis where the line runs backwards: it meets the high side first.
     pub(crate) back: [i32; 4],
-    /// What is taken from the side that is met first, and from the one that is met last.
+    /// What is subtracted from the side that is met first, and from the side that is met last.
     pub(crate) first: [f64; 4],
     pub(crate) last: [f64; 4],
     /// One over the direction; infinite where it is zero.
@@ -25,23 +26,24 @@ pub(crate) struct Slabs {
 
 /// The bit of a float that holds its sign.
 const SIGN: u32 = 1 << 31;
-/// The grid's steps, in one more than which the highest ends.
+/// The steps of the grid. The highest one ends here.
 const GRID_END: f32 = 65_536.0;
-/// By how many steps of the grid sides are moved outwards: more than all roundings come to that do not grow with the distance.
+/// Sides are moved outwards by this many steps of the grid: more than all roundings that do not grow with the
+/// distance.
 const OUTWARDS: f32 = 8.0;
-/// Bounds the time that a cast takes for a step of the grid on an axis that it hardly moves along, as `f32` must hold the product
-/// with a number of steps.
+/// The longest time that a cast takes for a step of the grid, on an axis where it hardly moves: `f32` must hold this
+/// times the number of steps.
 const SLOWEST: f32 = (1u128 << 102) as f32;
 
-/// What it takes to find which records of a leaf a cast may touch: when it passes the sides of their boxes, in the time of
-/// [`Walk`], is a linear function of their lanes.
+/// The numbers that tell which records of a leaf a cast may touch. When the cast passes the sides of their boxes, in
+/// the time of [`Walk`], is a linear function of their lanes.
 ///
-/// It lets through whatever [`Line::span`] does: sides are moved outwards by more than all roundings together, and a lane of
-/// zero, where a side may be anywhere outside the grid, excludes nothing.
+/// It excludes nothing that [`Line::span`] meets. Sides are moved outwards by more than all roundings together. A
+/// lane of zero excludes nothing, since its side may be anywhere outside the grid.
 pub(crate) struct Crossing {
-    /// The bytes of a record's lanes in the order: sides that are met first, sides that are met last.
+    /// The bytes of a record's lanes in this order: sides that are met first, then sides that are met last.
     pub(crate) order: [u8; 16],
-    /// For each lane in that order, when the cast is there: `scale * (BASE + lane) + offset`.
+    /// For each lane in that order, when the cast passes its side: `scale * (BASE + lane) + offset`.
     pub(crate) scale: [f32; 8],
     pub(crate) offset: [f32; 8],
     /// How far to look.
@@ -49,10 +51,10 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Added to each lane: the least number whose floats are whole numbers, which so have the lane as their low bits.
+    /// Added to each lane. From this number on floats are whole numbers, so a lane becomes the low bits of a float.
     pub(crate) const BASE: f32 = (1u32 << 23) as f32;
-    /// What is met later counts as met then: less than `OUTWARDS` times `SLOWEST`, the least time at which a cast leaves a box on an
-    /// axis where that bound makes it leave too early.
+    /// A later time counts as this one. It is less than `OUTWARDS * SLOWEST`, the least time at which that bound
+    /// could make a cast leave a box too early.
     pub(crate) const LATEST: f32 = (1u128 << 100) as f32;
 
     /// As [`Simd::met`](crate::simd::Simd::met), for one record.
@@ -60,13 +62,13 @@ impl Crossing {
     pub(crate) fn met(&self, record: &Record) -> f32 {
         let (mut from, mut to) = (0.0, self.until);
         for k in 0..3 {
-            // By the first byte in the order, which has the lane of the minimum or that of the maximum: a look-up of both lanes
-            // takes twice the instructions of a cast.
+            // The first byte in the order tells whether the minimum or the maximum comes first. Looking up both lanes
+            // by the order would take twice the instructions of a cast.
             let (low, high) = (record.lanes[k], record.lanes[3 + k]);
             let (first, last) = if self.order[2 * k] < 6 { (low, high) } else { (high, low) };
             let time = |k: usize, lane: u16| self.scale[k] * (Self::BASE + f32::from(lane)) + self.offset[k];
             let (come, leave) = (time(k, first), time(3 + k, last));
-            // A side that is anywhere, and NaN, exclude nothing.
+            // A side that may be anywhere, and NaN, exclude nothing.
             from = if first != 0 && come > from { come } else { from };
             to = if last != 0 && leave < to { leave } else { to };
         }
@@ -75,32 +77,32 @@ impl Crossing {
     }
 }
 
-/// The sides of the boxes of a leaf, those that are met first and then those that are met last, three each.
+/// The sides of a box: the three that are met first, then the three that are met last. The same for all leaves.
 struct SidesMet {
     /// The bytes of their lanes.
     order: [u8; 16],
-    /// What is taken from them.
+    /// What is subtracted from them.
     start: [f32; 8],
-    /// What distances are multiplied with, without a sign.
+    /// What distances are multiplied with; never negative.
     factor: [f32; 8],
-    /// The bit of the sign for a maximum, which has the complement of its place as its lane.
+    /// The sign bit for a maximum, as its lane is the complement of its place.
     complement: [u32; 8],
-    /// What is taken from a place, in steps, for its lane to be added to [`Crossing::BASE`].
+    /// What is subtracted from a place, in steps, so that its lane can be added to [`Crossing::BASE`].
     shift: [f32; 8],
-    /// The bit of the sign for those that are met last: the higher their lanes, the earlier.
+    /// The sign bit for sides that are met last: the higher the lane, the earlier the time.
     falling: [u32; 8],
 }
 
-/// A cast on its way through the tree, in `f32`: its time is its distance on the axis where it moves most.
+/// A cast on its way through the tree, in `f32`. Its time is its distance on the axis where it moves most.
 ///
-/// It comes to nodes no later, and leaves them no earlier, than [`Line::span`] says, as the factors take in more than all
+/// It enters nodes no later, and leaves them no earlier, than [`Line::span`] says: the factors include more than all
 /// roundings.
 pub(crate) struct Walk {
     /// As in [`Slabs`].
     pub(crate) back: [i32; 4],
     pub(crate) first: [f32; 4],
     pub(crate) last: [f32; 4],
-    /// What distances from the sides are multiplied with.
+    /// What distances are multiplied with, to enter and to leave.
     pub(crate) come: [f32; 4],
     pub(crate) leave: [f32; 4],
     /// Time in one unit of distance, and a little more than all roundings.
@@ -109,9 +111,9 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    /// More than what a few roundings in `f32` can come to.
+    /// More than a few roundings in `f32` together.
     const SLACK: f64 = 1.0 / (1u32 << 20) as f64;
-    /// Added to the time of leaving, for numbers so small that their factors do nothing.
+    /// Added to the time of leaving, for numbers so small that the factors do not change them.
     pub(crate) const LEAST: f32 = f32::from_bits(27 << 23);
 
     #[inline(always)]
@@ -123,24 +125,24 @@ impl Walk {
         let greatest = f64::from(f32::MAX);
         let [first, last] = [first, last].map(|sides| sides.map(|side| side as f32));
         let come = factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32);
-        // Infinite where it is too large: what is not left yet is never left.
+        // Infinite if it is too large: the node is never left.
         let leave = factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32);
         let sides = SidesMet::new(&back, [&first, &last], [&come, &leave]);
         Self { back, first, last, come, leave, speed: speed * (1.0 + Self::SLACK), sides }
     }
 
-    /// What it takes to find the members of a leaf that the cast may touch until a time.
+    /// The [`Crossing`] of a leaf, up to a time.
     #[inline(always)]
     pub(crate) fn crossing(&self, frame: &Frame, until: f32) -> Crossing {
         let SidesMet { order, start, factor, complement, shift, falling } = &self.sides;
         let mut crossing = Crossing { order: *order, scale: [0.0; 8], offset: [0.0; 8], until };
         for k in 0..8 {
-            // How far the low end of the grid is ahead, in its steps.
+            // How far ahead the low end of the grid is, in steps.
             let ahead = (frame.origin[k] - start[k]) * frame.scale[k];
             let signed = f32::from_bits(ahead.to_bits() ^ complement[k]);
-            // Outwards by more than the roundings that grow with the distance, too.
+            // Outwards also by more than the roundings that grow with the distance.
             let place = signed - ahead.abs() * Self::SLACK as f32 - shift[k];
-            // The time for a step; not a number is slow, too.
+            // The time for a step. NaN counts as slow.
             let step = factor[k] / frame.scale[k];
             let step = if step < SLOWEST { step } else { SLOWEST };
             let step = f32::from_bits(step.to_bits() | falling[k]);
@@ -205,7 +207,7 @@ impl Slabs {
             let (low, high) = if self.back[k] != 0 { (high, low) } else { (low, high) };
             let (first, last) =
                 ((low - self.first[k]) * self.inverse[k], (high - self.last[k]) * self.inverse[k]);
-            // A side that the line runs along gives NaN, which these pass over.
+            // A side that the line runs along gives NaN, which these ignore.
             from = if first > from { first } else { from };
             to = if last < to { last } else { to };
         }
@@ -227,7 +229,7 @@ impl Line {
         }
         let back = direction.map(|d| -i32::from(d < 0.0));
         let slabs = Slabs { back, first, last, inverse };
-        // Finite: beyond it is where a line along which nothing moves would meet the boxes beside it.
+        // Finite: at infinity a line without movement on an axis would meet the boxes beside it.
         let distance = widened(distance).min(f64::MAX);
         Self { direction, distance, slabs }
     }

@@ -1,4 +1,4 @@
-//! Boxes, their keys, their records in the frame of a leaf, and the lines that casts move along.
+//! Boxes and what they are stored as: keys, records in the frame of a leaf; and the lines of casts.
 
 pub(crate) mod aabb;
 mod algebra;

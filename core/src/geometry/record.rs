@@ -1,15 +1,15 @@
-//! Boxes in 16 bits: the record of a box in the frame of its leaf.
+//! Records: boxes in 16 bits a side, on the grid of their leaf (paper, section III.D).
 
 use super::key::value;
 use bytemuck::{Pod, Zeroable};
 
-/// The grid of a leaf's records: 65,536 steps an axis over the part of the cell where minima are.
+/// The grid of a leaf: 65,536 steps an axis over the part of its cell where minima are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Frame {
-    /// Twice the corner, as a box has two corners.
+    /// The low corner, twice, as a box has two corners.
     pub(crate) origin: [f32; 8],
-    /// Steps a unit of length, twice as well.
+    /// Steps a unit of length, twice too.
     pub(crate) scale: [f32; 8],
 }
 
@@ -28,21 +28,21 @@ impl Frame {
         Self { origin: twice(origin), scale: twice(scale) }
     }
 
-    /// What [`new`](Self::new) makes it of.
+    /// The arguments of [`new`](Self::new).
     pub(crate) const fn parts(&self) -> [[f32; 3]; 2] {
         let ([a, b, c, ..], [d, e, f, ..]) = (self.origin, self.scale);
         [[a, b, c], [d, e, f]]
     }
 
-    /// The axis on which it is longest. Any axis is correct to sweep along (errata E16 and E17); along the longest side a box meets
-    /// the fewest others.
+    /// The longest axis. Any axis is right to sweep along (errata E16 and E17); along the longest one a box meets the
+    /// fewest others.
     pub(crate) const fn longest_axis(&self) -> usize {
         let [x, y, z, ..] = self.scale;
         let (longest, steps) = if y < x { (1, y) } else { (0, x) };
         if z < steps { 2 } else { longest }
     }
 
-    /// Whether it maps coordinates to steps in their order, as sweeps need it: wherever its grid lies then, no pair is lost.
+    /// Whether the frame keeps the order of coordinates. Then sweeps lose no pair, wherever its grid lies.
     pub(crate) fn is_sound(&self) -> bool {
         let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];
         let finite = |x: &f32| x.abs() <= f32::MAX;
@@ -54,14 +54,15 @@ impl Frame {
 
     /// The grid over the minima between two corners.
     ///
-    /// Any monotone map is conservative: it can make apart boxes touch, which the exact test finds, but never the
-    /// other way. Maxima beyond the cell land on the last step, above every minimum, so that no tie comes of it.
+    /// Any monotone map is conservative. It can make boxes touch that are apart, which the exact test finds, but it
+    /// never makes boxes apart that touch. Maxima beyond the cell get the last step, above every minimum, so they tie
+    /// with nothing.
     pub(crate) fn over(low: [i32; 3], high: [i32; 3]) -> Self {
         let origin = low.map(value);
         let scale = |k: usize| {
             let (low, high) = (origin[k], value(high[k]));
-            // A flat cell still needs a step above zero for the maxima; the floor also keeps denormals out, so
-            // that a flush-to-zero mode of the host changes nothing.
+            // A flat cell still needs a step above zero for the maxima. The floor also keeps denormals out, so a
+            // flush-to-zero mode of the host changes nothing.
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
             GRID_MAX / (high - low).max(floor).min(f32::MAX)
         };
@@ -69,14 +70,14 @@ impl Frame {
     }
 }
 
-/// A box in its leaf's frame: 16 bytes, as four fit into a cache line.
+/// A box in the frame of its leaf: 16 bytes, four in a cache line.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Record {
-    /// The minimum, then the complemented maximum: with both falling as boxes shrink, one kind of compare
-    /// decides all six lanes.
+    /// The minimum, then the complemented maximum. Both fall as boxes grow, so one kind of compare decides all six
+    /// lanes.
     pub(crate) lanes: [u16; 6],
-    /// The slot, and above it marks.
+    /// The slot, and marks above it.
     pub(crate) tag: u32,
 }
 
@@ -85,9 +86,9 @@ impl Record {
     pub(crate) const SLOT: u32 = (1 << 27) - 1;
     /// A mark of a member: the box reaches beyond the cell.
     pub(crate) const STRADDLES: u32 = 1 << 28;
-    /// The lowest of three marks of a ghost: the minimum lies below the cell's low side on this axis (erratum E9).
+    /// The lowest of three marks of a ghost, one an axis: the minimum is below the low side of the cell (erratum E9).
     pub(crate) const BELOW: u32 = 1 << 29;
-    /// These three: two records that share one are not reported here.
+    /// These three. Two records that share one are reported in another leaf.
     pub(crate) const MARKS: u32 = 7 * Self::BELOW;
 
     /// Bounds that everything touches.
@@ -100,8 +101,8 @@ impl Record {
         self.tag & Self::SLOT
     }
 
-    /// Grows bounds so that they hold another record of the same frame. What touches that, or crosses it, does so with the
-    /// bounds: the lower a lane, the more it lets pass.
+    /// Grows bounds to hold another record of the same frame. Whatever touches or crosses that record also touches or
+    /// crosses the bounds, since a lower lane excludes less.
     #[inline(always)]
     pub(crate) fn include(&mut self, other: &Self) {
         for k in 0..6 {

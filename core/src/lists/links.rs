@@ -1,11 +1,11 @@
-//! The tri-linked sorted lists (paper, section III.A): every object once in a list per axis, by ascending minimum.
+//! The tri-linked sorted lists (paper, section III.A): each object once in a list per axis, by ascending minimum.
 //!
-//! A list is an array of slots (erratum E12), and its order is total: by key, then by slot (erratum E10). An
-//! object's position in a list needs no array of its own, since a search by its key finds it.
+//! A list is an array of slots (erratum E12). Its order is total: by key, then by slot (erratum E10). No array holds
+//! an object's position in a list: a search by its key finds it.
 //!
-//! Small worlds keep the list of their sweep axis in order from step to step; an insertion sort does that as long
-//! as few objects overtake each other, and a heap sort beyond (erratum E13). Others sort by radix when planes are
-//! made, and let the lists go stale in between.
+//! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort while few
+//! objects overtake each other, else by a heap sort (erratum E13). Others sort by radix when planes are made, and do
+//! not keep the lists in between.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
@@ -13,20 +13,20 @@ use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::sort::heapsort;
 
-/// Overtakings per object beyond which another sort is cheaper.
+/// Objects that each object may overtake, on average, before another sort is cheaper.
 pub(crate) const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
 #[inline(always)]
 pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
-    // No copy of a whole box for one of its numbers.
+    // By reference: one number of a box is needed.
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     (low(a), a) < (low(b), b)
 }
 
-/// Adds a slot to the end of all three lists, where [`repair`] finds it. O(1).
+/// Adds a slot to the end of all three lists; [`repair`] brings it to its place. O(1).
 pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
-    // A slot that was freed since the lists were last cleaned still stands in them.
+    // A slot that was freed since the lists were last cleaned is still in them.
     if parts.state.lists.stale == 0 && bits::set(parts.listed, slot as usize) {
         for order in &mut parts.order {
             order.put(parts.state.lists.listed as usize, I::from_slot(slot));
@@ -35,7 +35,7 @@ pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
     }
 }
 
-/// Makes the lists hold the living objects and no others, in their old order as far as there is one. O(n).
+/// Makes the lists hold exactly the living objects, in their old order if there is one. O(n).
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     let boxes = &*parts.boxes.now;
     if parts.state.lists.stale != 0 {
@@ -66,13 +66,13 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// Puts one list in order: by insertion as long as that is cheap, else by a heap sort. O(n + inversions), or O(n log n).
+/// Sorts one list: by insertion while that is cheap, else by a heap sort. O(n + inversions), or O(n log n).
 #[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
     let Some(&first) = order.first() else { return };
-    // The last one in order so far.
+    // The last one that is in order.
     let mut last = (low(first), first);
     for index in 1..order.len() {
         let slot = order.at(index);
@@ -94,12 +94,12 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     }
 }
 
-/// How many list entries have a minimum below `key`: a position query by plane. O(log n).
+/// How many entries of a list have a minimum below `key`. O(log n).
 pub(crate) fn position_of_key<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, key: i32) -> usize {
     order.partition_point(|slot| boxes.at(slot.at()).min[axis % 3] < key)
 }
 
-/// Where a slot stands in a list that is in order. O(log n).
+/// The position of a slot in a list that is in order. O(log n).
 #[cfg(test)]
 pub(crate) fn position_of<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, slot: I) -> usize {
     order.partition_point(|&other| precedes(boxes, axis, other, slot))

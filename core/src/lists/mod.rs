@@ -1,4 +1,4 @@
-//! The tri-linked sorted lists: order from step to step, and the radix sort where much of it is lost.
+//! The tri-linked sorted lists: kept in order from step to step, or sorted anew by radix.
 
 pub(crate) mod links;
 pub(crate) mod radix;

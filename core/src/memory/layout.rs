@@ -1,7 +1,6 @@
-//! The one table of what a world stores and where.
+//! Computes how many items of each kind a world has, and how many bytes they take.
 //!
-//! [`Sizes`] says how many items of each kind a configuration needs; [`Plan`] walks them in order, once to add up
-//! the bytes and once to carve the slab, so that the two cannot disagree.
+//! `Sizes::bytes` adds up the sections that `Parts::carve` in `slab.rs` cuts, in the same order.
 
 use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::{
@@ -10,7 +9,7 @@ use super::limits::{
 use super::scratch;
 use super::slot_set::SlotSet;
 use super::state::State;
-use super::stripes::{Member, Planes};
+use super::stripes::{Member, StripeStarts};
 use crate::access::bits;
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
@@ -25,20 +24,21 @@ use crate::simd::{CACHE_LINE, EIGHT};
 pub struct Layout {
     /// The length of the slab in bytes.
     pub bytes: usize,
-    /// The boundary that the slab starts on.
+    /// The alignment of the slab in bytes.
     pub align: usize,
 }
 
-/// Whether there can be values. A lean program does without their code.
+/// Whether there can be values. Small builds leave out their code.
 pub(crate) const VALUES: bool = cfg!(feature = "large");
 
-/// A cache line; also more than any item asks for.
+/// A cache line, which is at least the alignment of every item.
 pub(crate) const ALIGN: usize = CACHE_LINE;
 
-/// The bytes of a world with this configuration, for slots of width `I`. `None` where the index width, the address
-/// space or the number of workers (1 to 32) does not allow it, or where the margin is not valid.
+/// The memory of a world with this configuration, for slots of width `I`. `None` if the index width, the address
+/// space or the features of the build do not allow it, if the number of workers is not from 1 to 32, or if the margin
+/// is not valid.
 ///
-/// Constant, so that a static can be sized by it. The size grows linearly with objects, leaf references and pairs.
+/// A constant function, so a static can be sized by it. The size is linear in objects, leaf references and pairs.
 #[must_use]
 pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     match Sizes::of::<I>(config) {
@@ -50,7 +50,7 @@ pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     }
 }
 
-/// What a configuration has too much of that has no layout, though its margin is valid.
+/// Why a configuration with a valid margin has no layout.
 pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
     let objects = if config.lean {
         SMALL as u32
@@ -73,7 +73,7 @@ pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
     Error::CapacityTooLarge { field, most }
 }
 
-/// How many items of each kind.
+/// How many items of each kind a world has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sizes {
     pub(crate) objects: usize,
@@ -81,8 +81,8 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
-    /// Bits that tell whether a reported box has changed, one an object. Events need them. So does an exact world with margins
-    /// and a tree: a pair may be parked only if both boxes stay, also inside their fat boxes.
+    /// Bits that tell whether a reported box has changed, one an object. Events need them. An exact world with
+    /// margins and a tree needs them too: it may park a pair only while both boxes stay, also inside their fat boxes.
     pub(crate) changed: usize,
     /// Objects with a filter, and rows of the class matrix.
     pub(crate) filters: usize,
@@ -90,25 +90,24 @@ pub(crate) struct Sizes {
     /// Objects with a value, and those whose value is kept for the events.
     pub(crate) values: usize,
     pub(crate) former_values: usize,
-    /// Objects in the tree: all, or none where the world is swept box by box.
+    /// Objects in the tree: all, or none in a world without a tree.
     pub(crate) tree: usize,
     pub(crate) records: usize,
     pub(crate) straddlers: usize,
     /// The depth of the deepest tree.
     pub(crate) depth: u32,
     pub(crate) leaves: usize,
-    /// Leaves of a full step, which the others are parts of.
+    /// Leaves of a full step. The others are their sub-leaves.
     pub(crate) whole_leaves: usize,
     pub(crate) pairs: usize,
     /// Pairs of the last step, kept for the events.
     pub(crate) previous: usize,
-    /// Blocks of leaves in a full step, where events are told block by block: see
-    /// [`Segments`](super::slab::Segments).
+    /// With events: blocks of leaves in a full step. See [`Segments`](super::slab::Segments).
     pub(crate) event_blocks: usize,
-    /// Pairs of parallel workers before they are put in order.
+    /// Chunks of pairs that workers write before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects of a world that is swept in stripes.
+    /// Objects that are swept in stripes: all, or none.
     pub(crate) members: usize,
     /// Records in one worker's scratch.
     pub(crate) bucket: usize,
@@ -125,7 +124,7 @@ impl Sizes {
         {
             return None;
         }
-        // Slots, chunks and counts of a 16-bit host would not fit; there is none that this is built for.
+        // On a 16-bit host these would not fit; no such target is supported.
         let objects = capacity.objects as usize;
         let small = objects <= TINY || config.lean;
         if small && objects > SMALL || !small && !cfg!(feature = "large") {
@@ -156,7 +155,7 @@ impl Sizes {
             values: if config.values { objects } else { 0 },
             former_values: if config.values && config.events { objects } else { 0 },
             tree,
-            // Casts look at whole groups of records, also of the last leaf's.
+            // Records are read in groups of eight, also behind the last leaf.
             records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
             straddlers: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
             depth,
@@ -165,7 +164,7 @@ impl Sizes {
             pairs,
             previous: if config.events { pairs } else { 0 },
             event_blocks: if config.events { blocks } else { 0 },
-            // Every block may leave a chunk unfinished.
+            // Each block may leave its last chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
             members: if small && objects > TINY { objects } else { 0 },
@@ -173,7 +172,7 @@ impl Sizes {
         })
     }
 
-    /// Whether the world is swept box by box.
+    /// Whether the world has no tree.
     pub(crate) const fn is_small(&self) -> bool {
         !cfg!(feature = "large") || self.bucket == 0
     }
@@ -183,7 +182,7 @@ impl Sizes {
         if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.depth - SUB_LEVELS) } else { 0 }
     }
 
-    /// Whether the world is swept in stripes, as a count.
+    /// One if the world is swept in stripes, else zero.
     pub(crate) const fn striped(&self) -> usize {
         (self.members > 0) as usize
     }
@@ -227,13 +226,13 @@ impl Sizes {
         }
         plan.add::<[u32; 3]>(self.staged);
         plan.add::<Member>(self.members);
-        plan.add::<Planes>(self.striped());
+        plan.add::<StripeStarts>(self.striped());
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bucket));
         plan.bytes
     }
 }
 
-/// Adds up sections, each on its own cache line.
+/// Adds up sections. Each starts on a cache line.
 struct Plan {
     bytes: Option<usize>,
 }
@@ -245,7 +244,7 @@ impl Plan {
 
     const fn add<T>(&mut self, count: usize) {
         self.bytes = match (self.bytes, section::<T>(count)) {
-            // Slices end at `isize::MAX`.
+            // No slice is longer than `isize::MAX`.
             (Some(sum), Some(more)) if more <= isize::MAX as usize - sum => Some(sum + more),
             _ => None,
         };

@@ -1,4 +1,4 @@
-//! What the slab holds of each leaf: its cell, where its members stand, and the boxes that reach beyond it.
+//! The items of a leaf in the slab: its cell, where its records are, and its straddlers.
 
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
@@ -6,15 +6,16 @@ use crate::geometry::record::Record;
 use crate::simd::{EIGHT, MAXIMA, MINIMA, Simd};
 use bytemuck::{Pod, Zeroable};
 
-/// The half-open box of minimum corners that belong to a leaf; `i32::MIN` and `i32::MAX` where unbounded.
+/// The cell of a leaf: the half-open box of the minimum corners that are at home there. Sides without bounds are
+/// `i32::MIN` and `i32::MAX`.
 ///
-/// Its numbers stand as the two boxes that one comparison each takes.
+/// Its numbers are stored as two boxes, since two comparisons of six keys each tell all about a box.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Cell {
-    /// The low sides, and from where on a box of this leaf is a large object: it would be copied into too many leaves.
+    /// The low sides; and for maxima, from where on a box of this leaf is a large object.
     from: KeyBox,
-    /// The high sides, for minima and for maxima.
+    /// The high sides, for minima and for maxima alike.
     until: KeyBox,
 }
 
@@ -36,12 +37,12 @@ impl Cell {
         self.until.min
     }
 
-    /// From where on a box is a large object.
+    /// A box whose maximum is at or beyond this on any axis is a large object.
     pub(crate) const fn far(&self) -> [i32; 3] {
         self.from.max
     }
 
-    /// Where members are that touch no other cell: at the rim to infinity, beyond which keys are not numbers.
+    /// Where members lie that touch no other cell. Infinite at the rim, since keys beyond are not numbers.
     pub(crate) fn inside(&self) -> KeyBox {
         KeyBox {
             min: self.low().map(|low| low.max(NEGATIVE_INFINITY)),
@@ -54,32 +55,32 @@ impl Cell {
         (0..3).all(|k| self.low()[k] <= min[k] && min[k] < self.high()[k])
     }
 
-    /// Where a box stands.
+    /// How a box lies to this cell.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, keys: S::Keys) -> Classification {
         let (from, until) = (simd.keys(&self.from), simd.keys(&self.until));
         Classification { before: simd.above(from, keys), inside: simd.above(until, keys) }
     }
 
-    /// The low sides, ready to be compared with boxes.
+    /// The low sides, to be compared with boxes.
     #[inline(always)]
     pub(crate) fn low_keys<S: Simd>(&self, simd: S) -> S::Keys {
         simd.keys(&self.from)
     }
 
-    /// The sides that a box from elsewhere must pass to touch this cell.
+    /// The sides that decide whether a box from another leaf touches this cell.
     #[inline(always)]
     pub(crate) fn entrance<S: Simd>(&self, simd: S) -> S::Keys {
         simd.keys(&KeyBox { min: self.until.min, max: self.from.min })
     }
 }
 
-/// Where a box stands in regard to a cell: bits of its keys, as [`Simd::above`] has them.
+/// How a box lies to a cell: bits of its keys, as in [`Simd::above`].
 #[derive(Clone, Copy)]
 pub(crate) struct Classification {
-    /// Those that do not reach the low sides, or the far ones.
+    /// Minima below the low sides, and maxima that do not reach the far ones.
     before: u32,
-    /// Those that do not reach the high sides.
+    /// Minima and maxima below the high sides.
     inside: u32,
 }
 
@@ -97,16 +98,16 @@ impl Classification {
         (self.before & (MINIMA | MAXIMA)) << 3 | self.inside & MINIMA == MAXIMA << 3 | MINIMA
     }
 
-    /// Whether the box, if it is at home here, touches other cells.
+    /// Whether the box, if it is at home here, reaches beyond the cell.
     #[inline(always)]
-    pub(crate) const fn leaves(self) -> bool {
+    pub(crate) const fn straddles(self) -> bool {
         self.inside & MAXIMA != MAXIMA
     }
 
-    /// The mark of its record, if it is at home here.
+    /// The marks of its record, if it is at home here.
     #[inline(always)]
     pub(crate) const fn marks(self) -> u32 {
-        if self.leaves() { Record::STRADDLES } else { 0 }
+        if self.straddles() { Record::STRADDLES } else { 0 }
     }
 
     /// Whether the box, if it is at home here, is a large object.
@@ -116,7 +117,7 @@ impl Classification {
     }
 }
 
-/// Where a leaf's members stand.
+/// Where the records and straddlers of a leaf are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Leaf {
@@ -124,13 +125,13 @@ pub(crate) struct Leaf {
     pub(crate) start: u32,
     /// Records.
     pub(crate) len: u32,
-    /// Records that would fit before the next leaf's.
+    /// Records that fit before those of the next leaf.
     pub(crate) room: u32,
-    /// First box of the straddlers.
+    /// First straddler.
     pub(crate) straddler_start: u32,
-    /// Boxes of the straddlers.
+    /// Straddlers.
     pub(crate) straddler_len: u32,
-    /// The count that the leaf had when its planes were new: what a rebalance can achieve here.
+    /// The count when the planes were new: what new planes can reach here.
     pub(crate) baseline: u32,
     /// The axis that the leaf is swept along.
     pub(crate) axis: u32,
@@ -138,8 +139,8 @@ pub(crate) struct Leaf {
 }
 
 impl Leaf {
-    /// The leaf's records, eight at a time, and how many of them there are from each eight on; behind the last one others make up
-    /// the eight: room, or records of the next leaf.
+    /// The records of the leaf, eight at a time; and with each eight how many records are left from its first one on.
+    /// The last eight are filled up with what stands behind: free room, or records of the next leaf.
     #[inline(always)]
     pub(crate) fn chunks_of_eight<'r>(&self, records: &'r [Record]) -> ChunksOfEight<'r> {
         let records = records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT));
@@ -160,19 +161,20 @@ impl<'r> Iterator for ChunksOfEight<'r> {
     fn next(&mut self) -> Option<Self::Item> {
         let eight = self.rest.next()?;
         let left = self.left;
-        // Behind the last eight nothing is left, and the number is not read.
+        // After the last eight this wraps, and nobody reads it.
         self.left = left.wrapping_sub(EIGHT as u32);
         Some((eight, left))
     }
 }
 
-/// Which of eight records are those of a leaf that has so many left: a bit for each.
+/// Which of eight records belong to a leaf with so many left: a bit for each.
 #[inline(always)]
 pub(crate) const fn first_of_eight(left: u32) -> u32 {
     0xff >> 8u32.saturating_sub(left)
 }
 
-/// A box that reaches beyond its leaf, or a large object: exact, since every leaf it enters has its own frame.
+/// A box that reaches beyond its leaf, or a large object. Stored as keys, since each leaf that it reaches has its own
+/// frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Straddler {

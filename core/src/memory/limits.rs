@@ -1,30 +1,65 @@
-//! The sizes at which a world changes how it works, and the sizes of blocks of work, each with the reason.
+//! The sizes at which a world changes how it works, the blocks that work is cut into, and the stacks of fixed length. The table
+//! of constants in `PERFORMANCE.md` says what was measured for each.
 
 use super::slot_set::GROUP;
 
-/// Worlds for up to this many objects are lean, and swept where their boxes are.
+// Sizes of worlds and leaves.
+
+/// Worlds for up to this many objects are lean: they have no tree and no scratch memory.
 pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
-/// Lean worlds have at most this many objects.
+/// The most objects of a lean world.
 pub(crate) const SMALL: usize = 256;
-/// Objects that a leaf should have at most when planes are new. For random sequences of operations there are few, as they need many
+/// The most objects in a leaf when its planes are new, at exact medians. Random sequences of operations take few, since they need
 /// small worlds that take all paths.
 pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
-/// Levels of planes below those of a full step: leaves of an eighth as many objects, for steps and queries that look at a
-/// few objects here and there.
+/// Levels of planes below the leaves of a full step: each of these divides into eight sub-leaves.
 pub(crate) const SUB_LEVELS: u32 = 3;
-/// Records that a leaf of a full step has room for beside an eighth of its members: four for each of the leaves that it may be
-/// divided into.
+/// Free records in a leaf of a full step, beside an eighth of its members: four for each sub-leaf.
 pub(crate) const ROOM: u32 = 4 << SUB_LEVELS;
-/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. The deepest tree has fewer levels.
-pub(crate) const LEVELS: usize = 32;
-/// Blocks of slots in the passes over all objects. Fixed, so that no result depends on the number of workers.
+/// The most records that are swept at once. Larger leaves are swept tile by tile.
+pub(crate) const BUCKET: usize = 2048;
+/// Candidates that are collected before they are tested.
+pub(crate) const BATCH: usize = 1024;
+
+// Work that is shared. Blocks follow from counts alone, so that no result depends on the number of workers.
+
+/// From this many objects on a step is shared between workers. Miri is too slow for that many.
+pub(crate) const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
+/// From this many objects on the sub-trees below a few levels are built at the same time.
+pub(crate) const BUILD_SHARED_FROM: usize = if cfg!(miri) { 0 } else { 16_384 };
+/// The levels above these sub-trees.
+pub(crate) const BUILD_SHARED_BELOW: u32 = 3;
+/// Blocks of slots in the passes over all objects.
 pub(crate) const SLOT_BLOCKS: usize = 32;
-/// A block has so many slots or a multiple of that: whole groups of marks, whole cache lines of all that has an item a slot.
-const SLOTS_PER_BLOCK: usize = GROUP;
+/// A block of slots is a multiple of this: whole groups of a set, and whole cache lines of every array by slot.
+pub(crate) const SLOTS_PER_BLOCK: usize = GROUP;
+/// The fewest slots in a block of a radix sort.
+pub(crate) const SORTED_PER_BLOCK: usize = if cfg!(miri) { 64 } else { 8192 };
 /// Leaves in a block of the passes over all leaves, in a full step.
 pub(crate) const LEAVES_PER_BLOCK: usize = 2;
-/// Pairs that parallel workers write at a time.
+/// The fewest objects in a block where each is tested by itself: to hand out a block is little beside testing it.
+pub(crate) const MOVERS_PER_BLOCK: usize = 64;
+/// Blocks of pairs where lists of pairs are divided.
+pub(crate) const PAIR_BLOCKS: usize = 32;
+/// The fewest pairs in such a block.
+pub(crate) const PAIRS_PER_BLOCK: usize = 8192;
+/// Pairs that a worker of a shared sweep writes to one chunk.
 pub(crate) const CHUNK: usize = 512;
+/// Pairs that a worker copies at a time when chunks are put in order.
+pub(crate) const MERGED: usize = 16 * CHUNK;
+/// Queries that a worker takes at a time.
+pub(crate) const QUERIES_PER_BLOCK: usize = 32;
+/// The most workers of a batch of queries, which need no scratch memory.
+pub(crate) const QUERY_WORKERS: usize = 32;
+
+// Stacks and lists of fixed length.
+
+/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. The deepest tree has fewer levels.
+pub(crate) const LEVELS: usize = 32;
+/// Masks from which a round takes bits before it looks again whether there is room.
+pub(crate) const MASKS_PER_ROUND: usize = 32;
+/// Rows whose windows are compared in one pass. A power of two, so that an index into a list needs no check.
+pub(crate) const ROWS: usize = 256;
 
 /// Slots in a block of the passes over so many.
 pub(crate) fn block_len(slots: usize) -> usize {

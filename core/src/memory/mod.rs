@@ -1,8 +1,10 @@
-//! The memory of a world: its size, the slab and the slices that it is carved into, and the state that is not an array.
+//! The memory of a world: how large it is, the slab and the slices that it is carved into, the numbers that are not
+//! arrays, and all constants of sizes and distances.
 
 pub(crate) mod layout;
 pub(crate) mod leaf;
 pub(crate) mod limits;
+pub(crate) mod prefetch;
 pub(crate) mod scratch;
 pub(crate) mod slab;
 pub(crate) mod slot_set;

@@ -1,32 +1,32 @@
-//! A worker's scratch: everything that a leaf's sweep needs, for a bucket of records that stays in the cache.
+//! Divides a worker's scratch memory: all that the sweep of a leaf needs, for a bucket of records that stays in the
+//! cache.
 
+use super::limits::{BATCH, BUCKET, MASKS_PER_ROUND, ROWS};
 use crate::access::Access;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use crate::simd::{Row, WINDOW};
 use bytemuck::{Pod, Zeroable};
 
-/// The most records that are swept at once; larger leaves are swept tile by tile.
-const BUCKET: usize = 2048;
-
-/// The fewest: `rounds` has to find room for the candidates of so many masks, or it would lose them. Smaller worlds have no bucket.
+/// The fewest records in a bucket: `rounds` needs room for the candidates of one round, or it would lose them. Smaller worlds have
+/// no bucket.
 const LEAST: usize = 128;
-const _: () = assert!(batch(LEAST) + WINDOW >= ROOM);
+const _: () = assert!(batch(LEAST) + WINDOW >= CANDIDATES_PER_ROUND);
 
-/// Records in the bucket of a world of this capacity, in whole blocks of columns.
+/// Records in the bucket of a world of this capacity, a multiple of 64.
 pub(crate) const fn bucket(objects: usize) -> usize {
     let bucket = objects.next_multiple_of(64);
     let bucket = if bucket > LEAST { bucket } else { LEAST };
     if bucket < BUCKET { bucket } else { BUCKET }
 }
 
-/// Candidates that are collected before they are tested.
+/// Candidates that are collected before they are tested. Fewer in a small world, where a worker must not take more
+/// memory than the world.
 const fn batch(bucket: usize) -> usize {
-    // A worker of a small world must not cost more than the world.
-    if bucket < 1024 { bucket } else { 1024 }
+    if bucket < BATCH { bucket } else { BATCH }
 }
 
-/// The length of a worker's area.
+/// The length of a worker's area in records.
 pub(crate) const fn records<I>(bucket: usize) -> usize {
     if bucket == 0 {
         return 0;
@@ -44,27 +44,21 @@ const fn of<T>(count: usize) -> usize {
     (count * size_of::<T>()).div_ceil(size_of::<Record>())
 }
 
-/// Masks that are taken bits from before the room for them is looked at again.
-pub(crate) const PART: usize = 32;
+/// The most candidates, or pairs, of a round, and what is written behind them.
+pub(crate) const CANDIDATES_PER_ROUND: usize = 4 * MASKS_PER_ROUND + 4;
 
-/// Candidates, or pairs, of so many masks, and what is written behind them.
-pub(crate) const ROOM: usize = 4 * PART + 4;
-
-/// Rows whose windows are compared in one pass. A power of two, so that a list's index needs no check.
-pub(crate) const ROWS: usize = 256;
-
-/// What the passes found, and what they have left to do.
+/// The masks that windows gave, and the rows that have further windows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Lists {
-    /// A bit for each row of a window that may touch.
+    /// The masks: a bit for each row of a window that may touch.
     pub(crate) bits: [u64; ROWS],
-    /// Where the mask belongs: the position whose window it is, and that of the window's first row, `at << 16 | first`. The
-    /// candidate of bit `k` is `base + k`.
+    /// The window of each mask: the position of its record, and of its first row, `at << 16 | first`. The candidate
+    /// of bit `k` is `base + k`.
     pub(crate) bases: [u32; ROWS],
-    /// The next window of a row whose run of neighbours goes on, in the same form.
+    /// The next window of a row that has more neighbours, in the same form.
     pub(crate) open: [u32; ROWS],
-    /// Where that run ends.
+    /// Where the neighbours of that row end.
     pub(crate) ends: [u32; ROWS],
 }
 
@@ -83,24 +77,24 @@ impl Lists {
     }
 }
 
-/// Sums over the leaves that a worker has swept.
+/// What a worker has done so far.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Work {
     pub(crate) copies: u64,
     pub(crate) candidates: u64,
     pub(crate) tied: u64,
-    /// Makes it as long as two records, between which it stands.
+    /// Padding to the length of two records.
     pub(crate) unused: u64,
 }
 
 /// See the module.
 pub(crate) struct Scratch<'s, I> {
-    /// The sums of earlier jobs in this area.
+    /// What earlier calls did with this area.
     work: &'s mut [Work],
     /// Copies so far.
     pub(crate) copies: u64,
-    /// Records that come from other leaves, or the tiles of a leaf.
+    /// The ghosts of a leaf, or its tiles.
     pub(crate) ghosts: &'s mut [Record],
     pub(crate) leaf_scratch: LeafScratch<'s, I>,
 }
@@ -109,17 +103,17 @@ pub(crate) struct Scratch<'s, I> {
 pub(crate) struct LeafScratch<'s, I> {
     /// The bucket, sorted along the sweep axis.
     pub(crate) sorted: &'s mut [Record],
-    /// The bucket's rows, and room for a window behind them.
+    /// The rows of the bucket, and room for a window behind them.
     pub(crate) rows: &'s mut [Row],
-    /// Masks, and rows that have further windows.
+    /// Masks, and rows with further windows.
     pub(crate) lists: &'s mut [Lists],
     /// Positions in the bucket: `low << 16 | high`.
     pub(crate) candidates: &'s mut [u32],
-    /// Pairs on their way out.
+    /// Pairs that wait to be passed on.
     pub(crate) pairs: &'s mut [Pair<I>],
     /// Candidates so far.
     pub(crate) tested: u64,
-    /// Candidates so far whose records could not tell.
+    /// Candidates so far that only the keys could decide.
     pub(crate) tied: u64,
 }
 
@@ -146,7 +140,7 @@ impl<'s, I: Index> Scratch<'s, I> {
 }
 
 impl<I> Scratch<'_, I> {
-    /// Leaves the sums of this job in its area.
+    /// Adds what this call has done to its area.
     pub(crate) fn finish(self) {
         if let [work] = self.work {
             work.copies += self.copies;
@@ -156,7 +150,7 @@ impl<I> Scratch<'_, I> {
     }
 }
 
-/// Cuts `count` items off the straddlers. By the layout's arithmetic there is always enough.
+/// Cuts `count` items off the front. By the layout's arithmetic there is always enough.
 fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
     let taken = core::mem::take(rest);
     let (section, left) = taken.split_at_mut_checked(of::<T>(count)).unwrap_or_default();
@@ -164,7 +158,7 @@ fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
     bytemuck::try_cast_slice_mut(section).ok().and_then(|items| items.get_mut(..count)).unwrap_or_default()
 }
 
-/// What stands in the areas of all workers.
+/// The sums in the areas of all workers.
 fn sums(scratch: &mut [Record], area: usize) -> impl Iterator<Item = &mut Work> {
     scratch.chunks_exact_mut(area.max(1)).flat_map(|mut area| cut(&mut area, 1))
 }
@@ -174,7 +168,7 @@ pub(crate) fn reset(scratch: &mut [Record], area: usize) {
     sums(scratch, area).for_each(|work| *work = Work::default());
 }
 
-/// The sums that the workers left in their areas.
+/// The sum over all workers.
 pub(crate) fn work(scratch: &mut [Record], area: usize) -> Work {
     sums(scratch, area).fold(Work::default(), |sum, work| Work {
         copies: sum.copies + work.copies,

@@ -1,4 +1,4 @@
-//! The slab of a world, carved into slices.
+//! Carves the slab of a world into slices, each for the layer that owns it.
 
 use super::layout::{ALIGN, Sizes, beyond, layout, section};
 use super::leaf::{Cell, Leaf, Straddler};
@@ -6,7 +6,7 @@ use super::limits::CHUNK;
 use super::scratch;
 use super::slot_set::SlotSet;
 use super::state::State;
-use super::stripes::{Member, Planes};
+use super::stripes::{Member, StripeStarts};
 use crate::access::{Access, bits, faults};
 use crate::config::{Config, Mode};
 use crate::error::Error;
@@ -16,7 +16,7 @@ use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
 use bytemuck::Pod;
 
-/// The slices of a world. Indexed by slot where nothing else is said.
+/// The slices of a world, by slot unless said otherwise.
 pub(crate) struct Parts<'m, I> {
     pub(crate) sizes: Sizes,
     pub(crate) state: &'m mut State,
@@ -24,27 +24,26 @@ pub(crate) struct Parts<'m, I> {
     pub(crate) filters: FilterParts<'m>,
     pub(crate) values: ValueParts<'m>,
     pub(crate) former: FormerParts<'m>,
-    /// How many objects have held the slot.
+    /// How many objects have had the slot.
     pub(crate) generations: &'m mut [u32],
     /// The swept box has changed since the last complete step (the paper's dynamic objects).
     pub(crate) moved: SlotSet<'m>,
     /// One bit a slot: the caller has put the object to rest.
     pub(crate) resting: &'m mut [u32],
-    /// With events, and in an exact world with margins and a tree: the swept or the reported box has changed since the last
-    /// complete step, or a filter has.
+    /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter has
+    /// changed since the last complete step.
     pub(crate) changed: SlotSet<'m>,
-    /// With events: the box of the last complete step may not be that of the slot, as it was the step before it that reported
-    /// that one.
+    /// With events: `before` may be out of date, since the slot changed before the last complete step.
     pub(crate) outdated: SlotSet<'m>,
-    /// With a tree, one bit a slot: the object's pairs are not parked.
+    /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
     pub(crate) active: &'m mut [u32],
-    /// One bit a slot: it stands in the sorted lists.
+    /// One bit a slot: it is in the sorted lists.
     pub(crate) listed: &'m mut [u32],
     /// The tri-linked lists: slots by ascending minimum on x, y and z.
     pub(crate) order: [&'m mut [I]; 3],
     /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
     pub(crate) home: &'m mut [I],
-    /// The record's position in its leaf, or the position in the large-object list.
+    /// The position of the record in its leaf, or in the list of large objects.
     pub(crate) place: &'m mut [I],
     pub(crate) tree: TreeParts<'m>,
     pub(crate) output: OutputParts<'m, I>,
@@ -52,24 +51,25 @@ pub(crate) struct Parts<'m, I> {
 
 /// The boxes of all slots.
 pub(crate) struct BoxParts<'m> {
-    /// The box as given last; that of a slot without an object is empty and holds the next free slot.
+    /// The box as given last. A free slot has an empty one, which holds the next free slot.
     pub(crate) now: &'m mut [KeyBox],
-    /// With a margin: the anchored fat box (erratum E5).
+    /// With margins: the fat box (erratum E5).
     pub(crate) fat: &'m mut [KeyBox],
-    /// With a margin: the length that the box is grown by (erratum E2).
+    /// With margins: the length that the box is grown by (erratum E2).
     pub(crate) margins: &'m mut [f32],
-    /// With events: the boxes that the last complete step reported, of those who have [changed](Parts::changed) since; empty for
-    /// objects that are new since. Of others what the step reports now, unless they are [outdated](Parts::outdated).
+    /// With events: the box that the last complete step reported, if the object has [changed](Parts::changed) since;
+    /// empty if the object is new. If it has not changed, this is its reported box, unless it is
+    /// [outdated](Parts::outdated).
     pub(crate) before: &'m mut [KeyBox],
-    /// Whether the boxes as given are swept though there are fat ones, which mean nothing then: in a step, or as long as margins are
-    /// left unused.
+    /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are left unused.
+    /// Fat boxes then mean nothing.
     pub(crate) tight: bool,
 }
 
-/// With events: who had the slots that have been given to new objects since the complete step before, so that lost pairs can be
+/// With events: who had the slots that new objects have got since the complete step before, so that lost pairs can be
 /// named.
 pub(crate) struct FormerParts<'m> {
-    /// Of these slots, how many objects had held them.
+    /// Of these slots: the generation of the former object.
     pub(crate) generations: &'m mut [u32],
     /// These slots.
     pub(crate) reused: SlotSet<'m>,
@@ -80,21 +80,21 @@ pub(crate) struct FilterParts<'m> {
     pub(crate) of: &'m mut [Filter],
     /// One bit for each class that a class meets.
     pub(crate) classes: &'m mut [u32],
-    /// Another answer may be due since the last complete step.
+    /// The filter may answer differently since the last complete step.
     pub(crate) changed: SlotSet<'m>,
 }
 
-/// With values: what the caller has given to the objects.
+/// With values: the caller's number for each object.
 pub(crate) struct ValueParts<'m> {
     /// A free slot keeps the value of the object that had it.
     pub(crate) of: &'m mut [u64],
-    /// With events: the values that belong to [`FormerParts::generations`].
+    /// With events: the values of the objects in [`FormerParts::generations`].
     pub(crate) former: &'m mut [u64],
 }
 
 impl FormerParts<'_> {
-    /// A slot goes to another object, which is the first one of all since the last complete step, or not. Returns whether who had
-    /// it before is kept from now on.
+    /// A slot goes to a new object. `is_first`: no other object has come since the last complete step. Returns
+    /// whether the former object of the slot is kept from now on.
     pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) -> bool {
         if is_first {
             self.reused.clear();
@@ -109,8 +109,8 @@ impl FormerParts<'_> {
 }
 
 impl ValueParts<'_> {
-    /// A slot goes to another object, before whom another one may have had it whom events may still name.
-    pub(crate) fn enter(&mut self, slot: usize, is_kept: bool) {
+    /// A slot goes to a new object. `is_kept`: events may still name the former one, so its value is kept.
+    pub(crate) fn insert(&mut self, slot: usize, is_kept: bool) {
         if let Some(value) = self.of.get_mut(slot) {
             let former = core::mem::take(value);
             if is_kept && let Some(to) = self.former.get_mut(slot) {
@@ -121,12 +121,12 @@ impl ValueParts<'_> {
 }
 
 impl BoxParts<'_> {
-    /// The boxes that are listed, split and swept.
+    /// The boxes that lists, planes and sweeps use.
     pub(crate) fn swept(&self) -> &[KeyBox] {
         if self.fat.is_empty() || self.tight { self.now } else { self.fat }
     }
 
-    /// The boxes that a result speaks of.
+    /// The boxes whose overlaps a result has.
     pub(crate) fn reported(&self, mode: Mode) -> &[KeyBox] {
         if mode == Mode::Fat { self.swept() } else { self.now }
     }
@@ -138,58 +138,59 @@ pub(crate) struct TreeParts<'m> {
     pub(crate) planes: &'m mut [i32],
     /// By leaf.
     pub(crate) cells: &'m mut [Cell],
-    /// By leaf of a full step; one for all its parts where it is divided.
+    /// By leaf of a full step. Its sub-leaves share it.
     pub(crate) frames: &'m mut [Frame],
     /// By leaf.
     pub(crate) leaves: &'m mut [Leaf],
-    /// By leaf, where those of the last full step are divided: a box around the members, as a record in their frame. Else it
-    /// means nothing.
+    /// By leaf, while leaves are divided: a box around its members, as a record in their frame. Else it means
+    /// nothing.
     pub(crate) bounds: &'m mut [Record],
-    /// By node down to the leaves of a full step: a box around the members. Node zero has none.
+    /// By node down to the leaves of a full step: a box around its members. There is no node zero.
     pub(crate) nodes: &'m mut [KeyBox],
-    /// The leaves' records, one leaf after another, each with some room.
+    /// The records of all leaves, one leaf after another, each with some room.
     pub(crate) records: &'m mut [Record],
-    /// The leaves' straddlers, one after another, and behind them the large-object list.
+    /// The straddlers of all leaves, one leaf after another, and behind them the list of large objects.
     pub(crate) straddlers: &'m mut [Straddler],
-    /// A row for each block of slots: see [`histogram_row`](crate::memory::limits::histogram_row). Between two fills, where the movers of
-    /// each leaf end.
+    /// In a fill: a row of counts for each block of slots, see
+    /// [`histogram_row`](crate::memory::limits::histogram_row). Between two fills: where the movers of each leaf end.
     pub(crate) histogram: &'m mut [u32],
 }
 
-/// What the sweeps write to.
+/// The pairs, and all that a sweep writes to.
 pub(crate) struct OutputParts<'m, I> {
-    /// The pairs of swept boxes: see `PairState::swept`.
+    /// The overlaps of swept boxes: see `PairState::swept`.
     pub(crate) pairs: &'m mut [Pair<I>],
-    /// With events: the pairs of the last complete step, in a step with few movers without those parked; after a step, the lost
-    /// ones come first. It and the buffer of pairs change places, so that nothing is copied: see [`PairState::swapped`].
+    /// With events: the pairs of the last complete step, in a step with few movers without the parked ones. After a
+    /// step the lost pairs come first. This buffer and `pairs` change places, so nothing is copied: see
+    /// [`PairState::swapped`].
     pub(crate) previous: &'m mut [Pair<I>],
     pub(crate) segments: Segments<'m>,
-    /// With workers: pairs in the order in which they were found, in chunks.
+    /// With workers: chunks of pairs in the order in which they were found.
     pub(crate) staged: &'m mut [Pair<I>],
-    /// The block, the position and the length of each staged chunk.
+    /// The block, the position and the length of each chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a world that is swept in stripes: the room for that, and where the stripes begin.
+    /// In a world that is swept in stripes: the copies of the boxes, and where the stripes start.
     pub(crate) members: &'m mut [Member],
-    pub(crate) planes: &'m mut [Planes],
+    pub(crate) stripes: &'m mut [StripeStarts],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
 
-/// With events and a tree: which pairs of the last complete result are near which leaves. It has the persisting pairs of each
-/// block of leaves, in order, and then the pairs that were found in each, the last block first.
+/// With events and a tree: the last complete result divided by blocks of leaves. First come the persisting pairs of
+/// each block, in order, then the found pairs of each block, the last block first.
 pub(crate) struct Segments<'m> {
-    /// How many blocks there were, or zero where the pairs are not in this order.
+    /// How many blocks there are; zero if the result is in another order.
     count: &'m mut [u32],
-    /// Where each of these segments ends.
+    /// Where each segment ends.
     pub(crate) ends: &'m mut [u32],
-    /// How many pairs the step has for each block: persisting ones and found ones.
+    /// For each block: how many persisting and found pairs the step has.
     pub(crate) counts: &'m mut [[u32; 2]],
-    /// How many pairs of the two segments of each block are lost.
+    /// For each block: how many pairs of its two segments are lost.
     pub(crate) lost: &'m mut [[u32; 2]],
 }
 
 impl Segments<'_> {
-    /// The blocks that the last complete result is divided by, or zero where it is not.
+    /// The blocks of the last complete result; zero if it is not divided.
     pub(crate) fn blocks(&self) -> usize {
         self.count.first().map_or(0, |count| *count as usize)
     }
@@ -200,7 +201,7 @@ impl Segments<'_> {
         }
     }
 
-    /// The pairs come to stand in another order.
+    /// The pairs get another order.
     pub(crate) fn forget(&mut self) {
         if cfg!(feature = "large") {
             self.set_blocks(0);
@@ -208,7 +209,7 @@ impl Segments<'_> {
     }
 }
 
-/// Cuts sections off a slab.
+/// Cuts sections off the slab.
 struct Carver<'m>(&'m mut [u8]);
 
 impl<'m> Carver<'m> {
@@ -220,7 +221,7 @@ impl<'m> Carver<'m> {
 }
 
 impl<'m, I: Index> Parts<'m, I> {
-    /// Carves a slab that is long enough and aligned. The order is that of [`Sizes::bytes`].
+    /// Carves a slab that is long enough and aligned, in the order of [`Sizes::bytes`].
     fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
         let mut slab = Carver(slab);
         let state: &mut State = slab.take(1)?.first_mut()?;
@@ -256,7 +257,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let (swapped, blocks) = (state.pairs.swapped != 0, sizes.event_blocks);
         let unused = state.step.margins_in > 0;
         let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
-        // A struct's fields are evaluated in the order in which they are written here.
+        // Fields are evaluated in the order in which they are written here.
         let tree = TreeParts {
             records: slab.take(sizes.records)?,
             straddlers: slab.take(sizes.straddlers)?,
@@ -301,14 +302,14 @@ impl<'m, I: Index> Parts<'m, I> {
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
                 members: slab.take(sizes.members)?,
-                planes: slab.take(sizes.striped())?,
+                stripes: slab.take(sizes.striped())?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bucket))?,
             },
             sizes,
         })
     }
 
-    /// The sizes of a world, if there can be one.
+    /// The sizes of a world of this configuration.
     pub(crate) fn sizes(config: &Config) -> Result<Sizes, Error> {
         if let Some(margin) = config.margin {
             margin.check()?;
@@ -331,7 +332,7 @@ impl<'m, I: Index> Parts<'m, I> {
         Ok(parts)
     }
 
-    /// Makes the arrays those of an empty world, in which every slot is as good as new.
+    /// Empties all arrays, so that every slot is as new.
     pub(crate) fn clear(&mut self) {
         self.boxes.now.fill(KeyBox::EMPTY);
         self.boxes.fat.fill(KeyBox::EMPTY);
@@ -339,15 +340,15 @@ impl<'m, I: Index> Parts<'m, I> {
         self.filters.classes.fill(u32::MAX);
         self.generations.fill(0);
         self.former.generations.fill(0);
-        for mut marks in [
+        for mut set in [
             self.moved.reborrow(),
             self.changed.reborrow(),
             self.outdated.reborrow(),
             self.filters.changed.reborrow(),
             self.former.reused.reborrow(),
         ] {
-            marks.words.fill(0);
-            marks.regroup();
+            set.words.fill(0);
+            set.regroup();
         }
         for bits in [&mut *self.active, self.resting, self.listed] {
             bits.fill(0);
@@ -360,14 +361,14 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.leaves.fill(Leaf::default());
         tree.bounds.fill(Record::default());
         tree.nodes.fill(KeyBox::NOTHING);
-        self.output.planes.fill(Planes::default());
+        self.output.stripes.fill(StripeStarts::default());
         self.output.segments.forget();
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);
         }
     }
 
-    /// Finds the world in a slab that holds one.
+    /// Opens the world in a slab.
     pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
         check(slab, size_of::<State>())?;
         let state =
@@ -385,7 +386,7 @@ impl<'m, I: Index> Parts<'m, I> {
         self.state.setup.mode()
     }
 
-    /// Whether steps find overlaps of fat boxes that are no pairs.
+    /// Whether overlaps of fat boxes may not be pairs.
     pub(crate) fn has_surplus(&self) -> bool {
         self.mode() == Mode::Exact && !self.boxes.fat.is_empty() && !self.boxes.tight
     }

@@ -1,20 +1,19 @@
-//! Sets of slots of which few may be in: who they are is found in a time that follows from how many they are, and hardly from
-//! how many slots there are.
+//! Sets of slots. To find the members takes a time that depends on their number, and hardly on the number of slots.
 
 use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::parallel::block_queue::Chunks;
 
-/// Slots in a group: a parallel pass gives each worker whole ones.
+/// Slots in a group. Workers of a pass get whole groups.
 pub(crate) const GROUP: usize = 32 * 32;
-/// Whether there are groups: where all worlds are small they would only take room.
+/// Whether there are groups. In small builds they would only take memory.
 const GROUPED: bool = cfg!(feature = "large");
 
-/// A set of slots, or of some consecutive ones, counted from the first of them.
+/// A set of slots, or of some consecutive slots, counted from the first of them.
 pub(crate) struct SlotSet<'m> {
     /// One bit a slot.
     pub(crate) words: &'m mut [u32],
-    /// One bit for each word, set where bits of the word are: what has none is passed over 1,024 slots at a time.
+    /// One bit for each word, set if the word has bits. So 1,024 slots without members are passed over at once.
     groups: &'m mut [u32],
 }
 
@@ -25,7 +24,7 @@ impl<'m> From<(&'m mut [u32], &'m mut [u32])> for SlotSet<'m> {
 }
 
 impl<'m> SlotSet<'m> {
-    /// The length of the memory for so many slots.
+    /// The words of memory for so many slots.
     pub(crate) const fn len(slots: usize) -> usize {
         bits::words(slots) + if GROUPED { slots.div_ceil(GROUP) } else { 0 }
     }
@@ -35,12 +34,12 @@ impl<'m> SlotSet<'m> {
         memory.split_at_mut_checked(bits::words(slots)).map(Self::from)
     }
 
-    /// The same set, lent.
+    /// The same set, borrowed.
     pub(crate) fn reborrow(&mut self) -> SlotSet<'_> {
         SlotSet { words: self.words, groups: self.groups }
     }
 
-    /// The same set in parts of so many slots, for the workers of a pass: whole groups.
+    /// The same set in parts of so many slots: whole groups.
     pub(crate) fn blocks(&mut self, slots: usize) -> (Chunks<'_, u32>, Chunks<'_, u32>) {
         (Chunks::optional(self.words, slots / 32), Chunks::optional(self.groups, slots / GROUP))
     }
@@ -50,7 +49,7 @@ impl<'m> SlotSet<'m> {
         self.add(slot / 32, 1 << (slot % 32));
     }
 
-    /// Adds slots of one word. Does nothing in a world that does not keep this set.
+    /// Adds slots of one word. Does nothing if the world does not keep this set.
     #[inline(always)]
     pub(crate) fn add(&mut self, word: usize, bits: u32) {
         if let Some(to) = self.words.get_mut(word) {
@@ -74,13 +73,13 @@ impl<'m> SlotSet<'m> {
         }
     }
 
-    /// Takes all slots out, and adds them to another set of as many, if the world keeps that.
+    /// Takes all slots out and adds them to another set, if the world keeps that.
     pub(crate) fn move_to(&mut self, other: &mut SlotSet<'_>) {
         self.for_each_word(|index, word| other.add(index, word));
         self.clear();
     }
 
-    /// Finds the groups anew, where words were written directly.
+    /// Computes the groups, after words were written directly.
     pub(crate) fn regroup(&mut self) {
         self.groups.fill(0);
         for word in 0..self.words.len() {
@@ -88,7 +87,7 @@ impl<'m> SlotSet<'m> {
         }
     }
 
-    /// Calls a function with each word that has set bits and its number, and maybe with others.
+    /// Calls a function with the number and the bits of each word that has some, and maybe of others.
     #[inline(always)]
     pub(crate) fn for_each_word(&self, mut each: impl FnMut(usize, u32)) {
         if !GROUPED {
@@ -123,7 +122,7 @@ impl<'m> SlotSet<'m> {
     }
 
     /// How many slots there are.
-    // A call, since within a step its loop would take registers from the loops around it: 3 % of a step on a Cortex-M4.
+    // Not inline: its loop would take registers from the loops around it, 3 % of a step on a Cortex-M4.
     #[inline(never)]
     pub(crate) fn count(&self) -> u32 {
         let mut count = 0;
@@ -146,29 +145,29 @@ mod tests {
             picks in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>()), 0..99),
         ) {
             let mut memory = vec![0; SlotSet::len(slots)];
-            let mut marks = SlotSet::carve(&mut memory, slots).unwrap();
+            let mut set = SlotSet::carve(&mut memory, slots).unwrap();
             let mut expected = BTreeSet::new();
             for (pick, bits) in picks {
                 let slot = pick.index(slots);
-                marks.set(slot);
-                // None but those that there are.
+                set.set(slot);
+                // Only slots that there are.
                 let first = slot / 32 * 32;
                 let bits = bits & u32::MAX >> 32usize.saturating_sub(slots - first);
-                marks.add(slot / 32, bits);
+                set.add(slot / 32, bits);
                 expected.insert(slot);
                 expected.extend(bits::of_word(bits).map(|bit| first + bit));
             }
             let all: Vec<usize> = expected.iter().copied().collect();
             let mut list = vec![0u32; slots];
-            prop_assert_eq!(marks.slots().collect::<Vec<_>>(), all.clone());
-            prop_assert_eq!(marks.list(&mut list), all.len());
+            prop_assert_eq!(set.slots().collect::<Vec<_>>(), all.clone());
+            prop_assert_eq!(set.list(&mut list), all.len());
             prop_assert!(list.iter().zip(&all).all(|(slot, expected)| slot.at() == *expected));
-            prop_assert_eq!(marks.count() as usize, all.len());
-            let groups = marks.groups.to_vec();
-            marks.groups.fill(u32::MAX);
-            marks.regroup();
-            prop_assert_eq!(&*marks.groups, &groups[..]);
-            marks.clear();
+            prop_assert_eq!(set.count() as usize, all.len());
+            let groups = set.groups.to_vec();
+            set.groups.fill(u32::MAX);
+            set.regroup();
+            prop_assert_eq!(&*set.groups, &groups[..]);
+            set.clear();
             prop_assert!(memory.iter().all(|word| *word == 0));
         }
     }

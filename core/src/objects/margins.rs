@@ -1,6 +1,6 @@
-//! Fat boxes: an object counts as moved when its box leaves the one that was anchored around it (paper, section III.B; erratum
-//! E2). In exact mode margins are left unused for a while where most objects move out of theirs all the time: then they only make
-//! the boxes that are swept larger.
+//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section III.B;
+//! erratum E2). In exact mode margins are left unused for a while if most objects keep leaving theirs, since they
+//! then only make the swept boxes larger.
 
 use crate::access::Access;
 use crate::config::{Margin, Mode};
@@ -9,7 +9,7 @@ use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::Simd;
 
-/// The fat boxes of some consecutive slots; none in a world without margins, or that leaves them unused.
+/// The fat boxes of some consecutive slots; none if there are no margins, or they are left unused.
 pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
     pub(crate) margins: &'o [f32],
@@ -20,31 +20,31 @@ pub(crate) struct FatBoxes<'o> {
 /// What new boxes meant to objects with margins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Motions {
-    /// Whether a box changed inside its fat box, which then stays.
+    /// Whether a box changed inside its fat box, which stays.
     pub(crate) moved_inside_margin: bool,
     /// Boxes that were farther from the last one than the margin.
     pub(crate) outran: u32,
 }
 
 impl FatBoxes<'_> {
-    /// Whether the world has margins.
+    /// Whether there are margins in use.
     #[inline(always)]
     pub(crate) fn exist(&self) -> bool {
         !self.boxes.is_empty()
     }
 
-    /// The box that a result speaks of, of an object whose box as given is known.
+    /// The box of an object whose overlaps a result has; `now` is its box as given.
     #[inline(always)]
     pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
         if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
     }
 
-    /// Anchors the fat box of an object at its box.
+    /// Makes the fat box of an object around its box.
     pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
         self.boxes.put(at, bounds.grown(self.margins.at(at)));
     }
 
-    /// Follows an object with a margin from one box to another one. Returns whether it stays in its fat box.
+    /// Gives an object with a margin another box. Returns whether it stays in its fat box.
     #[inline(always)]
     pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, keys: S::Keys) -> bool {
         let margin = if self.fixed_margins { None } else { Some(self.margins.at(at)) };
@@ -55,7 +55,7 @@ impl FatBoxes<'_> {
         self.stays(at, old, &simd.bounds(keys))
     }
 
-    /// The same without vectors. A call, as it is as long as the rest of an intake.
+    /// The same without vectors. Not inline, as it is as long as the rest of the intake.
     #[inline(never)]
     fn stays(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let fat = KeyBox::of(self.boxes, at);
@@ -64,7 +64,7 @@ impl FatBoxes<'_> {
             self.motions.moved_inside_margin = true;
             return true;
         }
-        // The last box says how fast the object is: a margin around it would not have held this one either.
+        // The last box tells how fast the object is: its margin around that one would not have held this one either.
         let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
         self.motions.outran += u32::from(outran);
         self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
@@ -72,7 +72,7 @@ impl FatBoxes<'_> {
     }
 }
 
-/// Leaves margins unused from now on. Who had one counts as moved. O(slots).
+/// Leaves margins unused from now on. Objects that had one count as moved. O(slots).
 #[cold]
 #[inline(never)]
 pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
@@ -85,7 +85,7 @@ pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
     parts.boxes.tight = true;
 }
 
-/// Uses margins again: objects have one from their next box on. O(slots).
+/// Uses margins again. An object has one from its next box on. O(slots).
 #[cold]
 #[inline(never)]
 pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
@@ -96,16 +96,16 @@ pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
     parts.boxes.tight = false;
 }
 
-/// How many times the smallest side of a box its margin takes it to be large at most: a wide plane needs no wide margin.
+/// The most that the size of a box counts, in multiples of its smallest side: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;
 
-/// The length that a margin means for a box (erratum E2). What is unbounded has no size that it could be a share of.
+/// The length of a margin for a box (erratum E2). An unbounded box counts as size zero.
 pub(crate) fn margin_length(margin: &Margin, bounds: &KeyBox) -> f32 {
     let largest = bounds.largest_extent();
     let mut smallest = f32::MAX;
     for k in 0..3 {
         let side = length(bounds.min[k], bounds.max[k]);
-        // A flat box has a size on its other axes.
+        // The size of a flat box is that on its other axes.
         if side > 0.0 && side < smallest {
             smallest = side;
         }

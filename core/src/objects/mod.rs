@@ -1,4 +1,4 @@
-//! What happens to one object when it comes, gets another box, or goes (paper, section III.B; errata E1 to E6).
+//! Notes what happens to one object: it comes, gets another box, or goes (paper, section III.B; errata E1 to E6).
 
 pub(crate) mod intake;
 pub(crate) mod margins;
@@ -14,7 +14,7 @@ use crate::memory::state::ObjectState;
 use crate::objects::margins::{FatBoxes, Motions};
 use crate::simd::scalar::Scalar;
 
-/// The arrays of some consecutive slots; positions count from the first of them.
+/// The arrays of some consecutive slots. Positions count from the first of them.
 pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
     pub(crate) fat: FatBoxes<'o>,
@@ -26,7 +26,7 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// What all slots' arrays say about one object.
+    /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
         let fat = FatBoxes {
             boxes: if self.boxes.tight { &mut [] } else { self.boxes.fat },
@@ -46,7 +46,7 @@ impl<I: Index> Parts<'_, I> {
 }
 
 impl ObjectState {
-    /// Notes what boxes that came have meant to their objects.
+    /// Notes what new boxes meant to objects with margins.
     pub(crate) fn note(&mut self, motions: Motions) {
         self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
         self.outran = self.outran.saturating_add(motions.outran);
@@ -54,8 +54,8 @@ impl ObjectState {
 }
 
 impl Objects<'_> {
-    /// Keeps the box that the last complete step reported of a slot, for the events of the next one: to be called before anything
-    /// of the slot is replaced. The first call since that step counts.
+    /// Keeps the box that the last complete step reported, for the events of the next one. To be called before
+    /// anything of the slot is replaced; only the first call after that step counts.
     #[inline(always)]
     fn keep(&mut self, at: usize) {
         if let Some(before) = self.before.get_mut(at)
@@ -72,9 +72,9 @@ impl Objects<'_> {
         self.changed.set(at);
     }
 
-    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before: of an object that had the slot since
-    /// the last step nothing is known any more, as its pairs are lost either way.
-    pub(crate) fn enter(&mut self, at: usize, bounds: KeyBox) {
+    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another object had
+    /// the slot in the last step, its pairs are lost in any case.
+    pub(crate) fn insert(&mut self, at: usize, bounds: KeyBox) {
         if let Some(before) = self.before.get_mut(at) {
             *before = KeyBox::EMPTY;
         }
@@ -97,8 +97,8 @@ impl Objects<'_> {
         }
     }
 
-    /// Notes that some objects of a word of the bit sets have other boxes now, and that fat boxes have held some of them. Returns
-    /// the others.
+    /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat boxes.
+    /// Returns the others: those have moved.
     #[inline(always)]
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) -> u32 {
         let moved = changed & !contained;
@@ -108,7 +108,7 @@ impl Objects<'_> {
         moved
     }
 
-    /// Anchors the fat box at the current box anew, as after a move.
+    /// Makes the fat box anew around the box, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
         self.touch(at);
         if self.fat.exist() {
@@ -116,8 +116,8 @@ impl Objects<'_> {
         }
     }
 
-    /// The object goes; `next` is the free slot behind it.
-    pub(crate) fn leave(&mut self, at: usize, next: u32) {
+    /// The object goes. `next` is the next free slot.
+    pub(crate) fn remove(&mut self, at: usize, next: u32) {
         self.touch(at);
         self.now.put(at, KeyBox::free(next));
         if self.fat.exist() {

@@ -1,13 +1,15 @@
-//! Found and lost pairs of a step that sweeps all leaves, block by block, while the boxes are in the cache.
+//! Tells found and lost pairs block by block of leaves, in steps that sweep all leaves, while the boxes are in the
+//! cache.
 //!
-//! What a block of leaves has found is divided at once: persisting pairs go to one end of a buffer and found ones to the other.
-//! Then the pairs that the last complete result has near these leaves are tested against the boxes as they are now. Any
-//! division of that result gives the same pairs; the one by leaves has the boxes at hand.
+//! The pairs of a block of leaves are divided at once: persisting ones go to one end of a buffer, found ones to the
+//! other. Then the pairs that the last complete result has near these leaves are tested against the new boxes. Any
+//! division of that result would give the same events; the division by leaves has the boxes in the cache.
 
 use crate::access::Access;
 use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
+use crate::memory::prefetch::EVENT_BOXES_NEAR;
 use crate::memory::slab::{BoxParts, Parts, Segments};
 use crate::memory::state::{PairState, State};
 use crate::pairs::partition::{Apart, Ended, PartitionBlock, ahead};
@@ -15,16 +17,13 @@ use crate::parallel::block_queue::{BlockQueue, Chunks, Mirrored};
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 
-/// With more boxes than these, those of a leaf are prefetched before its sweep: 0.87 to 0.93 of a step.
-const NEAR: usize = 16 << 10;
-
-/// What tells found and lost pairs.
+/// The boxes that tell found and lost pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Boxes<'b> {
     kernels: Kernels,
-    /// What the step reports.
+    /// The boxes that this step reports.
     pub(crate) now: &'b [KeyBox],
-    /// What the last complete one has reported.
+    /// The boxes that the last complete step reported.
     pub(crate) before: &'b [KeyBox],
     /// Whether slots may have new objects.
     has_inserted: bool,
@@ -36,19 +35,19 @@ impl<'b> Boxes<'b> {
         Self { kernels, now, before, has_inserted: state.objects.has_inserted != 0 }
     }
 
-    /// The boxes that should be asked for before a leaf is swept: none where all of them are near anyway.
+    /// The boxes to prefetch before a leaf is swept; none if the world is so small that all are in the cache.
     pub(crate) fn far(&self) -> [&'b [KeyBox]; 2] {
-        if self.now.len() > NEAR { [self.before, self.now] } else { [&[], &[]] }
+        if self.now.len() > EVENT_BOXES_NEAR { [self.before, self.now] } else { [&[], &[]] }
     }
 
-    /// Divides new pairs: those that persist go to the front of `room`, those that are found to its end, backwards. There is room for
-    /// all of them. Returns how many persist.
+    /// Divides pairs: persisting ones go to the front of `room`, found ones to its end, backwards. `room` holds at
+    /// least all of them. Returns how many persist.
     #[inline]
     pub(crate) fn divide<I: Index>(&self, pairs: &[Pair<I>], room: &mut [Pair<I>]) -> usize {
         self.kernels.run(Divide { pairs, room, before: self.before })
     }
 
-    /// Brings the lost ones of some pairs of the last result to their front and returns how many there are.
+    /// Brings the lost pairs among some pairs of the last result to the front. Returns how many there are.
     fn lost<I: Index>(&self, pairs: &mut [Pair<I>]) -> u32 {
         let Self { kernels, now, before, has_inserted } = *self;
         let count = if has_inserted {
@@ -86,7 +85,7 @@ impl<I: Index> Phase for Divide<'_, I> {
     }
 }
 
-/// Puts a pair where it belongs: behind the persisting ones, or before the `end` that found ones come from.
+/// Puts a pair behind the persisting ones, or before the found ones.
 #[inline(always)]
 fn place<S: Simd, I: Index>(
     simd: S,
@@ -97,16 +96,16 @@ fn place<S: Simd, I: Index>(
     end: &mut usize,
 ) {
     let stays = simd.overlap(KeyBox::of(before, pair[0].at()), KeyBox::of(before, pair[1].at()));
-    // Written to both ends always, so that nothing hangs on a guess of the branch predictor.
+    // Always written to both ends: there is no branch to predict.
     room.put(*persisting, *pair);
     room.put(end.wrapping_sub(1), *pair);
     *persisting += usize::from(stays);
     *end -= usize::from(!stays);
 }
 
-/// Divides the last result among so many blocks of leaves. False where the step cannot tell its events block by block, but has to
-/// look at all pairs in the end: where not all of them are pairs of the result, or where filters may answer differently; and where
-/// more than three of four pairs were new in the last step, since who moves as fast as that has left its leaf.
+/// Divides the last result among so many blocks of leaves. Returns `false` if this step has to look at all pairs in
+/// the end: if not all overlaps are pairs of the result, if filters may answer differently, or if more than three of
+/// four pairs were new in the last step, since objects so fast have left their leaf.
 pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bool {
     let asked = FILTERS && parts.filters.changed.count() > 0;
     let PairState { found, reported, .. } = parts.state.pairs;
@@ -121,7 +120,7 @@ pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bo
         && ends.is_sorted_by(|a, b| a <= b)
         && ends.last() == Some(&(count as u32));
     if !known {
-        // The leaves are others, or the pairs are not in their order.
+        // There were other leaves, or the pairs have another order.
         let shares = 2 * blocks as u64;
         for (end, number) in segments.ends.iter_mut().zip(1..=shares) {
             *end = (count * number).checked_div(shares).unwrap_or_default() as u32;
@@ -131,7 +130,7 @@ pub(crate) fn share_out<I: Index>(parts: &mut Parts<'_, I>, blocks: usize) -> bo
     true
 }
 
-/// The last complete result, and what becomes of it in a step.
+/// The last complete result, divided by blocks of leaves.
 pub(crate) struct Events<'e, I> {
     pub(crate) boxes: Boxes<'e>,
     previous: &'e mut [Pair<I>],
@@ -139,12 +138,12 @@ pub(crate) struct Events<'e, I> {
     ends: &'e [u32],
     counts: &'e mut [[u32; 2]],
     lost: &'e mut [[u32; 2]],
-    /// Whether the lost pairs are at the front of their segments.
+    /// Whether the lost pairs are already at the front of their segments.
     lost_known: bool,
 }
 
 impl<'e, I: Index> Events<'e, I> {
-    /// Of a result that is [shared out](share_out).
+    /// Takes a result that is [divided](share_out).
     pub(crate) fn new(
         boxes: Boxes<'e>,
         previous: &'e mut [Pair<I>],
@@ -156,8 +155,7 @@ impl<'e, I: Index> Events<'e, I> {
         Self { boxes, previous, ends, counts: segments.counts, lost: segments.lost, lost_known: false }
     }
 
-    /// What there is to do for each block of leaves. The second time, if the pairs have to be found once more, the lost ones are
-    /// known.
+    /// The blocks of leaves. If the pairs have to be found a second time, the lost ones are known.
     pub(crate) fn blocks(&mut self) -> Blocks<'_, I> {
         let lost_known = core::mem::replace(&mut self.lost_known, true);
         let Self { boxes, previous, ends, counts, lost, .. } = self;
@@ -166,10 +164,10 @@ impl<'e, I: Index> Events<'e, I> {
     }
 }
 
-/// What belongs to each block of leaves.
+/// The parts of each block: the segments of the last result, and counts.
 type BlockParts<'b, I> = (Mirrored<'b, Pair<I>>, Chunks<'b, [u32; 2]>, Chunks<'b, [u32; 2]>);
 
-/// All blocks of leaves, to be claimed one by one.
+/// The queue of all blocks of leaves.
 pub(crate) struct Blocks<'b, I> {
     boxes: Boxes<'b>,
     queue: BlockQueue<BlockParts<'b, I>>,
@@ -194,7 +192,7 @@ pub(crate) struct Block<'b, I> {
 }
 
 impl<I: Index> Block<'_, I> {
-    /// Notes how many pairs persist and are found, and looks for the lost ones.
+    /// Notes how many pairs persist and are found, and looks for lost ones.
     pub(crate) fn finish(self, counts: [u32; 2]) {
         self.counts.fill(counts);
         if let Some(lost) = self.lost {
@@ -203,15 +201,15 @@ impl<I: Index> Block<'_, I> {
     }
 }
 
-/// After a complete step whose events were told block by block: brings the lost pairs of all blocks together, and notes how its own
-/// result is divided. Returns how many pairs are lost.
+/// After a complete step whose events were told block by block: brings the lost pairs of all blocks together, and
+/// notes how the new result is divided. Returns how many pairs are lost.
 pub(crate) fn conclude<I: Index>(parts: &mut Parts<'_, I>) -> usize {
     let blocks = parts.output.segments.blocks();
     let Segments { ends, counts, lost, .. } = &mut parts.output.segments;
     let previous = &mut *parts.output.previous;
     let (mut start, mut end, mut all_lost) = (0, 0, 0);
     for index in 0..2 * blocks {
-        // The segments of found pairs are in the opposite order.
+        // The segments of found pairs are in descending order.
         let found = usize::from(index >= blocks);
         let block = if found == 0 { index } else { 2 * blocks - 1 - index };
         let count = lost.at(block)[found] as usize;

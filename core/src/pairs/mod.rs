@@ -1,4 +1,4 @@
-//! Pairs on their way from the sweeps to the result: filters, the pairs that stay from step to step, events.
+//! Turns overlaps of swept boxes into the result: filters, pairs that persist from step to step, events.
 
 pub(crate) mod events;
 pub(crate) mod pair_filter;

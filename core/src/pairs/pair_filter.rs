@@ -1,4 +1,4 @@
-//! Asks the filters before a pair is written, so that a pair that is not wanted takes no room.
+//! Asks filters and the caller's rule before a pair is written, so unwanted pairs take no room.
 
 use crate::access::Access;
 use crate::filter::{FILTERS, Filter, Rule, all_meet, meet};
@@ -7,13 +7,13 @@ use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
 use crate::simd::{Phase, Simd};
 
-/// Where pairs go.
+/// Takes pairs.
 pub(crate) trait Sink<I> {
     /// Appends pairs.
     fn take(&mut self, pairs: &mut [Pair<I>]);
 }
 
-/// Decides about pairs of overlapping boxes.
+/// Decides which overlaps are pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct PairFilter<'g> {
     filters: &'g [Filter],
@@ -27,8 +27,9 @@ impl<'g> PairFilter<'g> {
         (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
     }
 
-    /// As [`new`](Self::new), for a step that looks at all objects, whose filters stand in the first `slots`: none where it would let
-    /// every pair through. One look at each object costs less than two at each pair. O(slots).
+    /// As [`new`](Self::new), for a step that looks at all objects: `None` if every pair would pass. To look at each
+    /// object once costs less than to look at two for each pair. The filters of living objects are among the first
+    /// `slots`. O(slots).
     pub(crate) fn if_needed(
         parts: &'g FilterParts<'_>,
         slots: u32,
@@ -55,7 +56,7 @@ impl<'g> PairFilter<'g> {
     }
 }
 
-/// Whether the filters let every pair through.
+/// Whether every pair passes the filters.
 struct AllMeet<'f> {
     filters: &'f [Filter],
     classes: &'f [u32],
@@ -70,7 +71,7 @@ impl Phase for AllMeet<'_> {
     }
 }
 
-/// Passes on the pairs that the filters let through.
+/// Passes on the pairs that the filter lets through.
 pub(crate) struct Filtered<'s, 'g, I> {
     pub(crate) pair_filter: &'s PairFilter<'g>,
     pub(crate) sink: &'s mut dyn Sink<I>,

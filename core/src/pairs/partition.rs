@@ -1,21 +1,18 @@
-//! Divides lists of pairs by what their boxes, or marks, tell.
+//! Divides lists of pairs by a test of their boxes, or of sets of slots.
 
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
+use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK};
+use crate::memory::prefetch::{BOXES_NEAR, PAIRS_AHEAD};
 use crate::pairs::persistent::is_clear_of;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::{Phase, Simd};
 use core::cell::Cell;
 
-/// Blocks that pairs are divided in. Fixed, so that the order does not depend on the number of workers.
-const BLOCKS: usize = 32;
-/// The fewest pairs in a block.
-const PAIRS_PER_BLOCK: usize = 8192;
-
-/// Brings the pairs that the test holds of to the front and returns how many there are: block by block, and then those on
-/// the wrong side of the border change places.
+/// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then pairs
+/// on the wrong side of the border change places.
 pub(crate) fn partition<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
@@ -25,9 +22,9 @@ pub(crate) fn partition<I: Index>(
         return context.kernels.run(PartitionBlock { pairs, test });
     }
     let count = pairs.len();
-    let len = count.div_ceil(BLOCKS).max(PAIRS_PER_BLOCK);
+    let len = count.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = count.div_ceil(len);
-    let mut fronts = [0; BLOCKS];
+    let mut fronts = [0; PAIR_BLOCKS];
     context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
         front.fill(context.kernels.run(PartitionBlock { pairs, test }));
     });
@@ -43,21 +40,16 @@ pub(crate) fn partition<I: Index>(
     border
 }
 
-/// Brings the pairs of a block that the test holds of to its front and returns how many there are.
+/// Divides one block in the same way.
 pub(crate) struct PartitionBlock<'b, I, T> {
     pub(crate) pairs: &'b mut [Pair<I>],
     pub(crate) test: T,
 }
 
-/// How many pairs ahead boxes are prefetched: a pair's boxes are anywhere in memory. 0.91 to 0.97 of a step of 8,000.
-const AHEAD: usize = 12;
-/// Up to this many boxes are in the cache anyway, and are not prefetched.
-const NEAR: usize = 4 << 10;
-
-/// How many pairs ahead the boxes of so many pairs are prefetched; as many as there are, where none is.
+/// How many pairs ahead boxes are prefetched, for so many pairs; all of them if none is prefetched.
 #[inline(always)]
 pub(crate) fn ahead(boxes: &[KeyBox], pairs: usize) -> usize {
-    if cfg!(feature = "large") && boxes.len() > NEAR { AHEAD } else { pairs }
+    if cfg!(feature = "large") && boxes.len() > BOXES_NEAR { PAIRS_AHEAD } else { pairs }
 }
 
 impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
@@ -66,7 +58,7 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, test } = self;
-        // So that those further on can be read while others change.
+        // Cells, so that pairs ahead can be read while others change places.
         let pairs = Cell::from_mut(pairs).as_slice_of_cells();
         let boxes = test.boxes();
         let ahead = ahead(boxes, pairs.len());
@@ -85,9 +77,9 @@ impl<I: Index, T: Test<I>> Phase for PartitionBlock<'_, I, T> {
     }
 }
 
-/// Exchanges a pair with the one at `front` and returns how far the front moves up: one where the test holds of the pair.
-/// Exchanged always, so that nothing waits for a guess of the branch predictor: the pairs from `front` on are those that the
-/// test does not hold of, in any order.
+/// Exchanges a pair with the one at `front` and returns how far the front moves up: one if the pair passes the test.
+/// The exchange is made in any case, so there is no branch to predict: the pairs from `front` on are those that fail,
+/// in any order.
 #[inline(always)]
 fn exchange<S: Simd, I: Index>(
     simd: S,
@@ -103,9 +95,9 @@ fn exchange<S: Simd, I: Index>(
     usize::from(test.holds(simd, &next))
 }
 
-/// Something that is true or false of a pair.
+/// A test of a pair.
 pub(crate) trait Test<I>: Copy + Sync {
-    /// The boxes that it takes to tell, if any.
+    /// The boxes that it looks at, if any.
     fn boxes(&self) -> &[KeyBox] {
         &[]
     }
@@ -113,7 +105,7 @@ pub(crate) trait Test<I>: Copy + Sync {
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
 }
 
-/// The boxes overlap.
+/// Passes if the boxes overlap.
 #[derive(Clone, Copy)]
 pub(crate) struct Overlap<'b>(pub(crate) &'b [KeyBox]);
 
@@ -129,7 +121,7 @@ impl<I: Index> Test<I> for Overlap<'_> {
     }
 }
 
-/// The boxes do not overlap.
+/// Passes if the boxes do not overlap.
 #[derive(Clone, Copy)]
 pub(crate) struct Apart<'b>(pub(crate) &'b [KeyBox]);
 
@@ -145,7 +137,7 @@ impl<I: Index> Test<I> for Apart<'_> {
     }
 }
 
-/// The objects that overlapped are not the same any more, or do not overlap any more.
+/// Passes if the boxes do not overlap now, or did not before: then other objects had the slots.
 #[derive(Clone, Copy)]
 pub(crate) struct Ended<'b> {
     pub(crate) now: &'b [KeyBox],
@@ -164,7 +156,8 @@ impl<I: Index> Test<I> for Ended<'_> {
     }
 }
 
-/// As [`Ended`], or no pair any more for the filters.
+/// As [`Ended`]; passes also if the filters no longer let the pair through: an object is in the set `asked`, and the
+/// pair does not stay.
 #[derive(Clone, Copy)]
 pub(crate) struct Dropped<'b, I> {
     pub(crate) now: &'b [KeyBox],
@@ -187,7 +180,7 @@ impl<I: Index> Test<I> for Dropped<'_, I> {
     }
 }
 
-/// Neither object is marked.
+/// Passes if neither object is in a set.
 #[derive(Clone, Copy)]
 pub(crate) struct ClearOf<'b>(pub(crate) &'b [u32]);
 
@@ -198,7 +191,7 @@ impl<I: Index> Test<I> for ClearOf<'_> {
     }
 }
 
-/// One of the objects is marked.
+/// Passes if an object is in a set.
 #[derive(Clone, Copy)]
 pub(crate) struct Touch<'b>(pub(crate) &'b [u32]);
 
@@ -209,7 +202,7 @@ impl<I: Index> Test<I> for Touch<'_> {
     }
 }
 
-/// The pair is in an ascending list.
+/// Passes if the pair is in an ascending list.
 #[derive(Clone, Copy)]
 pub(crate) struct Among<'b, I>(pub(crate) &'b [Pair<I>]);
 

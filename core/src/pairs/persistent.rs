@@ -1,27 +1,27 @@
-//! Pairs that persist from one step to the next. Those of two resting objects are parked, so that a step with few movers does
-//! not touch them (paper, section III.B; erratum E6).
+//! Keeps pairs from one step to the next. Pairs of two resting objects are parked, so that a step with few movers
+//! does not touch them (paper, section III.B; erratum E6).
 //!
-//! The pairs that are parked stand at the front of the pair buffer. Neither object of such a pair is *active*; as long
-//! as only active objects get other boxes, these pairs stay as they are, and a step deals with the others alone. When
-//! another object gets one, the pairs that are parked are looked through for its own, and it is active until far fewer
-//! objects get other boxes than are active.
+//! Parked pairs are at the front of the pair buffer. Neither object of such a pair is *active*. While only active
+//! objects get other boxes, parked pairs stay, and a step deals with the others alone. When another object gets
+//! another box, it becomes active, and its parked pairs are unparked. When far fewer objects get other boxes than are
+//! active, the others become inactive again.
 //!
-//! With margins, an object that moves inside its fat box is active too, as its exact pairs change. So no object of the parked surplus
-//! is active either.
+//! With margins, an object that moves inside its fat box is active too, since its exact pairs change. So no object of
+//! a parked surplus pair is active either.
 
 use crate::access::{Access, bits};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
 
-/// So many times as many objects may be active as have another box, before the others count as resting again.
+/// This many times as many objects may be active as have another box, before the others become inactive.
 const ACTIVE_FOR_EACH: u32 = 8;
 
-/// Whether any world parks pairs: a small one does not, and a program for a microcontroller has no other.
+/// Whether worlds can park pairs. Small builds have only worlds without a tree, which do not.
 const PARKS: bool = cfg!(feature = "large");
 
-/// For a step that tests only what has moved: brings the pairs that stay to the front of the buffer and returns how many
-/// there are. With events, the others are kept for the comparison.
+/// For a step that tests only moved objects: brings the pairs that stay to the front of the buffer and returns how
+/// many there are. With events, the others are kept to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     if PARKS && !parts.sizes.is_small() && parts.sizes.tree > 0 {
         keep_parked(parts);
@@ -36,20 +36,20 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     let mut kept = parked;
     for index in parked..pairs.len() {
         let pair = pairs.at(index);
-        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        // Always written, kept or not: there is no branch to predict.
         pairs.put(kept, pair);
         kept += usize::from(is_clear_of(moved.words, &pair));
     }
     kept as u64
 }
 
-/// For a step that finds all pairs anew. With events, the last complete result is kept for the comparison: the two buffers change
-/// places.
+/// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the two
+/// buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, output, .. } = parts;
     let result = state.pairs.result();
     if parts.sizes.previous > 0 && state.pairs.complete != 0 {
-        // The surplus in front is dropped: the last pairs of the result take its place.
+        // The surplus in front is dropped. The last pairs of the result take its place.
         if PARKS {
             for at in 0..result.start.min(result.len()) {
                 output.pairs.put(at, output.pairs.at(result.end - 1 - at));
@@ -59,7 +59,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
     } else if PARKS && parts.sizes.previous > 0 {
-        // The others were kept by the step that found no room for all its pairs; these have stayed where they were.
+        // The step that had no room for all its pairs has kept the others. The parked ones are still here.
         let parked = result.start..state.pairs.parked as usize;
         if !parked.is_empty() {
             output.segments.forget();
@@ -74,7 +74,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     state.pairs.active = u32::MAX;
 }
 
-/// With events, the reported pairs that are not parked go to the other buffer.
+/// With events, copies the result without the parked pairs to the other buffer.
 fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.sizes.previous > 0 {
         parts.output.segments.forget();
@@ -85,17 +85,17 @@ fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// Whether neither object of a pair is marked.
+/// Whether neither object of a pair is in a set.
 #[inline(always)]
-pub(crate) fn is_clear_of<I: Index>(marks: &[u32], pair: &Pair<I>) -> bool {
-    !(bits::test(marks, pair[0].at()) | bits::test(marks, pair[1].at()))
+pub(crate) fn is_clear_of<I: Index>(set: &[u32], pair: &Pair<I>) -> bool {
+    !(bits::test(set, pair[0].at()) | bits::test(set, pair[1].at()))
 }
 
-/// Brings the active objects and the parked pairs up to date.
+/// Updates the active objects and the parked pairs.
 fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, moved, changed, active, output, .. } = parts;
-    // A box that has changed inside its fat box may have come apart from others, or together with them. The set of moved objects
-    // does not have it.
+    // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not before,
+    // or no longer.
     let stirring = if changed.words.is_empty() { moved } else { changed };
     let (mut words, mut woken) = (0, 0);
     stirring.for_each_word(|index, word| {
@@ -110,7 +110,7 @@ fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
         }
         division.unpark(active);
     }
-    // There are at least as many as words, and mostly that is enough to know.
+    // Each word has at least one object, which is mostly enough to decide.
     let too_many = |count: u32| state.pairs.active > ACTIVE_FOR_EACH.saturating_mul(count);
     if too_many(words) && too_many(stirring.count()) {
         active.copy_in(stirring.words);
@@ -121,7 +121,7 @@ fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
     (state.pairs.surplus_parked, state.pairs.parked) = (surplus_parked as u32, parked as u32);
 }
 
-/// The pairs in four parts: surplus and result parked, result and surplus not parked.
+/// The pair buffer in four parts: parked surplus, parked result, other result, other surplus.
 struct Division<'p, I> {
     pairs: &'p mut [Pair<I>],
     ends: [usize; 4],
@@ -142,7 +142,7 @@ impl<'p, I: Index> Division<'p, I> {
             if is_clear_of(active, &self.pairs.at(index)) {
                 continue;
             }
-            // The last one of each part in between makes room, and becomes the first one of the next part.
+            // The last pair of each part in between makes room and becomes the first one of the next part.
             let mut at = index;
             let ends = if index < self.ends[0] { &mut self.ends[..3] } else { &mut self.ends[1..2] };
             for end in ends {
@@ -159,7 +159,7 @@ impl<'p, I: Index> Division<'p, I> {
             if !is_clear_of(active, &self.pairs.at(index)) {
                 continue;
             }
-            // The first one of each part in between makes room, and becomes the last one of the part before.
+            // The first pair of each part in between makes room and becomes the last one of the part before.
             let mut at = index;
             let ends = if index < self.ends[2] { &mut self.ends[1..2] } else { &mut self.ends[..3] };
             for end in ends.iter_mut().rev() {
@@ -181,7 +181,7 @@ mod tests {
     #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
     struct Line([u8; 64]);
 
-    /// With margins as without, in a step only the pairs of who has another box are looked at, surplus or not.
+    /// With margins as without: only the pairs of objects with another box are not parked, surplus or not.
     #[test]
     fn pairs_of_all_others_are_set_aside() {
         let plain = Config::new(Capacity::for_objects(1000));
@@ -189,7 +189,7 @@ mod tests {
         for config in [plain, plain.with_events(), margin, margin.with_events()] {
             let mut slab = vec![Line([0; 64]); layout::<u32>(&config).unwrap().bytes / 64];
             let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();
-            // In a row: of two neighbours and two others, the first ones overlap, and the second ones only by their margins.
+            // In a row: of each two neighbours the boxes overlap, or their fat boxes alone, in turn.
             let cube = |x: f32, y: f32| Aabb::new([x, y, 0.0], [x + 1.0, y + 1.0, 1.0]);
             let boxes: Vec<Aabb> =
                 (0..1000u16).map(|k| cube(f32::from(k) + f32::from(k % 2) * -0.1, 0.0)).collect();

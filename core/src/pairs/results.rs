@@ -1,9 +1,8 @@
-//! From overlaps of swept boxes to the result: the exact test, and which pairs are new or gone.
+//! Turns overlaps of swept boxes into the result: the exact test, and which pairs are found and lost.
 //!
-//! A pair is new exactly if its boxes did not overlap when the last complete step reported them, and gone exactly if
-//! it stood in that step's result and does not overlap now. That needs no search: the boxes from then are kept, and an
-//! object that is new or gone has the empty box. A reused slot follows by itself, since the empty box is between
-//! the two objects.
+//! A pair is found exactly if its boxes did not overlap when the last complete step reported them. It is lost exactly
+//! if that step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
+//! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
 use crate::config::Mode;
@@ -15,8 +14,8 @@ use crate::pairs::partition::{Among, Apart, ClearOf, Dropped, Ended, Overlap, To
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// Orders the first `swept` pairs of the buffer, but for those parked: persisting, found, surplus; and finds the lost
-/// ones, unless the sweep has `found` them. Events only where the pairs are complete: a part does not tell what is lost.
+/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones,
+/// unless the sweep has `found` the events. Events need complete pairs: a part does not tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,
@@ -50,7 +49,8 @@ pub(crate) fn sort_out<I: Index>(
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let pairs = pairs.span_mut(0, result);
         persisting = partition(context, pairs, Overlap(before));
-        // What overlapped then and does not now; where slots may have new objects, they did not overlap then.
+        // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not have
+        // overlapped then.
         let asked = &*parts.filters.changed.words;
         let lost = if FILTERS && parts.filters.changed.count() > 0 {
             let staying = staying(context, pairs.span_mut(0, persisting), previous, asked);
@@ -68,7 +68,8 @@ pub(crate) fn sort_out<I: Index>(
     parts.state.pairs.found = (result - persisting) as u64;
 }
 
-/// Brings the boxes of the last complete step up to date, of those who have not changed since: the others have kept theirs.
+/// Brings `before` up to date for objects that have not changed since the last complete step. The others have kept
+/// their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     let mode = parts.state.setup.mode();
     let BoxParts { now, fat, before, .. } = &mut parts.boxes;
@@ -82,8 +83,8 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// Which pairs stay whose boxes overlapped before and do now. Where a filter may answer differently than before, only the
-/// pairs of then can tell: the range of those that they tell stay, in order, behind all the others that stay.
+/// Which pairs stay, of those whose boxes overlapped before and do now. If a filter may answer differently, only the
+/// pairs of then can tell. Returns the range of those that they tell, in order, behind all others that stay.
 fn staying<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],

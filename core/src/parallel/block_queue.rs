@@ -1,7 +1,7 @@
-//! Work that is claimed block by block: the only place where the parallel phases need `unsafe`.
+//! Hands out blocks of work and areas of scratch memory to workers, each to one at a time.
 //!
-//! A claim hands out each block once, as an exclusive slice, to whichever thread asks next. The bounds of
-//! the blocks depend on the item count alone.
+//! Each block is claimed once, as exclusive slices, by whichever worker comes next. The bounds of the blocks follow
+//! from counts alone.
 
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -44,7 +44,7 @@ impl<'a, T> Chunks<'a, T> {
         }
     }
 
-    /// As `new`; but a slice that this world does not have, because it is empty, has any number of empty parts.
+    /// The same of a slice that the world may not have: an empty one has any number of empty parts.
     pub(crate) fn optional(slice: &'a mut [T], chunk: usize) -> Self {
         let absent = slice.is_empty();
         Self { absent, ..Self::new(slice, chunk) }
@@ -74,19 +74,19 @@ unsafe impl<'a, T: Send> Parted for Chunks<'a, T> {
     }
 }
 
-/// A slice in parts of any lengths, taken two by two: the first and the last one, the one after the first and the one before the
-/// last, and so on.
+/// A slice in parts of any lengths, taken two by two: the first and the last one, the second and the last but one,
+/// and so on.
 pub(crate) struct Mirrored<'a, T> {
     start: *mut T,
-    /// Where the parts end, of an even number of parts.
+    /// Where the parts end. Their number is even.
     ends: &'a [u32],
     borrow: PhantomData<&'a mut [T]>,
 }
 
 impl<'a, T> Mirrored<'a, T> {
-    /// Parts that end there. There are none where these are no ends of parts of the slice.
+    /// Parts that end there; no parts if the ends do not fit the slice.
     pub(crate) fn new(slice: &'a mut [T], ends: &'a [u32]) -> Self {
-        // Not `is_sorted`, which has code to panic where it is made small.
+        // Not `is_sorted`, which has a panic in it if it is compiled for size.
         let fit =
             ends.is_sorted_by(|a, b| a <= b) && ends.last().is_none_or(|end| *end as usize <= slice.len());
         Self { start: slice.as_mut_ptr(), ends: if fit { ends } else { &[] }, borrow: PhantomData }
@@ -142,7 +142,7 @@ parted_tuple!(A 0, B 1, C 2);
 parted_tuple!(A 0, B 1, C 2, D 3);
 parted_tuple!(A 0, B 1, C 2, D 3, E 4);
 
-/// Parts that are claimed in ascending order, each once.
+/// A queue of parts, claimed in ascending order, each once.
 pub(crate) struct BlockQueue<P> {
     parts: P,
     count: u32,
@@ -151,7 +151,7 @@ pub(crate) struct BlockQueue<P> {
 
 impl<P: Parted> BlockQueue<P> {
     pub(crate) fn new(parts: P) -> Self {
-        // Callers have far fewer blocks than this; beyond it the rest would never be claimed.
+        // Callers have far fewer blocks than this.
         let count = parts.count().min(u32::MAX as usize / 2) as u32;
         Self { parts, count, next: AtomicU32::new(0) }
     }
@@ -161,12 +161,12 @@ impl<P: Parted> BlockQueue<P> {
         self.count as usize
     }
 
-    /// How many parts have been claimed. Final only after the last job has ended.
+    /// How many parts have been claimed so far.
     pub(crate) fn claimed(&self) -> usize {
         self.next.load(Relaxed).min(self.count) as usize
     }
 
-    /// The next part and its index, or `None` when all are claimed.
+    /// The next part and its index; `None` after the last one.
     pub(crate) fn claim(&self) -> Option<(usize, P::Part)> {
         let index = claim_index(&self.next, self.count)?;
         // SAFETY: `claim_index` returns each index below `count` once.
@@ -174,17 +174,17 @@ impl<P: Parted> BlockQueue<P> {
     }
 }
 
-/// The next index below `count`, each once for every counter. Relaxed order is enough: what a part holds
-/// reaches the thread with the start of its job and the caller with the job's end, by the executor.
+/// The next index below `count`; a counter gives each once. Relaxed order is enough: the executor orders memory at
+/// the start and the end of a job, and so what the parts hold.
 fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
-    // The load keeps late callers from running the counter over its end.
+    // Without this, late callers could overflow the counter.
     let index = next.load(Relaxed);
     if index >= count {
         return None;
     }
     #[cfg(target_has_atomic = "32")]
     let index = next.fetch_add(1, Relaxed);
-    // Without read-modify-write there is no executor but `Serial`: no other thread comes between load and store.
+    // Without atomic addition steps are serial: no other thread comes between load and store.
     #[cfg(not(target_has_atomic = "32"))]
     next.store(index + 1, Relaxed);
     (index < count).then_some(index as usize)
@@ -206,7 +206,7 @@ impl Indices {
     }
 }
 
-/// Up to 32 areas of scratch memory; a job borrows one for as long as it runs.
+/// Up to 32 areas of scratch memory. A call of a job borrows one while it runs.
 pub(crate) struct Pool<'a, T> {
     areas: Chunks<'a, T>,
     busy: AtomicU32,
@@ -223,14 +223,14 @@ impl<'a, T: Send> Pool<'a, T> {
         self.areas.count().min(32)
     }
 
-    /// An area that nobody else uses, or `None` when all are in use: the job then leaves the work to others.
+    /// A free area; `None` if all are in use. The call then leaves the work to others.
     pub(crate) fn borrow(&self) -> Option<Borrowed<'_, 'a, T>> {
         (0..self.count()).find(|&index| self.take(1 << index)).map(|index| Borrowed { pool: self, index })
     }
 
     #[cfg(target_has_atomic = "32")]
     fn take(&self, bit: u32) -> bool {
-        // Acquire: what the last borrower wrote comes before what this one reads.
+        // Acquire: the last borrower's writes come before this one's reads.
         self.busy.fetch_or(bit, core::sync::atomic::Ordering::Acquire) & bit == 0
     }
 
@@ -275,12 +275,12 @@ mod tests {
     #[test]
     fn every_part_is_claimed_once() {
         let (mut a, mut b) = ([0u8; 10], [0u16; 4]);
-        let claims = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
-        while let Some((index, (a, b))) = claims.claim() {
+        let queue = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
+        while let Some((index, (a, b))) = queue.claim() {
             a.fill(index as u8 + 1);
             b.fill(index as u16 + 1);
         }
-        assert!(claims.claim().is_none());
+        assert!(queue.claim().is_none());
         assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
         assert_eq!(b, [1, 2, 3, 4]);
     }
@@ -288,8 +288,8 @@ mod tests {
     #[test]
     fn parts_of_any_lengths_are_taken_two_by_two() {
         let mut items = [0u8; 10];
-        let claims = BlockQueue::new(Mirrored::new(&mut items, &[3, 4, 4, 9]));
-        while let Some((index, [first, second])) = claims.claim() {
+        let queue = BlockQueue::new(Mirrored::new(&mut items, &[3, 4, 4, 9]));
+        while let Some((index, [first, second])) = queue.claim() {
             first.fill(index as u8 + 1);
             second.fill(index as u8 + 5);
         }
@@ -310,16 +310,16 @@ mod tests {
         assert_eq!(pool.borrow().unwrap().area(), [1, 2]);
     }
 
-    /// Small enough for Miri with many seeds; `tests/loom` has all interleavings.
+    /// Small enough for Miri with many seeds. `tests/loom` tries all interleavings.
     #[test]
     fn threads_share_blocks_and_scratch() {
         let (mut items, mut sums) = ([0u32; 23], [0u32; 2]);
-        let claims = BlockQueue::new(Chunks::new(&mut items, 4));
+        let queue = BlockQueue::new(Chunks::new(&mut items, 4));
         let pool = Pool::new(&mut sums, 1);
         let job = || {
-            // More jobs than areas: some leave the work to others.
+            // More calls than areas: some leave the work to others.
             let Some(mut borrowed) = pool.borrow() else { return };
-            while let Some((block, items)) = claims.claim() {
+            while let Some((block, items)) = queue.claim() {
                 items.iter_mut().for_each(|item| *item += block as u32 + 1);
                 borrowed.area()[0] += 1;
             }
@@ -331,7 +331,7 @@ mod tests {
             job();
         });
         job();
-        assert_eq!(claims.claimed(), 6);
+        assert_eq!(queue.claimed(), 6);
         assert!(items.iter().enumerate().all(|(at, &item)| item as usize == at / 4 + 1));
         assert_eq!(sums.iter().sum::<u32>(), 6);
     }

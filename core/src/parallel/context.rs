@@ -1,24 +1,24 @@
-//! What every phase of a step works with.
+//! What all phases of a step are given: kernels, executor, rule, and how many may work.
 
 use super::block_queue::{BlockQueue, Parted};
 use super::executor::{self, Executor};
 use crate::filter::Rule;
 use crate::simd::kernels::Kernels;
 
-/// What the phases of a step work with.
+/// See the module.
 #[derive(Clone, Copy)]
 pub(crate) struct StepContext<'e> {
     pub(crate) kernels: Kernels,
     pub(crate) executor: &'e dyn Executor,
     pub(crate) rule: Option<&'e Rule<'e>>,
-    /// How many may work at once.
+    /// The most workers.
     pub(crate) workers: usize,
-    /// Whether the world is too small to share work.
+    /// Whether the world has no tree, so that nothing is shared.
     pub(crate) small: bool,
 }
 
 impl StepContext<'_> {
-    /// Does the work of each part once, shared between the workers where there are enough parts.
+    /// Works on each part once. Workers share the parts if there are enough.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
         let queue = BlockQueue::new(parts);
         executor::run(self.executor, self.workers, queue.count(), &|| {

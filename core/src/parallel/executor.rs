@@ -5,9 +5,9 @@ use core::cell::Cell;
 /// A job system, as far as a step needs one.
 ///
 /// A step has a few stages, one after another, that can be shared. For each it makes a *job* on its own stack and
-/// lends it to [`fork_join`](Self::fork_join). Every call of the job takes blocks of work, one by one, until none is
-/// left, and then returns; a call that comes when nothing is left returns at once. When `fork_join` is back, the step
-/// calls the job once more itself, so that nothing remains undone whatever the executor did.
+/// lends it to [`fork_join`](Self::fork_join). Each call of the job takes blocks of work, one by one, until none is
+/// left, and returns. A call that comes later returns at once. After `fork_join` the step calls the job once more
+/// itself, so nothing remains undone whatever the executor did.
 ///
 /// # What an executor may do
 /// The result is the same, byte for byte, if the executor
@@ -32,17 +32,19 @@ use core::cell::Cell;
 /// less than 16 KiB of stack. A step never has two jobs at once.
 ///
 /// # When others want the processors
-/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. Beside busy threads of
-/// the same program or of others, an executor that spins and waits can make a step several times slower than one thread.
-/// It never does if it follows these rules, and keeps its gain where processors are free:
-/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take the
-///   other calls back. A thread that sleeps or has not been let run then costs nothing. [`Offer`](crate::Offer) does that.
-/// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job. Then
-///   let others run (`yield_now`), and then sleep, so that a thread that holds a block but no processor gets this one.
-/// - **Work alone after a long wait,** for many times as long as the wait was, and longer each time that it happens again.
-///   Alone means that [`workers`](Self::workers) is 1, or that `fork_join` makes one call.
-/// - **Compare.** Who works on what never changes a byte, so the time of steps may decide: where shared steps are no
-///   faster than those done alone, stay alone, and try again later. [`enter`](Self::enter) tells when steps begin and end.
+/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. Beside other
+/// busy threads an executor that spins and waits can make a step several times slower than one thread. It never does
+/// if it follows these rules, and it keeps its gain where processors are free:
+/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take
+///   the other calls back. A thread that sleeps or has not been let run then costs nothing. [`Offer`](crate::Offer)
+///   does that.
+/// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job.
+///   Then let others run (`yield_now`), and then sleep, so that a thread that holds a block but no processor gets
+///   this one.
+/// - **Work alone after a long wait,** for many times as long as the wait was, and longer each time that it happens
+///   again. To work alone, [`workers`](Self::workers) returns 1, or `fork_join` makes one call.
+/// - **Compare.** Who works on what never changes a byte, so the time of steps may decide. If shared steps are no
+///   faster than steps alone, stay alone and try again later. [`enter`](Self::enter) tells when steps begin and end.
 ///
 /// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
 ///
@@ -72,30 +74,31 @@ use core::cell::Cell;
 /// }
 /// ```
 pub trait Executor {
-    /// How many calls of a job can run at once, the calling thread's own included where it makes one. A hint: below 2
-    /// nothing is shared, and the answer may change from call to call.
+    /// How many calls of a job can run at once, the calling thread's own included if it makes one. A hint: below 2
+    /// nothing is shared. The answer may change from call to call.
     fn workers(&self) -> u32;
 
-    /// Calls `job` `width` times, at once if it can be, and returns when all these calls have returned.
+    /// Calls `job` `width` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `width` is 2 or more, and at most the least of [`workers`](Self::workers), of
-    /// [`Config::workers`](crate::Config::workers) and of the blocks of work. See the trait for what else may be done.
+    /// `width` is at least 2. It is at most the least of [`workers`](Self::workers), of
+    /// [`Config::workers`](crate::Config::workers) and of the number of blocks of work. The trait says what else an
+    /// executor may do.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
 
-    /// A step enters a stage, on the calling thread. For profilers, and for executors that compare the times of steps.
-    /// [`Stage::Done`] ends a step. An executor that wraps another hands it on.
+    /// Called on the calling thread when a step enters a stage; [`Stage::Done`] ends the step. For profilers, and for
+    /// executors that compare the times of steps. An executor that wraps another passes it on.
     fn enter(&self, _stage: Stage) {}
 }
 
-/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path); each is entered once at most,
-/// and the last one always, also where the step ends with an error.
+/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path). It enters each at
+/// most once, and always the last one, also if it ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
-    /// Takes in the bounds array.
+    /// Takes in the caller's boxes.
     Intake,
-    /// Makes planes for all leaves or for the few that are out of balance, or puts the lists in order.
+    /// Makes planes, for all leaves or for those that are out of balance, or sorts the lists.
     Build,
-    /// Brings the moved objects' boxes to their leaves.
+    /// Brings the boxes of moved objects to their leaves.
     Fill,
     /// Finds the overlaps.
     Sweep,
@@ -122,7 +125,7 @@ impl Executor for Serial {
     fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
 }
 
-/// The executor of one step: it learns of each stage once, in order, and gets work only where the step is shared.
+/// The executor of one step. It enters each stage once, in order, and gets work only if the step is shared.
 pub(crate) struct OneStep<'e> {
     executor: &'e dyn Executor,
     shares: bool,
@@ -142,7 +145,7 @@ impl Executor for OneStep<'_> {
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
         self.executor.fork_join(width, job);
     }
-    /// A step that finds that it must do more than it began with goes back: that is part of the stage that it had come to.
+    /// A step may find that it has to do more, and go back. That is part of the stage that it had reached.
     fn enter(&self, stage: Stage) {
         if self.entered.get() < Some(stage) {
             self.entered.set(Some(stage));
@@ -151,11 +154,11 @@ impl Executor for OneStep<'_> {
     }
 }
 
-/// Runs `job` to its end, with help where the executor and the world's scratch allow it and the `blocks` of
-/// work are enough to share.
+/// Runs `job` to its end. Other threads help if the executor, the areas of scratch memory and the blocks of work
+/// allow it.
 pub(crate) fn run(executor: &dyn Executor, scratches: usize, blocks: usize, job: &(dyn Fn() + Sync)) {
     let width = (executor.workers() as usize).min(scratches).min(blocks);
-    // A claim is exclusive only where the counter changes in one piece.
+    // A claim is exclusive only if the counter has atomic addition.
     if cfg!(target_has_atomic = "32") && width > 1 {
         executor.fork_join(width as u32, job);
     }

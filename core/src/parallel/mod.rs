@@ -1,4 +1,5 @@
-//! Work that several threads share: the caller's executor, the blocks that they claim, and the memory that they share.
+//! Shares work between threads: the caller's executor, the blocks that workers claim, the slices that they fill
+//! together.
 
 pub(crate) mod block_queue;
 pub(crate) mod context;

@@ -1,4 +1,4 @@
-//! A job that is offered to threads that live longer than it: the lifetime is taken off its pointer here and nowhere else.
+//! Offers a job to threads that outlive it. Only here the lifetime is taken off a pointer to a job.
 
 use core::cell::UnsafeCell;
 use core::hint::spin_loop;
@@ -9,19 +9,19 @@ use core::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
 /// A job, without its lifetime.
 type Job = *const (dyn Fn() + Sync);
 
-/// A caller has the offer.
+/// Set while a caller holds the offer.
 const HELD: u32 = 1 << 31;
-/// How many more calls may begin: the bits from this one to the one below [`HELD`].
+/// The lowest bit of the seats: how many more calls may begin. They end below [`HELD`].
 const SEAT: u32 = 1 << 16;
 const SEATS: u32 = HELD - SEAT;
-/// How many calls of others have begun and not returned.
+/// The bits that count the calls of others that have begun and not returned.
 const RUNNING: u32 = SEAT - 1;
 
-/// A job that is on offer to threads which come by, for executors: the caller waits only for calls that have begun.
+/// A job on offer to other threads, for executors: the caller waits only for calls that have begun.
 ///
-/// [`lend`](Self::lend) has the calling thread do the job while any thread may [`take part`](Self::take_part). When the
-/// caller finds no work left, the offer ends, and a thread that has not come by then is not waited for. So a thread that
-/// the operating system has not let run costs the step nothing.
+/// [`lend`](Self::lend) calls the job on the calling thread, while any thread may [`take part`](Self::take_part).
+/// When the caller finds no work left, the offer ends. A thread that has not come by then is not waited for, so a
+/// thread that the operating system has not let run costs nothing.
 ///
 /// ```
 /// use trisap_core::{Executor, Offer};
@@ -45,7 +45,7 @@ const RUNNING: u32 = SEAT - 1;
 #[derive(Debug)]
 pub struct Offer {
     state: AtomicU32,
-    /// Written by the caller that holds the offer, before the seats appear; read by those who have taken a seat.
+    /// The caller that holds the offer writes it before there are seats; a thread that has taken a seat reads it.
     job: UnsafeCell<Option<Job>>,
 }
 
@@ -62,15 +62,15 @@ impl Default for Offer {
 }
 
 impl Offer {
-    /// Nothing is on offer.
+    /// An empty offer.
     #[must_use]
     pub fn new() -> Self {
         Self { state: AtomicU32::new(0), job: UnsafeCell::new(None) }
     }
 
-    /// Calls `job` here, while up to `seats` calls may begin on other threads. Returns when all that have begun have
-    /// returned; as long as one has not, it calls `wait` again and again. `false` if the offer is in use by another
-    /// thread: then nothing has been called.
+    /// Calls `job` here, while up to `seats` calls may begin on other threads. Returns when all calls that have begun
+    /// have returned; until then it calls `wait` again and again. Returns `false` if another thread uses the offer:
+    /// then nothing has been called.
     pub fn lend(&self, seats: u32, job: &(dyn Fn() + Sync), mut wait: impl FnMut()) -> bool {
         // Acquire: the calls of the last job have read its pointer before this one is written.
         if self.state.compare_exchange(0, HELD, Acquire, Relaxed).is_err() {
@@ -82,7 +82,7 @@ impl Offer {
         // SAFETY: HELD is ours, there are no seats, and nobody is running.
         unsafe { *self.job.get() = Some(pointer) };
         let held = Held(self);
-        // Release: the pointer, and all that this thread did before, is there for who takes a seat.
+        // Release: a thread that takes a seat sees the pointer, and all that this thread did before.
         self.state.store(HELD | (SEAT * seats.min(SEATS / SEAT)), Release);
         job();
         held.close();
@@ -92,7 +92,7 @@ impl Offer {
         true
     }
 
-    /// Makes one call of the job that is on offer. `false` if there is none, or no seat is left.
+    /// Makes one call of the job on offer. Returns `false` if there is none, or no seat is left.
     pub fn take_part(&self) -> bool {
         let mut state = self.state.load(Relaxed);
         loop {
@@ -118,16 +118,16 @@ impl Offer {
     /// How many calls of other threads have begun and not returned.
     #[must_use]
     pub fn running(&self) -> u32 {
-        // Acquire: what a call has done is seen by who finds that it has returned.
+        // Acquire: a thread that sees that a call has returned also sees what it did.
         self.state.load(Acquire) & RUNNING
     }
 }
 
-/// The caller's hold of the offer.
+/// The caller's hold on the offer.
 struct Held<'o>(&'o Offer);
 
 impl Held<'_> {
-    /// No call begins from here on.
+    /// Lets no more calls begin.
     fn close(&self) {
         self.0.state.fetch_and(!SEATS, AcqRel);
     }
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn no_more_come_than_there_are_seats() {
         let (offer, calls) = (Offer::new(), AtomicU32::new(0));
-        // A call inside of the job is one of another thread as far as the offer knows.
+        // A call from inside the job counts as one of another thread.
         let job = || {
             if calls.fetch_add(1, Relaxed) == 0 {
                 assert!(offer.take_part() && offer.take_part() && !offer.take_part());

@@ -1,14 +1,14 @@
-//! Slices that several workers fill at positions that only the data tells.
+//! Slices that several workers fill at positions that depend on the data.
 //!
-//! Stores are relaxed atomics: plain moves on every target, and a race, were there one, would be a wrong
-//! result that the tests see, never undefined behaviour.
+//! Stores are relaxed atomics: plain moves on every target. So a race would give a wrong result, which tests see, but
+//! never undefined behaviour.
 
 use crate::access::note_fault;
 use bytemuck::Pod;
 use core::marker::PhantomData;
 use core::sync::atomic::Ordering::Relaxed;
 
-// Elsewhere such an atomic may ask for a wider boundary than the integer.
+// On other targets such an atomic may need a wider alignment than the integer.
 #[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
 type Word = (u64, core::sync::atomic::AtomicU64);
 #[cfg(not(all(target_has_atomic = "64", target_pointer_width = "64")))]
@@ -26,7 +26,7 @@ impl<P, A> Pieces for (P, A) {
     type Atomic = A;
 }
 
-/// A slice of `T` that can be written through a shared reference.
+/// A slice of `T` that is written through a shared reference.
 pub(crate) struct Shared<'a, T> {
     words: &'a [Atomic],
     item: PhantomData<T>,
@@ -46,7 +46,7 @@ impl<'a, T: Pod> Shared<'a, T> {
         size_of::<T>() / size_of::<Plain>()
     };
 
-    /// Empty where the slice is not aligned to words, which the slab's layout rules out.
+    /// Shares a slice. If it were not aligned to words, it would be empty; the layout of the slab rules that out.
     pub(crate) fn new(slice: &'a mut [T]) -> Self {
         let words = bytemuck::try_cast_slice_mut::<T, Plain>(slice).unwrap_or_default();
         // SAFETY: the atomic has the size and bit validity of the integer; its alignment is checked below; the
@@ -56,7 +56,7 @@ impl<'a, T: Pod> Shared<'a, T> {
         Self { words, item: PhantomData }
     }
 
-    /// Writes item `index`; positions beyond the slice are dropped.
+    /// Writes item `index`. Does nothing beyond the slice.
     #[inline(always)]
     pub(crate) fn store(&self, index: usize, item: &T) {
         let start = index * Self::WORDS;

@@ -4,14 +4,10 @@ use super::{Cast, Hit, Region};
 use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
+use crate::memory::limits::{QUERIES_PER_BLOCK, QUERY_WORKERS};
 use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor};
 use crate::world::World;
-
-/// Queries that a worker takes at a time.
-const BLOCK: usize = 32;
-/// Workers at most: queries need no scratch memory.
-const WORKERS: usize = 32;
 
 /// A condition that all workers may ask.
 type Shared<'c> = &'c (dyn Fn(Id) -> bool + Sync);
@@ -58,10 +54,10 @@ impl<I: Index> World<'_, I> {
         let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
         let out = out.get_mut(..casts.len()).ok_or(short)?;
         check(casts, Cast::is_valid)?;
-        let claims = BlockQueue::new(Chunks::new(out, BLOCK));
-        executor::run(executor, WORKERS, casts.len().div_ceil(BLOCK), &|| {
-            while let Some((block, out)) = claims.claim() {
-                for (cast, out) in casts.span(block * BLOCK, out.len()).iter().zip(out) {
+        let queue = BlockQueue::new(Chunks::new(out, QUERIES_PER_BLOCK));
+        executor::run(executor, QUERY_WORKERS, casts.len().div_ceil(QUERIES_PER_BLOCK), &|| {
+            while let Some((block, out)) = queue.claim() {
+                for (cast, out) in casts.span(block * QUERIES_PER_BLOCK, out.len()).iter().zip(out) {
                     let first = match condition {
                         Some(condition) => self.first_hit_of(cast, condition as &dyn Fn(Id) -> bool),
                         None => self.first_hit(cast),
@@ -105,20 +101,20 @@ impl<I: Index> World<'_, I> {
         let counts = counts.get_mut(..regions.len()).ok_or(short)?;
         check(regions, Region::is_valid)?;
         let share = out.len() / regions.len().max(1);
-        let claims = BlockQueue::new((
-            Chunks::optional(out.span_mut(0, share * regions.len()), BLOCK * share),
-            Chunks::new(counts, BLOCK),
+        let queue = BlockQueue::new((
+            Chunks::optional(out.span_mut(0, share * regions.len()), QUERIES_PER_BLOCK * share),
+            Chunks::new(counts, QUERIES_PER_BLOCK),
         ));
-        executor::run(executor, WORKERS, regions.len().div_ceil(BLOCK), &|| {
-            while let Some((block, (out, counts))) = claims.claim() {
+        executor::run(executor, QUERY_WORKERS, regions.len().div_ceil(QUERIES_PER_BLOCK), &|| {
+            while let Some((block, (out, counts))) = queue.claim() {
                 for (at, count) in counts.iter_mut().enumerate() {
-                    let Some(region) = regions.get(block * BLOCK + at) else { continue };
+                    let Some(region) = regions.get(block * QUERIES_PER_BLOCK + at) else { continue };
                     let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    let told = match condition {
+                    let answered = match condition {
                         Some(condition) => self.overlaps_of(region, out, condition as &dyn Fn(Id) -> bool),
                         None => self.overlaps(region, out),
                     };
-                    *count = match told {
+                    *count = match answered {
                         Ok(count) => count as u32,
                         Err(Error::OutputFull { needed, .. }) => needed as u32,
                         // The regions are valid.

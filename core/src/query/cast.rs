@@ -7,6 +7,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
 use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
+use crate::memory::prefetch::CAST_ANSWERS;
 use crate::simd::{EIGHT, Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::{Probe, Visit};
@@ -199,9 +200,6 @@ impl Probe for Along<'_> {
     }
 }
 
-/// Boxes that are asked for before the first of them is looked at: they are anywhere in memory.
-const TOGETHER: usize = 16;
-
 struct Hits<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     cast: &'q Cast,
@@ -223,7 +221,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
             prefetch_parts(simd, parts, home);
         }
         let line = Line::new(&cast.start, cast.direction, cast.distance);
-        let mut search = Search { world, far: line.distance, line, visit, slots: [0; TOGETHER] };
+        let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
         // The large ones first: they are often hit, and what is behind them need not be looked at.
         if world.has_others() {
             for slot in world.others() {
@@ -279,7 +277,7 @@ struct Search<'q, 'm, I: Index> {
     far: f64,
     visit: &'q mut dyn FnMut(Hit) -> f64,
     /// Objects that it may touch.
-    slots: [u32; TOGETHER],
+    slots: [u32; CAST_ANSWERS],
 }
 
 impl<I: Index> Search<'_, '_, I> {
@@ -325,7 +323,7 @@ impl<I: Index> Search<'_, '_, I> {
                     simd.prefetch(parts.generations, slot as usize);
                     self.slots.put(count, slot);
                     count += 1;
-                    if count == TOGETHER {
+                    if count == CAST_ANSWERS {
                         self.look(simd, count);
                         count = 0;
                     }

@@ -23,6 +23,7 @@ use crate::access::{Access, bits};
 use crate::geometry::aabb::narrowed;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
+use crate::memory::prefetch::RECORDS_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd, limit};
 use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
@@ -71,9 +72,6 @@ impl<I: Index> World<'_, I> {
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
-
-/// Records that are asked for ahead.
-const AHEAD: usize = 48;
 
 /// The current members of a leaf whose records touch that of a region.
 ///
@@ -150,7 +148,7 @@ fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize
 /// Asks for the first members of a leaf; the processor sees for itself that the others follow.
 #[inline(always)]
 fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
-    simd.prefetch_from::<AHEAD, _>(parts.tree.records, parts.tree.leaves.at(leaf).start as usize);
+    simd.prefetch_from::<RECORDS_AHEAD, _>(parts.tree.records, parts.tree.leaves.at(leaf).start as usize);
 }
 
 /// The key of the greatest `f32` that is not above a number.

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
 use crate::geometry::key::{KeyBox, value};
 use crate::id::{Id, Index};
+use crate::memory::prefetch::{REGION_ANSWERS, REGION_LEAVES};
 use crate::simd::{Phase, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
@@ -156,10 +157,6 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Leaves of full steps, and answers, that are asked for before the first of them is looked at: they are anywhere in memory.
-const WHOLES: usize = 2;
-const TOGETHER: usize = 8;
-
 struct Overlaps<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     region: &'q Region,
@@ -179,15 +176,15 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
             let (depth, sub_levels) = (parts.state.tree.depth, parts.state.tree.sub_levels());
             let home = leaf_of(tree.planes, depth, &bounds.min);
             let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
-            let mut wholes = [0; WHOLES];
+            let mut wholes = [0; REGION_LEAVES];
             let mut near = Near {
                 world,
                 region,
                 bounds,
-                records: [Record::NOTHING; WHOLES],
-                leaves: [(0, 0); WHOLES * SUB_LEAVES],
+                records: [Record::NOTHING; REGION_LEAVES],
+                leaves: [(0, 0); REGION_LEAVES * SUB_LEAVES],
                 leaf_count: 0,
-                slots: [(0, false); TOGETHER],
+                slots: [(0, false); REGION_ANSWERS],
                 slot_count: 0,
             };
             loop {
@@ -212,7 +209,7 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
                 if near.scan(simd, visit) {
                     return;
                 }
-                if count < WHOLES {
+                if count < REGION_LEAVES {
                     break;
                 }
             }
@@ -236,12 +233,12 @@ struct Near<'n, 'm, I: Index> {
     region: &'n Region,
     bounds: KeyBox,
     /// The region in the frames of the leaves of the last full step.
-    records: [Record; WHOLES],
+    records: [Record; REGION_LEAVES],
     /// A leaf, and which of these is its frame.
-    leaves: [(u32, u32); WHOLES * SUB_LEAVES],
+    leaves: [(u32, u32); REGION_LEAVES * SUB_LEAVES],
     leaf_count: usize,
     /// A slot, and whether the object overlaps the region for certain.
-    slots: [(usize, bool); TOGETHER],
+    slots: [(usize, bool); REGION_ANSWERS],
     slot_count: usize,
 }
 
@@ -267,7 +264,7 @@ impl<I: Index> Near<'_, '_, I> {
                 simd.prefetch(parts.generations, slot);
                 self.slots.put(self.slot_count, (slot, certain));
                 self.slot_count += 1;
-                if self.slot_count == TOGETHER && self.flush(simd, visit) {
+                if self.slot_count == REGION_ANSWERS && self.flush(simd, visit) {
                     return true;
                 }
             }

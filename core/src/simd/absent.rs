@@ -1,8 +1,8 @@
-//! The level of 128-bit vectors where the target has none: no value of it exists, so that it costs nothing.
+//! Stands in for 128-bit vectors on targets without them. No value of the level exists, so it costs nothing.
 
 use super::Phase;
 
-/// No CPU of the target has it.
+/// A level that no CPU of the target has.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Level {}
 

@@ -1,7 +1,7 @@
-//! Compares the operations of a level with the scalar ones on random operands, half of which are made to meet.
+//! Compares the operations of a level with the scalar ones, on random operands of which half are made to touch.
 //!
-//! The steps of a world reach the same operations, but not all of their corners. It is a function of the crate under a
-//! feature, not a test alone, so that it can run in an emulator without std: see `tests/emulated`.
+//! Steps of worlds run the same operations, but do not reach all of their corners. It is a function of the crate
+//! under a feature, so that it can also run in an emulator without std: see `tests/emulated`.
 
 use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::{Aabb, Four};
@@ -13,8 +13,7 @@ use crate::query::Cast;
 use crate::simd::kernels::Kernels;
 
 impl Kernels {
-    /// Tells the operations that give something else than the scalar ones, once for each time in so many rounds of random
-    /// operands.
+    /// Names the operations whose result differs from the scalar one, once for each time in so many rounds.
     #[doc(hidden)]
     pub fn disagreements(self, seed: u64, rounds: u32, tell: &mut dyn FnMut(&'static str)) {
         self.run_wide(Rounds { random: Random(seed), rounds, tell });
@@ -64,7 +63,7 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let encode = |[min, max]: &[[u8; 12]; 2]| Scalar.encode(min, max);
     let frame = random.frame();
     let tag = random.bits() as u32;
-    // Near to what decides, or not.
+    // Close to where the answer changes, or not.
     let near = 0.25 * (value(a.max[1]) - value(b.max[1])).abs();
     let margin = [None, Some(near), Some(1.0)][random.below(3)];
     let suits = a.contains(&b) && margin.is_none_or(|margin| !a.dwarfs(&b, margin));
@@ -77,7 +76,7 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
         ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
         ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
-        // Not all levels can tell.
+        // Some levels always say no.
         ("suits", !simd.suits(&a, other, margin) || suits),
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
@@ -129,7 +128,7 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let least = Scalar.query(axis, &record);
     let mut rows = [Row::default(); WINDOW];
     for row in &mut rows {
-        // At least the query's, but for a byte of every second row or so.
+        // At least the query's; in about every second row one byte is less.
         *row = least.map(|byte| byte + random.below(256 - usize::from(byte)) as u8);
         let k = random.below(4);
         row[k] = row[k].min(least[k]).saturating_sub(random.below(2) as u8);
@@ -217,12 +216,12 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let times = |times: [f32; EIGHT]| times.map(f32::to_bits);
     let met = times(simd.met(&records, &crossing)) == times(Scalar.met(&records, &crossing));
     let nodes = [(); 2].map(|()| if random.below(8) == 0 { KeyBox::NOTHING } else { random.bounds() });
-    let has_inserted = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
-    let enter = has_inserted == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let entered = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
+    let enter = entered == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
     let mut numbers = [[(); EIGHT].map(|()| random.below(8) as u32 * 0x2000_0000); 2];
     let [taken, expected] = &mut numbers;
     let pop_min = simd.pop_min(taken) == Scalar.pop_min(expected) && taken == expected;
-    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("take_least", pop_min)]);
+    rounds.check([("crossed", crossed), ("met", met), ("enter", enter), ("pop_min", pop_min)]);
 }
 
 /// SplitMix64.
@@ -241,7 +240,7 @@ impl Random {
         (self.bits() % end as u64) as usize
     }
 
-    /// Any float, with more of those that are particular.
+    /// Any float; special ones come more often.
     fn float(&mut self) -> f32 {
         let particular =
             [0.0, -0.0, 1.0, -1.0, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::from_bits(1), f32::NAN];

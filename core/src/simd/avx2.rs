@@ -12,18 +12,18 @@ use crate::geometry::record::{Frame, GRID_MAX, Record};
 use crate::id::{Index, Pair};
 use core::arch::x86_64::*;
 
-/// One bit for each of 32 rows. A plain function, since a closure would not share the instruction set of its function.
+/// One bit for each of 32 rows. A plain function: a closure would not have the instruction set of its function.
 #[inline(always)]
 fn half(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
     // SAFETY: the token proves AVX2; each load reads eight rows.
     unsafe {
-        // What the query's bytes exceed a row's by: nothing where none does.
+        // How much the query's bytes exceed a row's: zero where none does.
         let a = _mm256_subs_epu8(query, _mm256_loadu_si256(a.as_ptr().cast()));
         let b = _mm256_subs_epu8(query, _mm256_loadu_si256(b.as_ptr().cast()));
         let c = _mm256_subs_epu8(query, _mm256_loadu_si256(c.as_ptr().cast()));
         let d = _mm256_subs_epu8(query, _mm256_loadu_si256(d.as_ptr().cast()));
-        // A byte for each row: saturation leaves nothing but zero zero. The halves of the vectors are packed apart: put
-        // groups of four back in order.
+        // A byte for each row, zero where all four are: saturation keeps every other number above zero. The packing
+        // interleaves the halves of the vectors, so groups of four are put back in order.
         let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
         let inside = _mm256_cmpeq_epi8(bytes, _mm256_setzero_si256());
         let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
@@ -31,7 +31,7 @@ fn half(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
     }
 }
 
-/// The high bytes of four lanes. A plain function for the same reason.
+/// The places of the high bytes of four lanes. A plain function for the same reason.
 #[inline(always)]
 fn high_bytes(_: Avx2, lanes: [usize; 4]) -> __m128i {
     let [a, b, c, d] = [2 * lanes[0] + 1, 2 * lanes[1] + 1, 2 * lanes[2] + 1, 2 * lanes[3] + 1];
@@ -50,7 +50,7 @@ fn values(_: Avx2, keys: __m128i) -> __m256d {
         let sign = _mm_and_si128(keys, _mm_set1_epi32(i32::MIN));
         let magnitude = _mm_abs_epi32(keys);
         let normal = _mm256_cvtps_pd(_mm_castsi128_ps(_mm_or_si128(magnitude, sign)));
-        // The keys of denormals are multiples of the least one: a conversion of floats might flush them to zero.
+        // The key of a denormal counts the least one. A conversion of floats might flush it to zero.
         let denormal = _mm256_mul_pd(_mm256_cvtepi32_pd(keys), _mm256_set1_pd(LEAST_DENORMAL));
         let is_denormal = _mm_cmpgt_epi32(_mm_set1_epi32(f32::MIN_POSITIVE.to_bits() as i32), magnitude);
         let is_denormal = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(is_denormal));
@@ -75,15 +75,16 @@ fn twice(_: Avx2, numbers: &[f32; 4]) -> __m256 {
     unsafe { _mm256_broadcast_ps(&bytemuck::cast(*numbers)) }
 }
 
-/// When a cast comes to some records' boxes, and all ones for those that it may touch; the even records in the lower half. A
-/// plain function, as [`twice`] is.
+/// When a cast enters the boxes of eight records, and a mask of those that it may touch. Even records come in the
+/// lower half. A plain function for the same reason.
 #[inline(always)]
 fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m256) {
     let [a, b, c, d]: [__m256i; 4] = bytemuck::cast(*records);
     // SAFETY: the token proves AVX2.
     unsafe {
         let order = _mm256_broadcastsi128_si256(bytemuck::cast(crossing.order));
-        // The lanes of two records side by side, then those of four: two lanes in each vector, of even records in the lower half.
+        // The lanes of two records side by side, then those of four: each vector has two lanes, of the even records
+        // in its lower half.
         let (a, b) = (_mm256_shuffle_epi8(a, order), _mm256_shuffle_epi8(b, order));
         let (c, d) = (_mm256_shuffle_epi8(c, order), _mm256_shuffle_epi8(d, order));
         let (ab, cd) = (_mm256_unpacklo_epi16(a, b), _mm256_unpacklo_epi16(c, d));
@@ -91,7 +92,7 @@ fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m2
         let third = _mm256_unpacklo_epi32(_mm256_unpackhi_epi16(a, b), _mm256_unpackhi_epi16(c, d));
         let mut times = [_mm256_setzero_ps(); 6];
         for (pair, lanes) in [first, second, third].into_iter().enumerate() {
-            // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+            // A float that has the lane as its lower half; NaN for a lane of zero.
             let zero = _mm256_cmpeq_epi16(lanes, _mm256_setzero_si256());
             let upper = _mm256_or_si256(zero, _mm256_set1_epi16(0x4b00));
             for (lane, x) in [
@@ -111,7 +112,7 @@ fn met(_: Avx2, records: &[Record; EIGHT], crossing: &Crossing) -> (__m256, __m2
     }
 }
 
-/// Bits for eight records in their order, by bits of which those of the even records come in the lower half.
+/// Bits of eight records in order, by a mask that has those of the even records in its lower half.
 const IN_ORDER: [u8; 256] = {
     let mut table = [0; 256];
     let mut mask = 0;
@@ -197,7 +198,7 @@ impl Simd for Avx2 {
         // SAFETY: `self` proves AVX2.
         unsafe {
             let across = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 0, 1, 2, 6, 7));
-            // The minima of both, and what they must not be above: the maxima of the other.
+            // The minima of both boxes, and the maxima of the other box, which they must not exceed.
             let minima = _mm256_blend_epi32::<0b111000>(a, across);
             let maxima = _mm256_blend_epi32::<0b111000>(across, a);
             let apart = _mm256_cmpgt_epi32(minima, maxima);
@@ -207,7 +208,8 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn prefetch<T>(self, items: &[T], index: usize) {
-        // SAFETY: `self` proves AVX2, which includes SSE. Nothing can be told from a prefetch, wherever it points to.
+        // SAFETY: `self` proves AVX2, which includes SSE. A prefetch has no effect on the program, wherever it
+        // points.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
     }
 
@@ -306,7 +308,7 @@ impl Simd for Avx2 {
         let (a, b): (__m128i, __m128i) = (bytemuck::cast(*a), bytemuck::cast(*b));
         // SAFETY: `self` proves AVX2, which includes SSE4.1.
         unsafe {
-            // Change the halves of b's six lanes and complement them: its maxima, then its complemented minima.
+            // Swap the halves of b's six lanes and complement them: its maxima, then its complemented minima.
             let limit = _mm_xor_si128(_mm_shuffle_epi8(b, bytemuck::cast(HALVES)), _mm_set1_epi8(-1));
             let zero = _mm_setzero_si128();
             let inside = _mm_cmpeq_epi16(_mm_subs_epu16(a, limit), zero);
@@ -378,7 +380,7 @@ impl Simd for Avx2 {
             // NaN falls to the second operand.
             let from = _mm256_max_ps(_mm256_mul_ps(first, twice(self, &walk.come)), _mm256_setzero_ps());
             let to = _mm256_min_ps(_mm256_mul_ps(last, twice(self, &walk.leave)), _mm256_set1_ps(until));
-            // The first lane of each half takes the second one, and the third one.
+            // The first lane of each half also takes the second and the third one.
             let two = _mm256_max_ps(from, _mm256_permute_ps::<0b01>(from));
             let from = _mm256_max_ps(two, _mm256_permute_ps::<0b10>(from));
             let two = _mm256_min_ps(to, _mm256_permute_ps::<0b01>(to));

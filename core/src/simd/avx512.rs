@@ -1,5 +1,5 @@
-//! 512-bit integers of x86-64: F, BW, DQ and VL, as Skylake-X, Zen 4 and later have them. What they would not make
-//! shorter is left to [`Avx2`]: operations here, and whole phases where [`Kernels`](crate::Kernels) chooses.
+//! 512-bit integers of x86-64, parts F, BW, DQ and VL: Skylake-X, Zen 4 and later. Operations that they do not make
+//! shorter are those of [`Avx2`], and [`Kernels`](crate::Kernels) gives AVX2 whole phases.
 
 use super::detect::Avx2;
 use super::{Contact, EIGHT, HALF, Phase, Row, Simd, Tested, WINDOW};
@@ -13,8 +13,8 @@ use core::arch::x86_64::*;
 cpufeatures::new!(detected, "avx512f", "avx512bw", "avx512dq", "avx512vl");
 cpufeatures::new!(second_generation, "avx512vbmi2");
 
-/// Proof that the CPU has these parts of AVX-512 and what [`Avx2`] proves, and that the operating system keeps the wide
-/// registers and the masks.
+/// Proof that the CPU has these parts of AVX-512 and what [`Avx2`] proves, and that the operating system saves the
+/// wide registers and the masks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(Avx2);
 
@@ -24,8 +24,8 @@ impl Avx512 {
         if detected::get() { Avx2::detect().map(Self) } else { None }
     }
 
-    /// Whether the CPU is of the second generation or later: Ice Lake, Zen 4. The first one, up to Cascade Lake, slows down its
-    /// clock for the wide registers, and a step takes longer with them than without.
+    /// Whether the CPU is of the second generation or later: Ice Lake, Zen 4. The first one, up to Cascade Lake,
+    /// lowers its clock for the wide registers, and a step with them takes longer.
     pub(crate) fn pays() -> bool {
         second_generation::get()
     }
@@ -36,12 +36,12 @@ impl Avx512 {
     }
 }
 
-/// One bit for each of 16 rows. A plain function, since a closure would not share the instruction set of its function.
+/// One bit for each of 16 rows. A plain function: a closure would not have the instruction set of its function.
 #[inline(always)]
 fn quarter(_: Avx512, rows: &[u8; 64], query: __m512i) -> __mmask16 {
     // SAFETY: the token proves AVX-512 BW; the load reads the 64 bytes.
     unsafe {
-        // What the query's bytes exceed a row's by: nothing where none does.
+        // How much the query's bytes exceed a row's: zero where none does.
         let excess = _mm512_subs_epu8(query, _mm512_loadu_si512(rows.as_ptr().cast()));
         _mm512_testn_epi32_mask(excess, excess)
     }

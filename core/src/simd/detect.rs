@@ -1,8 +1,8 @@
-//! What the CPU has. A value is the proof that it was asked.
+//! Asks the CPU for AVX2. A value is the proof that it was asked.
 
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
 
-/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system keeps the wide registers.
+/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system saves the wide registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(pub(super) ());
 

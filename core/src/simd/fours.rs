@@ -1,4 +1,4 @@
-//! Four tests of two records each at a time, with 256-bit integers of x86-64.
+//! Tests four candidates at a time, with 256-bit integers of x86-64.
 
 use super::Tested;
 use super::detect::Avx2;
@@ -6,10 +6,11 @@ use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use core::arch::x86_64::*;
 
-/// The bytes of a record with the halves of its six lanes changed, and its tag.
+/// The bytes of a record with the halves of its six lanes swapped, and its tag.
 pub(super) const HALVES: [i8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 12, 13, 14, 15];
 
-/// For each mask of pairs 0, 2, 1 and 3: where the first halves of those that it keeps stand, in the order of the pairs.
+/// For each mask of pairs 0, 2, 1 and 3: the places of the first halves of those that it keeps, in the order of the
+/// pairs.
 const KEPT: [[u32; 4]; 16] = {
     let mut table = [[0; 4]; 16];
     let mut mask = 0;
@@ -98,7 +99,7 @@ pub(super) fn four<I: Index>(
     }
 }
 
-/// The same for four candidates. `None` too where a position is not in the slice.
+/// The same for four candidates. Also `None` if a position is not in the slice.
 #[inline(always)]
 fn any_four<I: Index>(
     simd: Avx2,
@@ -133,7 +134,8 @@ unsafe fn pick(_: Avx2, records: &[Record], a: u32, b: u32) -> __m256i {
     unsafe { _mm256_loadu2_m128i(start.add(b as usize), start.add(a as usize)) }
 }
 
-/// What the lanes of another record must not exceed for it to touch, and the tag as it is: of two records.
+/// The limits of two records: what the lanes of another record must not exceed to touch them; and the tags as they
+/// are.
 #[inline(always)]
 fn limit(_: Avx2, records: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
@@ -143,8 +145,8 @@ fn limit(_: Avx2, records: __m256i) -> __m256i {
     }
 }
 
-/// What of two records exceeds the limits of two others, and the marks that they share: zero in both halves if nothing holds
-/// them apart.
+/// By how much two records exceed the limits of two others, and the marks that they share: zero in both halves of a
+/// pair that is reported here.
 #[inline(always)]
 fn excess(_: Avx2, records: __m256i, limit: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
@@ -155,8 +157,8 @@ fn excess(_: Avx2, records: __m256i, limit: __m256i) -> __m256i {
     }
 }
 
-/// Writes the pairs of those of four records that nothing holds apart from the ones whose limits these are, and returns how many
-/// they are. `None` where only the keys can tell for one of the four.
+/// Writes the pairs of four records with those of the limits, as far as they touch, and returns how many do. `None`
+/// if only the keys can decide one of the four.
 #[inline(always)]
 fn keep<I: Index>(
     simd: Avx2,
@@ -167,11 +169,11 @@ fn keep<I: Index>(
     // SAFETY: the token proves AVX2. The pairs are four of two slots each, 16 bytes of narrow ones and 32 of wide ones.
     unsafe {
         let ties = _mm256_or_si256(_mm256_cmpeq_epi16(a, first), _mm256_cmpeq_epi16(b, second));
-        // But for those of the tags. With a mask for the test the compiler makes four operations of it.
+        // Ties of the tags do not count. Of a test with a mask the compiler makes four operations.
         if _mm256_movemask_epi8(ties) & 0x0fff_0fff != 0 {
             return None;
         }
-        // The halves of the vectors are packed apart, here and below: the order is 0, 2, 1, 3.
+        // The packing interleaves the halves of the vectors: the order is 0, 2, 1, 3 from here on.
         let apart = _mm256_packs_epi16(excess(simd, a, first), excess(simd, b, second));
         let kept = _mm256_cmpeq_epi64(apart, _mm256_setzero_si256());
         let kept = _mm256_movemask_pd(_mm256_castsi256_pd(kept)) as usize & 15;

@@ -7,8 +7,8 @@ use super::Simd;
 #[cfg(target_arch = "x86_64")]
 use super::{avx512::Avx512, detect::Avx2};
 
-/// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied.
-/// Every level gives the same bytes; they differ in speed alone.
+/// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
+/// levels give the same bytes; only their speed differs.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels(Level);
 
@@ -22,16 +22,17 @@ enum Level {
     Avx512(Avx512),
 }
 
-/// Whether there is scalar code. Each level is all phases once more, and vectors that are always there need no other.
+/// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed vectors
+/// needs no other.
 const PLAIN: bool = cfg!(feature = "scalar") || narrow::Level::GUARANTEED.is_none();
 
 impl Kernels {
-    /// No vectors: for comparison, and where there are none. Where the target guarantees vectors, and the crate is built without
-    /// its feature `scalar`, there is no such code, and this is [`BASELINE`](Self::BASELINE).
+    /// No vectors. On a target that guarantees vectors, and in builds without the feature `scalar`, there is no such
+    /// code, and this is [`BASELINE`](Self::BASELINE).
     pub const SCALAR: Self = Self(Self(Level::Scalar(Scalar)).level());
 
-    /// The best level that needs no detection, as every CPU that the target names has it: NEON of AArch64; simd128 of
-    /// WebAssembly, SSE4.1 and AVX2 of x86 where the program is compiled for these; else scalar code.
+    /// The best level that needs no detection, since every CPU of the target has it: NEON of AArch64; simd128 of
+    /// WebAssembly, SSE4.1 and AVX2 of x86 if the program is compiled for these; else scalar code.
     pub const BASELINE: Self = {
         #[cfg(all(
             target_arch = "x86_64",
@@ -55,8 +56,8 @@ impl Kernels {
         best
     };
 
-    /// The best level of this CPU. Asks the CPU once and remembers. AVX-512 from its second generation on (with VBMI2: Ice Lake,
-    /// Zen 4): on the first one, where a step with it was measured, AVX2 is faster.
+    /// The best level of this CPU. Asks the CPU once and remembers. AVX-512 counts from its second generation on
+    /// (with VBMI2: Ice Lake, Zen 4). On the first one AVX2 was measured to be faster.
     #[must_use]
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -96,7 +97,7 @@ impl Kernels {
         [PLAIN.then_some(Self::SCALAR), Self::narrow(), Self::avx2(), Self::avx512()].into_iter().flatten()
     }
 
-    /// The name of the level, as the program's `--kernels` takes it.
+    /// The name of the level, as for the option `--kernels` of the program `trisap`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
@@ -115,7 +116,7 @@ impl Kernels {
         Self::all().find(|level| level.name() == name)
     }
 
-    /// The level, or what stands in for scalar code where there is none.
+    /// The level, or what replaces scalar code if there is none.
     #[inline(always)]
     const fn level(self) -> Level {
         match (self.0, narrow::Level::GUARANTEED) {
@@ -124,8 +125,8 @@ impl Kernels {
         }
     }
 
-    /// Runs a phase compiled for this level; for AVX2 where the CPU has AVX-512, whose masks and registers are only worth
-    /// their price where many rows are compared.
+    /// Runs a phase compiled for this level. AVX-512 runs it compiled for AVX2: wide registers pay only where many
+    /// rows are compared.
     #[inline]
     pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
         match self.level() {

@@ -1,4 +1,4 @@
-//! Lengths between keys, in 256-bit vectors.
+//! Tests fat boxes with 256-bit vectors: do they hold a box, and are they far too large for it?
 
 use super::detect::Avx2;
 use super::{MAXIMA, MINIMA, Simd};
@@ -16,7 +16,7 @@ fn values(_: Avx2, keys: __m256i) -> __m256 {
     }
 }
 
-/// How far numbers are apart: what is too short to be a length is zero.
+/// The lengths between numbers. What is too short to be a length is zero.
 #[inline(always)]
 fn apart(_: Avx2, a: __m256, b: __m256) -> __m256 {
     // SAFETY: the token proves AVX2.

@@ -1,8 +1,8 @@
-//! What depends on the CPU, and all the `unsafe` of the core.
+//! The operations of a step for each instruction set, and all `unsafe` for it.
 //!
-//! A phase is written once, as a [`Phase`] that is generic over [`Simd`]; [`Kernels`](crate::Kernels) runs it
-//! compiled for one level. A level is a handful of operations on bytes, records and boxes, so that another CPU
-//! costs one small file. All levels give the same bytes.
+//! A [`Phase`] is written once, generic over [`Simd`]. [`Kernels`](crate::Kernels) runs it compiled for one level. A
+//! level is a handful of operations on bytes, records and boxes, so another CPU needs one small file. All levels give
+//! the same bytes.
 
 #[cfg(any(test, feature = "agreement"))]
 mod agreement;
@@ -48,12 +48,12 @@ use crate::id::{Index, Pair, pair};
 /// Bytes that a processor fetches at once.
 pub(crate) const CACHE_LINE: usize = 64;
 
-/// What two records of one leaf have to do with each other.
+/// How two records of one leaf lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Contact {
-    /// They touch on all axes, as far as the grid can tell. Conservative: apart is certain.
+    /// They touch on all axes, as far as the grid can tell. If not, they are apart for certain.
     pub(crate) touches: bool,
-    /// Some two coordinates share a step of the grid, so that only the exact boxes can tell.
+    /// Two coordinates share a step of the grid, so only the keys can decide.
     pub(crate) tied: bool,
 }
 
@@ -68,17 +68,17 @@ pub(crate) const HALF: usize = WINDOW / 2;
 /// Records that are tested against a cast at a time.
 pub(crate) const EIGHT: usize = 8;
 
-/// What has become of candidates.
+/// The result of a test of candidates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tested {
     /// Pairs.
     pub(crate) found: usize,
-    /// Candidates that only the keys can tell apart.
+    /// Candidates that only the keys can decide.
     pub(crate) tied: usize,
 }
 
 impl Tested {
-    /// Adds the candidate at an index: see [`Simd::test_candidates`].
+    /// Tests one candidate: see [`Simd::test_candidates`].
     #[inline(always)]
     pub(crate) fn add<S: Simd, I: Index>(
         &mut self,
@@ -92,9 +92,9 @@ impl Tested {
         let a = sorted.at((candidate >> 16) as usize);
         let b = sorted.at((candidate & 0xffff) as usize);
         let contact = simd.contact(&a, &b);
-        // Records that share a mark belong to another leaf's report (erratum E9).
+        // Two records that share a mark are reported in another leaf (erratum E9).
         let ours = contact.touches & (a.tag & b.tag & Record::MARKS == 0);
-        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        // Always written, kept or not: there is no branch to predict.
         pairs.put(self.found, pair::<I>(a.slot(), b.slot()));
         self.found += usize::from(ours & !contact.tied);
         candidates.put(self.tied, candidate);
@@ -107,7 +107,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The six keys of a box, three minima and three maxima.
     type Keys: Copy;
 
-    /// Where a row's bytes are in a record.
+    /// The places of a row's bytes in a record.
     type Axis: Copy;
 
     /// What rows are compared with.
@@ -141,10 +141,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
-    /// Asks for an item that is needed soon, where there is one.
+    /// Prefetches an item.
     fn prefetch<T>(self, items: &[T], index: usize);
 
-    /// Asks for `N` items from a position on, a cache line at a time.
+    /// Prefetches `N` items from a position on, a cache line at a time.
     #[inline(always)]
     fn prefetch_from<const N: usize, T>(self, items: &[T], start: usize) {
         for offset in (0..N).step_by(CACHE_LINE / size_of::<T>()) {
@@ -161,11 +161,11 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The upper of each two keys.
     fn upper(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
 
-    /// Whether the two keys of some axis are less than four apart.
+    /// Whether the two keys of an axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
 
-    /// Whether vectors can tell that a fat box holds a box and, where there is a margin that adapts, does not
-    /// [dwarf](KeyBox::dwarfs) it. False also where there are none for it.
+    /// Whether vectors can tell that a fat box holds a box and, if there is a margin that adapts, does not
+    /// [dwarf](KeyBox::dwarfs) it. Levels without vectors for it always say no.
     #[inline(always)]
     fn suits(self, _fat: &KeyBox, _inner: Self::Keys, _margin: Option<f32>) -> bool {
         false
@@ -174,23 +174,24 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Prepares the rows of a sweep along an axis.
     fn axis(self, axis: usize) -> Self::Axis;
 
-    /// The row of a record: the high bytes of the complemented minimum and the maximum on each of the two other axes.
+    /// The row of a record: on each of the two other axes the high bytes of the complemented minimum and of the
+    /// maximum.
     fn row(self, axis: Self::Axis, record: &Record) -> Row;
 
-    /// Prepares a comparison of rows with a record: the high bytes of its complemented maximum and its minimum on each of the
-    /// two other axes, which are at most those of the rows that it touches there.
+    /// Prepares a comparison of rows with a record: on each of the two other axes the high bytes of its complemented
+    /// maximum and of its minimum. They are at most those of a row that it touches there.
     fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
 
-    /// The first `count` rows, at most all, whose bytes are all at least the query's: bit `i` for row `i`.
+    /// Which of the first `count` rows, at most all, have no byte below the query's: bit `i` for row `i`.
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
     /// As [`window`](Self::window), for half as many rows.
     fn half_window(self, rows: &[Row; HALF], count: usize, query: Self::Query) -> u32;
 
-    /// Compares the record at `base >> 16` with four others: those at `base & 0xffff` and the lowest four bits of a mask. Puts the
-    /// pairs of those that touch and share no mark at the start of `pairs`, in their order, and returns how many they are. What
-    /// stands behind these means nothing. `None` where only the keys can tell for one of the four, touch or not, and where
-    /// there are no four.
+    /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four bits of a
+    /// mask. Writes the pairs of those that touch and share no mark to the start of `pairs`, in order, and returns
+    /// how many there are. What is behind them means nothing. `None` if only the keys can decide one of the four, or
+    /// if there are no four.
     #[inline(always)]
     fn four<I: Index>(
         self,
@@ -214,9 +215,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
         Some(found)
     }
 
-    /// Compares the records of candidates, which are pairs of positions: `high << 16 | low`. Puts the pairs of those that
-    /// certainly touch and share no mark at the start of `pairs`, in their order, and the candidates that only the keys can
-    /// tell apart at the start of `candidates`. What stands behind these means nothing. `pairs` has a place for each candidate.
+    /// Tests candidates, which are pairs of positions: `high << 16 | low`. Writes the pairs of those that certainly
+    /// touch and share no mark to the start of `pairs`, in order, and the candidates that only the keys can decide to
+    /// the start of `candidates`. What is behind them means nothing. `pairs` has a place for each candidate.
     #[inline(always)]
     fn test_candidates<I: Index>(
         self,
@@ -237,21 +238,21 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Which of some records touch the one whose [`limit`] this is: bit `i` for record `i`.
     fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32;
 
-    /// From where and to where a line is inside a box, of the way from zero to `far`; outside of it where the first number
-    /// is above the second. Only the first three axes count.
+    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is above
+    /// the second. Only the first three axes count.
     fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
 
-    /// When a cast comes to the boxes of two nodes, of the time from zero to `until`, or NaN where it does not. Their sides are
+    /// When a cast enters the boxes of two nodes, between zero and `until`; NaN if it does not. The sides must be
     /// numbers.
     fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2];
 
     /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
     fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
 
-    /// When a cast comes to each of some records of a leaf, or NaN for those that it cannot touch.
+    /// When a cast enters each of some records of a leaf; NaN for those that it cannot touch.
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
 
-    /// Takes the least of some numbers out; wherever it was, the greatest number stands then. Returns it.
+    /// Takes out the least of some numbers and returns it. The greatest `u32` takes its place, wherever it was.
     #[inline(always)]
     fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
         let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));
@@ -265,7 +266,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;
 }
 
-/// Bits of a mask that speak of minima, and of maxima.
+/// The bits of minima in a mask, and those of maxima.
 pub(crate) const MINIMA: u32 = 0b111;
 pub(crate) const MAXIMA: u32 = 0b111 << 3;
 
@@ -297,8 +298,8 @@ const fn query_lanes(axis: usize) -> [usize; 4] {
     [b, a, d, c]
 }
 
-/// What another record's lanes must not exceed for it to touch this one: the maxima, then the complemented minima.
-/// The tag's lanes exclude nothing.
+/// What the lanes of another record must not exceed to touch this one: the maxima, then the complemented minima. The
+/// tag's lanes exclude nothing.
 #[inline(always)]
 pub(crate) fn limit(record: &Record) -> Record {
     let [x0, y0, z0, x1, y1, z1] = record.lanes.map(|lane| !lane);
@@ -309,6 +310,6 @@ pub(crate) fn limit(record: &Record) -> Record {
 pub(crate) trait Phase {
     /// What it returns.
     type Output;
-    /// Does the work. Inline, so that it takes on the instruction set of its caller.
+    /// Does the work. Inline, so that it is compiled with the instruction set of its caller.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }

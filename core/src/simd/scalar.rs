@@ -1,4 +1,4 @@
-//! The level that every CPU has. Also the definition of what each operation means.
+//! The level that every CPU has, and the definition of each operation.
 
 use super::{Contact, EIGHT, HALF, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::access::Access;
@@ -11,7 +11,7 @@ use crate::geometry::record::{Frame, GRID_MAX, Record};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
 
-/// A bit for each of the first rows whose bytes are all at least the query's.
+/// Which of the first rows have no byte below the query's.
 #[inline(always)]
 fn inside(rows: &[Row], count: usize, query: Row) -> u64 {
     // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
@@ -21,7 +21,7 @@ fn inside(rows: &[Row], count: usize, query: Row) -> u64 {
     for (index, row) in rows.iter().take(count).enumerate() {
         let row = u32::from_ne_bytes(*row);
         let rest = (row | HIGH) - (query & !HIGH);
-        // High bits that differ decide, else the bits below them.
+        // High bits decide where they differ, else the bits below them.
         let inside = (row & !query) | (!(row ^ query) & rest);
         mask |= u64::from(inside & HIGH == HIGH) << index;
     }
@@ -181,7 +181,7 @@ impl Simd for Scalar {
     fn record(self, frame: &Frame, bounds: KeyBox, tag: u32) -> Record {
         let step = |k: usize, x: i32| {
             let at = (value(x) - frame.origin[k]) * frame.scale[k];
-            // The cast takes NaN (an infinite coordinate times a zero scale) to zero, as the vectors do.
+            // The conversion makes zero of NaN (infinity times a scale of zero), as the vectors do.
             at.clamp(0.0, GRID_MAX) as u16
         };
         let mut lanes = [0; 6];

@@ -1,4 +1,4 @@
-//! What every level must do with all coordinates, or with so many that none is between them for long.
+//! Every level on all coordinates, or on so many that gaps between them are short.
 
 use super::{Phase, Simd};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
@@ -11,7 +11,7 @@ fn coarse_keys() -> impl Iterator<Item = i32> + Clone {
     (NEGATIVE_INFINITY..=POSITIVE_INFINITY).step_by(1 << 16)
 }
 
-/// Finite keys to put frames between: zero, powers of two, what is far off on either side.
+/// Finite keys as ends of frames: zero, powers of two, far away on either side.
 fn corners() -> Vec<i32> {
     let mut corners: Vec<i32> = (NEGATIVE_INFINITY + 1..POSITIVE_INFINITY).step_by(1 << 27).collect();
     corners.extend([-1, 0, 1, key(-1.0), key(1.0), POSITIVE_INFINITY - 1]);
@@ -19,8 +19,8 @@ fn corners() -> Vec<i32> {
     corners
 }
 
-/// In a frame, records of ascending coordinates ascend, and a minimum never lies above the maximum at its place.
-/// So a minimum that is not above a maximum is not so in the frame either: boxes that overlap have records that do.
+/// In a frame, records of ascending coordinates ascend, and a minimum is never above the maximum at the same place.
+/// So boxes that overlap have records that overlap.
 struct Ascends<K>(Frame, K);
 
 impl<K: Iterator<Item = i32>> Phase for Ascends<K> {
@@ -77,7 +77,7 @@ fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
     }
 }
 
-/// The keys of a box of one coordinate are those of the definition.
+/// Boxes get the keys of the definition.
 struct Encodes;
 
 impl Phase for Encodes {

@@ -7,7 +7,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::state::State;
-use crate::memory::stripes::Planes;
+use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
 use crate::validate::content::{Content, LeafCounts, Set, Stand};
 use crate::validate::{pairs, tree};
@@ -83,7 +83,7 @@ pub(super) struct Stored<'b, I> {
     pub(super) resting: Packed<'b, u32>,
     pub(super) changed: Packed<'b, u32>,
     pub(super) active: Packed<'b, u32>,
-    pub(super) stripes: Packed<'b, Planes>,
+    pub(super) stripes: Packed<'b, StripeStarts>,
     pub(super) planes: Packed<'b, i32>,
     pub(super) leaves: Packed<'b, LeafCounts>,
     /// Of each leaf of the last full step: from where on boxes are large objects.
@@ -288,7 +288,7 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
         .get(index)
     }
 
-    fn stripes(&self) -> Option<Planes> {
+    fn stripes(&self) -> Option<StripeStarts> {
         self.stored.stripes.get(0)
     }
 

@@ -5,9 +5,9 @@
 //! holds positions, never addresses, so it can be loaded into any world of the same configuration on any machine of the same
 //! byte order.
 
-mod carry;
 mod image;
 mod replace;
+mod transfer;
 
 use crate::access::{Access, bits};
 use crate::error::Error;
@@ -21,9 +21,9 @@ use crate::validate::content::leaf;
 use crate::validate::{content, content_without_tree, numbers};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
-use carry::{carry, check_room};
 use image::{Image, Lengths, Stored};
 use replace::replace;
+use transfer::{check_room, transfer};
 
 /// What a snapshot starts with.
 #[repr(C)]
@@ -144,7 +144,7 @@ fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -
     content_without_tree(&image).map_err(|_| Error::BadSnapshot)?;
     check_room(state, &parts.sizes)?;
     parts.clear();
-    carry(&image, parts);
+    transfer(&image, parts);
     parts.state.pairs.unproven = 1;
     if !cfg!(feature = "large") {
         prove_at_once(parts);
@@ -228,7 +228,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.section(parts.resting.span(0, words));
     to.section(parts.changed.words.span(0, kept(sizes.changed, words)));
     to.section(parts.active.span(0, kept(sizes.tree, words)));
-    to.section(parts.output.planes);
+    to.section(parts.output.stripes);
     to.section(tree.planes.span(0, lengths.planes));
     to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
     let far = |whole: usize| tree.cells.at(whole << state.tree.sub_levels()).far();

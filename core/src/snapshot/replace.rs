@@ -30,15 +30,15 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     stored.generations.copy_to(parts.generations, 0);
     stored.resting.copy_to(parts.resting, 0);
     stored.active.copy_to(parts.active, 0);
-    let mut marks = [
+    let mut sets = [
         (parts.moved.reborrow(), &stored.moved),
         (parts.changed.reborrow(), &stored.changed),
         (parts.filters.changed.reborrow(), &stored.refiltered),
         (parts.former.reused.reborrow(), &stored.reused),
     ];
-    for (marks, words) in &mut marks {
-        words.copy_to(marks.words, 0);
-        marks.regroup();
+    for (set, words) in &mut sets {
+        words.copy_to(set.words, 0);
+        set.regroup();
     }
     for (slot, generation) in bits::ones(parts.former.reused.words).zip(stored.former.iter()) {
         parts.former.generations.put(slot, generation);
@@ -46,7 +46,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     for (slot, value) in bits::ones(parts.former.reused.words).zip(stored.former_values.iter()) {
         parts.values.former.put(slot, value);
     }
-    stored.stripes.copy_to(parts.output.planes, Default::default());
+    stored.stripes.copy_to(parts.output.stripes, Default::default());
     // What stands behind the pairs means nothing.
     for (at, pair) in stored.pairs.iter().enumerate() {
         parts.output.pairs.put(at, pair);

@@ -1,5 +1,5 @@
-//! Steps in which many objects have moved: all leaves are filled and swept, for all pairs, or for those of the movers where it
-//! pays to keep the others.
+//! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for those of moved
+//! objects if it pays to keep the others.
 
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
@@ -16,7 +16,8 @@ use crate::sweep::leaves::{SweepLeaves, TreeView};
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
 
-/// Many have moved: fill all leaves and sweep them; where they are out of balance, after new planes.
+/// Fills all leaves and sweeps them; if they are out of balance, after new planes. `settled`: how many objects left
+/// their leaf, if the intake has brought the others to their records.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     mut route: Route,
@@ -70,23 +71,23 @@ pub(super) fn full<I: Index>(
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
     }
-    // Where no leaves were filled, no object can have left one.
+    // If no leaves were filled before, all objects count as having left theirs.
     let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
     keep::plan(parts.state, work.tied, left);
     let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves, rebalanced, coarse, found })
 }
 
-/// What the sweep of all leaves came to.
+/// The result of a sweep of all leaves.
 struct Swept {
     pairs: u64,
     work: Work,
-    /// How many of these pairs are found, where the events are those of each block.
+    /// How many of these pairs are found, if the events were told block by block.
     found: Option<u64>,
     leaves: u32,
 }
 
-/// Sweeps all leaves: for all pairs, or behind so many that are kept, for those of the movers.
+/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects.
 fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepContext<'_>) -> Swept {
     let StepContext { kernels, executor, .. } = context;
     let leaf_count = 1usize << parts.state.tree.depth;

@@ -1,7 +1,9 @@
-//! Steps in which few objects have moved: each of them is tested against the leaves that it reaches, and the other pairs stay.
+//! Steps in which few objects have moved: test each against the leaves that it reaches, and keep all other pairs
+//! (paper, section III.B).
 
 use crate::access::Access;
 use crate::id::Index;
+use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
 use crate::memory::stats::Progress;
 use crate::pairs::pair_filter::PairFilter;
@@ -14,10 +16,7 @@ use crate::sweep::movers::SweepMovers;
 use crate::tree::refit::Refit;
 use crate::tree::relocate::{Relocate, order_movers};
 
-/// The fewest movers in a block of work, so that to hand them out is little beside testing them.
-const MOVERS_PER_BLOCK: usize = 64;
-
-/// Few have moved: carry the resting pairs over and test the movers. `None` where the leaves have no room.
+/// Moves the records of moved objects and tests them. `None` if a leaf had no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
     context.executor.enter(Stage::Fill);
     parts.state.step.kept = 0;

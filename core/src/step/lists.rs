@@ -1,5 +1,6 @@
-//! Steps of worlds that are swept box by box, from a sorted list.
+//! Steps of worlds without a tree: keep one list sorted and sweep along it (paper, sections III.A and III.D).
 
+use super::policy::SCAN_EVERY;
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::{KeyBox, length};
@@ -18,10 +19,7 @@ use crate::sweep::stripes::Striped;
 use crate::tree::assign;
 use crate::tree::cells::{Sample, longest_axis};
 
-/// Steps of a small world from one choice of its axes to the next.
-const SCAN_EVERY: u8 = 8;
-
-/// A world for few objects: keep the list of one axis in order and sweep its boxes.
+/// Sorts the list of one axis and sweeps its boxes.
 pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
@@ -32,9 +30,9 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let axis = state.lists.axis as usize;
     let order = list_of(order, axis, state);
     let pair_filter = PairFilter::if_needed(&parts.filters, state.objects.slots, &context);
-    let found = if let Some(planes) = output.planes.first_mut() {
+    let found = if let Some(starts) = output.stripes.first_mut() {
         let axes = [axis, state.lists.stripe_axis as usize];
-        let mut striped = Striped { order, boxes, axes, planes, members: output.members };
+        let mut striped = Striped { order, boxes, axes, starts, members: output.members };
         if coarse.is_some() {
             striped.divide();
         }
@@ -50,8 +48,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
-/// Chooses the axes of a small world and tells whether boxes are coarse: now and then, since a look at all boxes costs as
-/// much as a third of their sweep, and where objects are new.
+/// Chooses the axes and tells whether `f32` is too coarse, in every eighth step and when objects are new: a look at
+/// all boxes costs a third of their sweep.
 fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
     if state.lists.scan_in > 0 && state.objects.has_inserted == 0 {
         state.lists.scan_in -= 1;
@@ -65,14 +63,14 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
     Some(bounds_scan.is_coarse(state.objects.live))
 }
 
-/// Makes the lists hold the living objects, where they do not.
+/// Makes the lists hold exactly the living objects.
 fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
         links::list_all(parts);
     }
 }
 
-/// Looks at all boxes and chooses the axis of the list: by where most of them are.
+/// Looks at all boxes and chooses the axis of the list, by where most of them are.
 fn scan_bounds<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> (BoundsScan, Extent) {
     let bounds_scan = assign::scan_bounds(slots.iter().filter_map(|slot| boxes.get(slot.at())));
     let extent = bounds_scan.extent.trimmed(&Sample::of_list(slots, boxes));

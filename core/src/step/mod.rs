@@ -1,6 +1,6 @@
-//! The ways to find the overlaps of swept boxes, and the choice between them.
+//! Finds the overlaps of swept boxes, by one of several kinds of step.
 //!
-//! All give the same set. Which one is cheapest follows from counts alone, so equal calls choose equally.
+//! All give the same pairs. [`policy`] chooses by counts alone, so equal calls choose equally.
 
 mod full;
 mod incremental;
@@ -14,7 +14,8 @@ use crate::memory::stats::{Path, Progress, Reason, Route};
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 
-/// Finds the overlaps by a path, which may have to give way to a wider one. Returns the one that was used.
+/// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path that was
+/// used.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
@@ -35,13 +36,13 @@ pub(crate) fn find<I: Index>(
     }
 }
 
-/// Finds the overlaps of the boxes as given, after a step of an exact world found more overlaps of fat boxes than fit: its pairs
-/// may fit without the surplus. None of these pairs persists, so the next step finds all pairs anew.
+/// Finds the overlaps of the boxes as given, after an exact world had no room for those of fat boxes: without the
+/// surplus they may fit. No such pair can be kept, so the next step finds all pairs anew.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    // What the result before has to tell is kept already.
+    // The last result is already kept for the events.
     parts.state.pairs.complete = 0;
     parts.boxes.tight = true;
     let route = policy::choose(parts, parts.state.objects.live);

@@ -1,5 +1,5 @@
-//! Which kind of step finds the pairs. All kinds give the same pairs; which one is cheapest follows from counts alone, so equal
-//! calls choose equally.
+//! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose equally.
+//! The table of constants in `PERFORMANCE.md` says what was measured.
 
 use crate::access::Access;
 use crate::config::Choice;
@@ -14,27 +14,34 @@ use crate::parallel::executor::Stage;
 use crate::tree::balance;
 use crate::tree::subdivide::Subdivide;
 
-/// A step that tests each mover by itself takes as long as one that sweeps all leaves where one in so many objects has moved, and
-/// so many halves more for each pair of an object. Measured with 0.3, 1.5 and 6 pairs an object, 8,000 objects: see
-/// `PERFORMANCE.md`.
+/// Movers are tested one by one while they are at most one in this many objects.
 const MOVERS_SHARE: u64 = 13;
+/// And this many halves more for each pair of an object.
 const MOVERS_SHARE_PER_PAIR: u64 = 5;
+/// A pair that a step of many movers keeps saves this much. The division of leaves costs one for each pair and two for each object.
+const KEPT_SAVES: u64 = 3;
+/// The same with events.
+const KEPT_SAVES_WITH_EVENTS: u64 = 6;
 
-/// Pairs that are looked at to know how many of them stay.
-const SAMPLE: usize = 256;
+/// Steps from one choice of the axes to the next, in a world without a tree.
+pub(super) const SCAN_EVERY: u8 = 8;
 
-/// After this many calm steps in a row leaves are refined, since the next ones are likely to be calm too.
+/// Pairs that are sampled to tell how many stay.
+const PAIR_SAMPLE: usize = 256;
+
+/// After this many steps with few movers in a row leaves are divided, since the next ones probably have few too.
 const CALM: u8 = 2;
 
-/// Steps for which margins are left unused where they do not help.
+/// Steps for which margins are left unused if they do not help.
 const MARGINS_PAUSE: u8 = 64;
 
-/// Three steps of many movers in a row, or as many more than others, say that margins do not help.
+/// Margins do not help after three steps of many movers in a row, or three more than others lately: a step of many
+/// movers counts two, another takes one away.
 const MARGINS_FAIL: u8 = 6;
 
-/// Leaves margins unused from this step on where most objects move out of theirs all the time, so that each step is a full one, of
-/// larger boxes; and uses them again after some steps. Returns whether other boxes are swept now than objects were placed by. Where
-/// results speak of fat boxes, and where the caller has fixed the margins, they are used always.
+/// Leaves margins unused from this step on if most objects keep leaving theirs, since each step is then a full one of
+/// larger boxes; and uses them again after some steps. Returns whether other boxes are swept now than objects were
+/// placed by. Margins stay in use in worlds that report fat boxes, and if the caller has fixed them.
 pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let step = &mut parts.state.step;
     if step.margins_in > 0 {
@@ -62,7 +69,7 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
     useless
 }
 
-/// The path for a number of objects that have moved, and why.
+/// The path for a number of moved objects, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
     let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0;
@@ -90,39 +97,40 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     }
 }
 
-/// Whether so few have moved that each is best tested by itself.
+/// Whether so few objects have moved that each is best tested by itself.
 fn are_few(state: &State, moved: u32) -> bool {
     let (moved, live, pairs) = (u64::from(moved), u64::from(state.objects.live), state.pairs.swept);
     let cost = MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2;
     moved.saturating_mul(cost) <= live * live
 }
 
-/// Whether a step of many movers may keep the pairs of the others: new planes are weighed by all pairs.
+/// Whether a step of many movers may keep the pairs of other objects. New planes are judged by all pairs, so they
+/// need all.
 fn can_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
     cfg!(feature = "large") && !balance::needs_planes(parts)
 }
 
-/// Whether a step of many movers is cheaper if it keeps the pairs of the others, and sweeps leaves for those of the movers alone.
-/// That saves the search for pairs that stay, and the look at their events. It parts the records of each leaf, and looks once more
-/// at each pair that goes.
+/// Whether a step of many movers is cheaper if it keeps the pairs of other objects and sweeps leaves only for those
+/// of moved ones. That saves the search for pairs that stay, and their events. It costs a division of the records of
+/// each leaf, and a second look at each pair that goes.
 fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
     let (pairs, live) = (parts.state.pairs.swept, u64::from(parts.state.objects.live));
-    let saved = if parts.sizes.previous > 0 { 6 } else { 3 };
+    let saved = if parts.sizes.previous > 0 { KEPT_SAVES_WITH_EVENTS } else { KEPT_SAVES };
     let cost = pairs + 2 * live;
-    // Not even if all of them stay; or hardly any will.
+    // It does not pay even if all pairs stay, or hardly any can.
     if pairs.saturating_mul(saved) <= cost || 8 * u64::from(moved) > 7 * live {
         return false;
     }
     let list = parts.output.pairs.span(0, pairs as usize);
     let (mut looked, mut stay) = (0, 0);
-    for pair in list.iter().step_by((list.len() / SAMPLE).max(1)) {
+    for pair in list.iter().step_by((list.len() / PAIR_SAMPLE).max(1)) {
         looked += 1;
         stay += u64::from(persistent::is_clear_of(parts.moved.words, pair));
     }
     pairs.saturating_mul(saved).saturating_mul(stay) > cost.saturating_mul(looked)
 }
 
-/// The path that finds all pairs anew, for a reason if there is none for new planes.
+/// The path that finds all pairs anew. `reason` counts unless new planes are due.
 pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     if !balance::needs_planes(parts) {
         Route { path: Path::Full, reason }
@@ -135,7 +143,7 @@ pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     }
 }
 
-/// Gives a world in which few objects move smaller leaves, some in each step, until many move again.
+/// Divides some leaves in each step of a calm world.
 pub(crate) fn subdivide_when_calm<I: Index>(
     parts: &mut Parts<'_, I>,
     path: Path,

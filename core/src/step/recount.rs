@@ -1,15 +1,15 @@
-//! Whether pairs that came from a snapshot are all that there are: looked at by the first step that would keep them, and not
-//! when it is loaded, as a step has kernels, workers and the rule. If they are not, the step finds all pairs anew.
+//! Checks whether the pairs of a snapshot are all that there are. The first step that would keep them does it, not
+//! the load, since a step has kernels, workers and the rule. If some are missing, the step finds all pairs anew.
 //!
-//! Each of these pairs has been checked by itself. That none is missing and none there twice is seen from sums over all of them
-//! and over all overlaps, 64 mixed bits of each, as there is no room to write them down a second time.
+//! Each pair was checked when it was loaded. Whether one is missing or double is seen from a sum over all pairs and
+//! one over all overlaps, 64 mixed bits each: there is no memory to write them down twice.
 
 use super::policy;
 use crate::access::{Access, bits};
 use crate::filter::Rule;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::limits::LEAF_TARGET;
+use crate::memory::limits::{LEAF_TARGET, MOVERS_PER_BLOCK};
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::{Filtered, PairFilter};
@@ -20,14 +20,11 @@ use crate::sweep::movers::SweepMovers;
 use crate::sweep::{Collector, Sink};
 use crate::tree::Leaf;
 
-/// The fewest objects in a block of work.
-const OBJECTS_PER_BLOCK: usize = 64;
-
-/// A sum over pairs, in any order.
+/// A sum over pairs, the same in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sum {
     count: u64,
-    /// Of the halves of 64 bits, so that no sum is too much.
+    /// Sums of the halves of 64 bits, which cannot overflow.
     low: u64,
     high: u64,
 }
@@ -36,7 +33,7 @@ impl Sum {
     /// Adds a pair, the lower slot first.
     #[inline(always)]
     pub(crate) fn add(&mut self, [a, b]: [u32; 2]) {
-        // Of SplitMix64, which has every bit of a number change each bit of the result for half of the numbers.
+        // SplitMix64: each bit of a number changes each bit of the result for half of all numbers.
         let mut bits = (u64::from(a) << 32 | u64::from(b)).wrapping_add(0x9e37_79b9_7f4a_7c15);
         bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -47,8 +44,8 @@ impl Sum {
     }
 }
 
-/// The path of a step after a load, by what it would keep.
-// Few steps come here: their frames do not hold what this takes.
+/// The path of the first step after a load.
+// Not inline, so that other steps need no stack for it.
 #[cold]
 #[inline(never)]
 pub(crate) fn prove<I: Index>(
@@ -66,17 +63,17 @@ pub(crate) fn prove<I: Index>(
     policy::choose(parts, moved)
 }
 
-/// The same at once, where worlds are small and no rule can have a say: so steps need no code for it.
+/// The same at once, for small builds, which have no rule. So steps need no code for it.
 pub(crate) fn prove_at_once<I: Index>(parts: &mut Parts<'_, I>) {
     parts.state.pairs.unproven = 0;
-    let known = carried(parts);
+    let known = kept(parts);
     if one_by_one(parts, None) != known {
         parts.state.pairs.without_surplus = 1;
     }
 }
 
-/// The pairs that a step would keep.
-pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
+/// The sum over the pairs that a step would keep.
+pub(crate) fn kept<I: Index>(parts: &Parts<'_, I>) -> Sum {
     let mut sum = Sum::default();
     for pair in parts.output.pairs.span(0, parts.state.pairs.swept as usize) {
         if is_clear_of(parts.moved.words, pair) {
@@ -88,18 +85,18 @@ pub(crate) fn carried<I: Index>(parts: &Parts<'_, I>) -> Sum {
 
 /// Whether the pairs that a step would keep are all that there are.
 fn is_all<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
-    let known = carried(parts);
+    let known = kept(parts);
     if !context.is_small() && parts.state.tree.filled != 0 {
         return in_tree(parts, context) == known;
     }
-    // The tree stays behind where a world moves to another configuration. Of more objects a step finds all pairs anew then.
+    // After a move to another configuration there is no tree. Then a step of more objects finds all pairs anew.
     parts.state.objects.live as usize <= LEAF_TARGET && one_by_one(parts, context.rule) == known
 }
 
-/// All overlaps of few objects that have not moved.
+/// The sum over all overlaps of a few objects that have not moved.
 fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Sum {
     let Parts { state, boxes, moved, order, filters, .. } = parts;
-    // What was loaded has no lists.
+    // A loaded world has no lists: here they are scratch memory.
     state.lists.stale = 1;
     let boxes = boxes.swept();
     let list = &mut *order[0];
@@ -127,7 +124,7 @@ fn one_by_one<I: Index>(parts: &mut Parts<'_, I>, rule: Option<&Rule<'_>>) -> Su
     sum
 }
 
-/// All overlaps of the tree's objects that have not moved: each is tested as if it had.
+/// The sum over all overlaps of objects in the tree that have not moved. Each is tested as if it had.
 fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum {
     let [list, _, homes] = &mut parts.order;
     let mut count = 0;
@@ -149,10 +146,10 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
     {
         add(straddler.slot, I::LARGE);
     }
-    // What was loaded has no lists, and so no marks of the slots in them: here, all are.
+    // A loaded world has no lists, so the set of listed slots is free: here it is the set of all slots.
     parts.state.lists.stale = 1;
     parts.listed.fill(u32::MAX);
-    let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(OBJECTS_PER_BLOCK);
+    let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(MOVERS_PER_BLOCK);
     let [list, _, homes] = &parts.order;
     let (list, homes) = (list.span(0, count), homes.span(0, count));
     let (all_slots, moved) = (&*parts.listed, &*parts.moved.words);
@@ -160,7 +157,7 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let from = parts.output.pairs.len() as u64;
     let mut collector = Collector::new(&mut parts.output, &parts.sizes, None);
-    // From the end of the buffer, where there is no room, pairs are only counted.
+    // Appended at the end of the full buffer, pairs are only counted.
     let blocks = count.div_ceil(per_block);
     let (end, work) = collector.collect(context.executor, from, blocks, &|block, scratch, sink| {
         let start = block * per_block;
@@ -179,7 +176,7 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
             scratch,
             sink,
         });
-        // What else is counted there is not read.
+        // These two counters carry the sum. Nobody reads what else they count.
         scratch.copies += summing.sum.low;
         scratch.leaf_scratch.tied += summing.sum.high;
     });
@@ -187,7 +184,7 @@ fn in_tree<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Sum 
     Sum { count: end - from, low: work.copies, high: work.tied }
 }
 
-/// Adds up the pairs of those who have not moved, and passes them on.
+/// Adds up the pairs of objects that have not moved, and passes them on.
 struct Summing<'s, I> {
     moved: &'s [u32],
     sum: Sum,

@@ -1,11 +1,10 @@
-//! Sweep-and-prune over one bucket of records (paper, section IV): sort along one axis, compare the neighbours that
-//! overlap there on the other two, and test what is left on all lanes.
+//! Sweeps one bucket of records (paper, section III.D): sorts it along one axis, compares the neighbours that overlap
+//! there on the other two, and tests what is left on all lanes.
 //!
-//! The sort is a counting sort on the high byte of the minimum, so a record's run of neighbours ends where the
-//! histogram says. The high bytes of the other two axes stand beside as rows of four, and vectors compare many of them
-//! at a time.
-//! What passes is tested with the whole 16-bit records; only where two coordinates share a step of the grid do
-//! the exact boxes decide.
+//! The sort is a counting sort on the high byte of the minimum, so the histogram tells where the neighbours of a
+//! record end. Beside each record is a row of four bytes, the high bytes on the other two axes; vectors compare many
+//! rows at a time. What passes is tested with whole records. Only where two sides share a step of the grid do the
+//! exact boxes decide.
 
 use super::scan::Scan;
 use super::{Sink, flat};
@@ -16,10 +15,10 @@ use crate::memory::scratch::LeafScratch;
 use crate::simd::Simd;
 use crate::tree::Record;
 
-/// The ends of the runs of equal sort bytes, in a sorted bucket.
+/// Where the runs of equal sort bytes end, in a sorted bucket.
 type Ends = [u16; 256];
 
-/// Where the neighbours of a record start and end, by its position.
+/// Where the neighbours of a record start and end.
 type Run = (usize, usize);
 
 #[inline(always)]
@@ -27,7 +26,7 @@ const fn high(lane: u16) -> u8 {
     (lane >> 8) as u8
 }
 
-/// Sweeps records in any order along `axis`.
+/// Sweeps records along `axis`. They may be in any order.
 #[inline(always)]
 pub(crate) fn sweep<S: Simd, I: Index>(
     simd: S,
@@ -61,7 +60,7 @@ pub(crate) fn sweep_across<S: Simd, I: Index>(
     Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, left, &ends));
 }
 
-/// Sweeps records in any order along `axis`, for the pairs of which at least one is marked in `moved`.
+/// Sweeps records along `axis`, for pairs with at least one object in the set `moved`.
 #[inline(always)]
 pub(crate) fn sweep_moved<S: Simd, I: Index>(
     simd: S,
@@ -91,11 +90,12 @@ fn within(axis: usize, ends: &Ends) -> impl Fn(usize, &Record) -> Run {
     move |at, record| (at + 1, reach_of(record, axis, ends))
 }
 
-/// The neighbours of each record of two parts of a bucket, the first one of `left` records: those of the other part.
+/// The neighbours of each record of a bucket in two parts, of which the first one has `left` records: those of the
+/// other part.
 #[inline(always)]
 fn across(axis: usize, left: usize, ends: &[Ends; 2]) -> impl Fn(usize, &Record) -> Run {
     let [left_ends, right_ends] = ends;
-    // The one whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
+    // The record whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
     move |at, record| {
         let run = high(record.lanes.at(axis)) as usize;
         if at < left {
@@ -107,7 +107,7 @@ fn across(axis: usize, left: usize, ends: &[Ends; 2]) -> impl Fn(usize, &Record)
     }
 }
 
-/// Sorts records into the scratch of the leaf.
+/// Sorts records into the scratch memory.
 #[inline(always)]
 fn sort<S: Simd, I>(
     simd: S,
@@ -125,10 +125,10 @@ fn sort<S: Simd, I>(
     for end in &mut ends {
         next += core::mem::replace(end, next);
     }
-    // Each entry now is where its run starts, and after the last record of the run is placed, where it ends.
+    // Each entry is now where its run starts, and will be where it ends.
     let count = buckets[0].len() + buckets[1].len();
     let lanes = simd.axis(axis);
-    // Of one length, so that one check of an index serves both.
+    // Of one length, so that one check of an index is enough.
     if let (Some(sorted), Some(rows)) =
         (leaf_scratch.sorted.get_mut(..count), leaf_scratch.rows.get_mut(..count))
     {
@@ -145,8 +145,8 @@ fn sort<S: Simd, I>(
     ends
 }
 
-/// The same in two parts, one behind the other: `part` tells the part, 0 or 1, of a record of a bucket. Returns the length of
-/// the first one, too.
+/// The same in two parts, one behind the other. `part` tells the part of a record, 0 or 1. Also returns the length of
+/// the first part.
 #[inline(always)]
 fn sort_apart<S: Simd, I>(
     simd: S,
@@ -187,7 +187,7 @@ fn sort_apart<S: Simd, I>(
 /// The end of the last run that a record reaches.
 #[inline(always)]
 fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
-    // The record's bytes as lanes, so that the index needs no check.
+    // All bytes of the record as lanes, so that the index needs no check.
     let lanes: &[u16; 8] = bytemuck::cast_ref(record);
     ends[high(!lanes[(3 + axis) % 8]) as usize] as usize
 }

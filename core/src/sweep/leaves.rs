@@ -1,9 +1,9 @@
-//! Sweeps all leaves: each its own members, and the ghosts that it finds on other leaves' straddlers.
+//! Sweeps leaves: each its members, and the ghosts that it gathers from the straddlers of other leaves.
 //!
-//! This is how cross-leaf pairs are found (erratum E7): every box that touches a leaf's cell takes part in the
-//! leaf's sweep, wherever it is at home, moved or resting. A pair is reported in the one cell that holds the
-//! component-wise maximum of its two minimum corners (erratum E9): with a box that is at home here that is this
-//! cell by itself, and of two ghosts neither axis may have both minima below the cell.
+//! So pairs across leaves are found (erratum E7): every box that touches the cell of a leaf takes part in its sweep,
+//! wherever it is at home, moved or resting. A pair is reported in the one cell that holds the component-wise maximum
+//! of its two minimum corners (erratum E9). If one box is at home here, that is this cell. If both are ghosts, there
+//! must be no axis on which both minima are below the cell.
 
 use super::{Sink, bucket};
 use crate::access::Access;
@@ -17,14 +17,14 @@ use crate::simd::{MINIMA, Phase, Simd};
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Record, Straddler};
 
-/// What the sweeps of all leaves read.
+/// What sweeps read of the tree.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeView<'g> {
     pub(crate) boxes: &'g [KeyBox],
     /// By node.
     pub(crate) nodes: &'g [KeyBox],
     pub(crate) depth: u32,
-    /// How many levels below `depth` leaves stand.
+    /// How many levels the leaves are below `depth`.
     pub(crate) sub_levels: u32,
     pub(crate) cells: &'g [Cell],
     pub(crate) frames: &'g [Frame],
@@ -32,7 +32,7 @@ pub(crate) struct TreeView<'g> {
     pub(crate) bounds: &'g [Record],
     pub(crate) records: &'g [Record],
     pub(crate) straddlers: &'g [Straddler],
-    /// The large-object list.
+    /// The large objects.
     pub(crate) large: &'g [Straddler],
 }
 
@@ -59,24 +59,24 @@ impl<'g> TreeView<'g> {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
-    /// Writes the records of the boxes that touch a leaf's cell and are not its members to `ghosts`, but for the
-    /// first `skip` of them, as many as fit. Returns how many there are in all.
+    /// Writes the ghosts of a leaf: the records of boxes that touch its cell and are not its members. Leaves out the
+    /// first `skip` of them, and writes as many as fit. Returns how many there are in all.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, ghosts: &mut [Record]) -> usize {
         let cell = self.cells.at(index);
         let (low, entrance) = (cell.low_keys(simd), cell.entrance(simd));
         let mut gathered =
             Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
-        // The cell is half-open: minima at its high side are in the next one.
+        // The cell is half-open: minima at its high side are in the next cell.
         let mut visit = Visit::new(simd, self.nodes, self.depth, index, cell.inside());
         while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);
                 gathered
-                    .enter(self.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize));
+                    .add(self.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize));
             }
         }
-        gathered.enter(self.large);
+        gathered.add(self.large);
         gathered.count
     }
 }
@@ -93,15 +93,15 @@ struct Gathered<'v, S: Simd> {
 }
 
 impl<S: Simd> Gathered<'_, S> {
-    /// Adds those of some boxes that touch the cell.
+    /// Adds the boxes that touch the cell.
     #[inline(always)]
-    fn enter(&mut self, straddlers: &[Straddler]) {
+    fn add(&mut self, straddlers: &[Straddler]) {
         let simd = self.simd;
         for straddlers in straddlers.chunks(64) {
-            // Noted for all of them first: which ones touch the cell is hard to predict.
+            // Noted for all of them first, since which ones touch the cell is hard to predict.
             let mut touching = 0u64;
             for (bit, straddler) in straddlers.iter().enumerate() {
-                // Minima below the high sides, maxima not below the low sides.
+                // Its minima are below the high sides, its maxima not below the low sides.
                 let touches = simd.above(self.entrance, simd.keys(&straddler.bounds)) == MINIMA;
                 touching |= u64::from(touches) << bit;
             }
@@ -120,16 +120,16 @@ impl<S: Simd> Gathered<'_, S> {
     }
 }
 
-/// Whether any step keeps pairs while it sweeps leaves: a program for a microcontroller has none that does.
+/// Whether steps can keep pairs while they sweep leaves. Small builds have none that do.
 const KEEPS: bool = cfg!(feature = "large");
 
 /// Sweeps some leaves.
 pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     pub(crate) leaves: core::ops::Range<usize>,
-    /// Which slots have moved, if only their pairs are looked for.
+    /// The moved slots, if only their pairs are looked for.
     pub(crate) moved: Option<&'g [u32]>,
-    /// Boxes of all slots that are needed right after the sweep of a leaf, for its members and ghosts.
+    /// The boxes that are needed right after the sweep of a leaf, for its members and ghosts.
     pub(crate) next: [&'g [KeyBox]; 2],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
     pub(crate) sink: &'p mut dyn Sink<I>,
@@ -188,7 +188,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     }
 }
 
-/// Lets through the pairs of which at least one object has moved.
+/// Passes on the pairs with an object that has moved.
 struct OfMovers<'s, I> {
     moved: &'s [u32],
     sink: &'s mut dyn Sink<I>,
@@ -206,7 +206,7 @@ impl<I: Index> Sink<I> for OfMovers<'_, I> {
     }
 }
 
-/// Asks for the boxes of some records, one by one, so that they come while the records are swept.
+/// Prefetches the boxes of some records, so that they come while the records are swept.
 struct AskFor<'a> {
     buckets: [&'a [Record]; 2],
     boxes: [&'a [KeyBox]; 2],

@@ -1,7 +1,7 @@
-//! Sweep-and-prune (paper, section IV), and how the pairs of many workers become one list.
+//! Sweeps boxes for overlaps (paper, section III.D), and makes one list of the pairs of many workers.
 //!
-//! Work is cut into blocks by counts alone. One worker writes pairs straight to where they belong; several write
-//! them to chunks, which are then put in the order of their blocks, so that the bytes are the same.
+//! Work is cut into blocks by counts alone. One worker writes pairs straight to their places. Several workers write
+//! them to chunks, which are then put in the order of their blocks, so the bytes are the same.
 
 pub(crate) mod bucket;
 mod flat;
@@ -15,7 +15,7 @@ pub(crate) mod stripes;
 use crate::access::Access;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
-use crate::memory::limits::CHUNK;
+use crate::memory::limits::{CHUNK, MERGED};
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
 use crate::memory::state::State;
@@ -27,21 +27,22 @@ use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Pairs in their final order, but that found ones come from the end of the buffer, backwards. Counts on when it is full.
+/// Writes pairs in their final order, but found ones from the end of the buffer, backwards. Goes on counting when it
+/// is full.
 struct Ordered<'o, I> {
     pairs: &'o mut [Pair<I>],
-    /// Pairs that were taken, whether they fitted or not.
+    /// Pairs taken, whether there was room or not.
     count: u64,
-    /// What tells found pairs.
+    /// The boxes that tell found pairs, if that is done here.
     boxes: Option<Boxes<'o>>,
-    /// Persisting pairs and found ones; none where nothing tells them.
-    told: [usize; 2],
+    /// Persisting and found pairs, if `boxes` tell them.
+    counts: [usize; 2],
 }
 
 impl<I: Index> Sink<I> for Ordered<'_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
         if let Some(boxes) = self.boxes {
-            let [persisting, found] = &mut self.told;
+            let [persisting, found] = &mut self.counts;
             let room = self.pairs.get_mut(*persisting..self.pairs.len() - *found).unwrap_or_default();
             let fitting = pairs.len().min(room.len());
             let stay = boxes.divide(pairs.span(0, fitting), room);
@@ -57,18 +58,18 @@ impl<I: Index> Sink<I> for Ordered<'_, I> {
     }
 }
 
-/// The blocks of a sweep, in the order in which they are claimed.
-enum Claims<'b, I> {
+/// The queue of the blocks of a sweep.
+enum SweepQueue<'b, I> {
     Plain(Indices),
     /// With events that are told block by block.
-    Told(Blocks<'b, I>),
+    WithEvents(Blocks<'b, I>),
 }
 
-impl<I: Index> Claims<'_, I> {
+impl<I: Index> SweepQueue<'_, I> {
     fn claim(&self) -> Option<(usize, Option<Block<'_, I>>)> {
         match self {
             Self::Plain(indices) => indices.claim().map(|index| (index, None)),
-            Self::Told(blocks) => blocks.claim().map(|(index, block)| (index, Some(block))),
+            Self::WithEvents(blocks) => blocks.claim().map(|(index, block)| (index, Some(block))),
         }
     }
 }
@@ -77,7 +78,7 @@ impl<I: Index> Claims<'_, I> {
 type BlockWork<'w, I> = dyn Fn(usize, &mut Scratch<'_, I>, &mut dyn Sink<I>) + Sync + 'w;
 /// A chunk of staged pairs and its entry in the table.
 type StagedChunk<'s, I> = (&'s mut [Pair<I>], &'s mut [[u32; 3]]);
-/// All of them.
+/// All chunks and their entries.
 type StagedChunks<'o, I> = (Chunks<'o, Pair<I>>, Chunks<'o, [u32; 3]>);
 
 /// The buffers that pairs are collected in.
@@ -89,11 +90,11 @@ pub(crate) struct Collector<'o, I> {
     pub(crate) scratch: &'o mut [Record],
     pub(crate) bucket: usize,
     workers: usize,
-    /// Asked about every pair.
+    /// Asked about each pair.
     pub(crate) pair_filter: Option<PairFilter<'o>>,
-    /// What tells the events, where that is done block by block.
+    /// The events, if they are told block by block.
     events: Option<Events<'o, I>>,
-    /// How many pairs are found then.
+    /// Then: how many pairs are found.
     pub(crate) found: u64,
 }
 
@@ -108,7 +109,7 @@ impl<'o, I: Index> Collector<'o, I> {
         Self { pairs, staged, chunks, scratch, bucket, workers, pair_filter, events: None, found: 0 }
     }
 
-    /// The same for a step that tells its events block by block: found pairs stand behind the others.
+    /// The same for a step that tells events block by block: found pairs come behind the others.
     pub(crate) fn with_events(
         output: &'o mut OutputParts<'_, I>,
         sizes: &Sizes,
@@ -122,19 +123,19 @@ impl<'o, I: Index> Collector<'o, I> {
         Self { pairs, staged, chunks, scratch, bucket, workers, pair_filter, events, found: 0 }
     }
 
-    /// What tells found pairs, and the blocks of a sweep.
-    fn claims<'e>(
+    /// The boxes that tell found pairs, and the queue of blocks.
+    fn queue<'e>(
         events: &'e mut Option<Events<'o, I>>,
         blocks: usize,
-    ) -> (Option<Boxes<'o>>, Claims<'e, I>) {
+    ) -> (Option<Boxes<'o>>, SweepQueue<'e, I>) {
         match events {
-            Some(events) => (Some(events.boxes), Claims::Told(events.blocks())),
-            None => (None, Claims::Plain(Indices::new(blocks))),
+            Some(events) => (Some(events.boxes), SweepQueue::WithEvents(events.blocks())),
+            None => (None, SweepQueue::Plain(Indices::new(blocks))),
         }
     }
 
-    /// Does `blocks` blocks of work and appends their pairs in block order to the first `from` pairs. Returns
-    /// how many pairs there are now, whether they fit or not.
+    /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from` pairs.
+    /// Returns how many pairs there are now, whether they fit or not.
     pub(crate) fn collect(
         &mut self,
         executor: &dyn Executor,
@@ -153,18 +154,18 @@ impl<'o, I: Index> Collector<'o, I> {
         let shared = executor.workers() > 1 && blocks > 1 && countable && !self.staged.is_empty();
         let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
-            let (boxes, claims) = Self::claims(&mut self.events, blocks);
-            let mut sink = Ordered { pairs: self.pairs, count: from, boxes, told: [0; 2] };
+            let (boxes, queue) = Self::queue(&mut self.events, blocks);
+            let mut sink = Ordered { pairs: self.pairs, count: from, boxes, counts: [0; 2] };
             let mut scratch = Scratch::carve(self.scratch.get_mut(..area).unwrap_or_default(), self.bucket);
-            while let Some((index, block)) = claims.claim() {
-                let [persisting, found] = sink.told;
+            while let Some((index, block)) = queue.claim() {
+                let [persisting, found] = sink.counts;
                 work(index, &mut scratch, &mut sink);
                 if let Some(block) = block {
-                    block.finish([(sink.told[0] - persisting) as u32, (sink.told[1] - found) as u32]);
+                    block.finish([(sink.counts[0] - persisting) as u32, (sink.counts[1] - found) as u32]);
                 }
             }
             scratch.finish();
-            let (count, [persisting, found]) = (sink.count, sink.told);
+            let (count, [persisting, found]) = (sink.count, sink.counts);
             self.found = found as u64;
             close_gap(self.pairs, persisting, found);
             count
@@ -172,7 +173,7 @@ impl<'o, I: Index> Collector<'o, I> {
         (count, scratch::work(self.scratch, area))
     }
 
-    /// `None` where the chunks did not suffice, which can only be when the pairs nearly fill their buffer.
+    /// `None` if the chunks did not suffice, which can only be if the pairs nearly fill their buffer.
     fn in_parallel(
         &mut self,
         executor: &dyn Executor,
@@ -182,19 +183,19 @@ impl<'o, I: Index> Collector<'o, I> {
     ) -> Option<u64> {
         let area = scratch::records::<I>(self.bucket);
         let full = AtomicBool::new(false);
-        let (boxes, claims) = Self::claims(&mut self.events, blocks);
+        let (boxes, queue) = Self::queue(&mut self.events, blocks);
         let chunks = BlockQueue::new((Chunks::new(self.staged, CHUNK), Chunks::new(self.chunks, 1)));
         let pool = Pool::new(self.scratch, area);
         executor::run(executor, pool.count(), blocks, &|| {
             let Some(mut borrowed) = pool.borrow() else { return };
             let mut scratch = Scratch::carve(borrowed.area(), self.bucket);
-            while let Some((index, block)) = claims.claim() {
-                let (chunks, full, told) = (&chunks, &full, [0; 2]);
-                let mut sink = Staged { chunks, full, block: index as u32, chunk: None, boxes, told };
+            while let Some((index, block)) = queue.claim() {
+                let (chunks, full, counts) = (&chunks, &full, [0; 2]);
+                let mut sink = Staged { chunks, full, block: index as u32, chunk: None, boxes, counts };
                 work(index, &mut scratch, &mut sink);
-                let told = sink.told;
+                let counts = sink.counts;
                 if let Some(block) = block {
-                    block.finish(told);
+                    block.finish(counts);
                 }
             }
             scratch.finish();
@@ -202,19 +203,19 @@ impl<'o, I: Index> Collector<'o, I> {
         let used = chunks.claimed();
         let merged = if full.load(Relaxed) { None } else { self.merge(executor, from, used) };
         if merged.is_none() {
-            // The blocks are swept once more, so what was counted must not count twice.
+            // All blocks will be swept once more: nothing must count twice.
             scratch::reset(self.scratch, area);
         }
         merged
     }
 
-    /// Puts the staged chunks in the order of their blocks. A block's chunks were claimed by one worker, so they
-    /// stand in the order in which it filled them. `None` where there are found pairs and not all fit: it takes the order of
-    /// all pairs to tell which ones do.
+    /// Copies the chunks in the order of their blocks. One worker has claimed the chunks of a block, so they are in
+    /// the order in which it filled them. `None` if there are found pairs and not all pairs fit: the order of all
+    /// pairs decides which ones do.
     fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize) -> Option<u64> {
         let chunks = self.chunks.span_mut(0, used);
         insertion_sort(chunks);
-        // The block and the counts are not needed any more. These places now have where the two ends of the chunk end among all
+        // Blocks and counts are no longer needed. In their places: where the two ends of each chunk end among all
         // pairs.
         let [mut persisting, mut found] = [0; 2];
         for [block, _, counts] in &mut *chunks {
@@ -231,9 +232,9 @@ impl<'o, I: Index> Collector<'o, I> {
         }
         let persisting = room.len().min(persisting as usize);
         let (room, behind) = room.split_at_mut_checked(persisting).unwrap_or_default();
-        let claims = BlockQueue::new(Chunks::new(room, MERGED));
+        let queue = BlockQueue::new(Chunks::new(room, MERGED));
         executor::run(executor, self.workers, persisting.div_ceil(MERGED), &|| {
-            while let Some((block, room)) = claims.claim() {
+            while let Some((block, room)) = queue.claim() {
                 gather(chunks, staged, block * MERGED, room);
             }
         });
@@ -251,13 +252,13 @@ impl<'o, I: Index> Collector<'o, I> {
     }
 }
 
-/// How many persisting pairs a chunk has at its front, and how many found ones at its end: one number, as neither is above
-/// [`CHUNK`].
+/// How many persisting pairs a chunk has at its front, and how many found ones at its end. One number, since neither
+/// is above [`CHUNK`].
 const fn two_counts(counts: u32) -> [usize; 2] {
     [(counts & 0xffff) as usize, (counts >> 16) as usize]
 }
 
-/// Brings the found pairs at the end of a buffer to those at its front.
+/// Moves the found pairs from the end of a buffer behind those at its front.
 fn close_gap<I: Index>(pairs: &mut [Pair<I>], persisting: usize, found: usize) {
     let start = pairs.len() - found;
     if start > persisting {
@@ -267,10 +268,8 @@ fn close_gap<I: Index>(pairs: &mut [Pair<I>], persisting: usize, found: usize) {
     }
 }
 
-/// Pairs that a worker puts in order at a time.
-const MERGED: usize = 16 * CHUNK;
-
-/// Fills `room` with the pairs from number `from` on, found ones apart: `chunks` has where each chunk ends, and its position.
+/// Fills `room` with the persisting pairs from number `from` on. `chunks` has where each chunk ends, and its
+/// position.
 fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mut room: &mut [Pair<I>]) {
     let first = chunks.partition_point(|chunk| chunk[0] as usize <= from);
     let mut start = first.checked_sub(1).map_or(0, |last| chunks.at(last)[0]) as usize;
@@ -288,7 +287,7 @@ fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mu
     }
 }
 
-/// Sorts what is nearly in order: workers claim blocks and chunks in ascending order.
+/// Sorts chunks. They are nearly in order, since workers claim blocks and chunks in ascending order.
 fn insertion_sort(chunks: &mut [[u32; 3]]) {
     for index in 1..chunks.len() {
         let chunk = chunks.at(index);
@@ -301,16 +300,16 @@ fn insertion_sort(chunks: &mut [[u32; 3]]) {
     }
 }
 
-/// The staged pairs of one block, in as many chunks as they need. In each, found pairs come from its end, backwards.
+/// Writes the pairs of one block to as many chunks as they need; in each, found pairs from its end, backwards.
 struct Staged<'s, 'o, I> {
     chunks: &'s BlockQueue<StagedChunks<'o, I>>,
     full: &'s AtomicBool,
     block: u32,
     chunk: Option<StagedChunk<'s, I>>,
-    /// What tells found pairs.
+    /// The boxes that tell found pairs, if that is done here.
     boxes: Option<Boxes<'s>>,
-    /// Persisting pairs of the block and found ones; all persist where nothing tells them.
-    told: [u32; 2],
+    /// Persisting and found pairs of the block; all count as persisting without `boxes`.
+    counts: [u32; 2],
 }
 
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {
@@ -338,8 +337,8 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
             };
             let come = now.len() - stay;
             entry[2] += (stay | come << 16) as u32;
-            self.told[0] += stay as u32;
-            self.told[1] += come as u32;
+            self.counts[0] += stay as u32;
+            self.counts[1] += come as u32;
             pairs = later;
             if now.len() == free {
                 self.chunk = None;

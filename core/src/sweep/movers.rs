@@ -1,14 +1,15 @@
-//! Tests the few objects that moved against everything near them (paper, section III.B: only moving-moving and
-//! moving-resting pairs are looked for; resting pairs persist, erratum E6).
+//! Tests moved objects against everything near them (paper, section III.B). Pairs of two resting objects persist
+//! (erratum E6).
 //!
-//! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object stands
-//! in one place, so every pair is met once from each of its movers; of two movers the lower slot reports.
+//! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object is in one
+//! place, so each of two movers meets the other once, and the one with the lower slot reports the pair.
 
 use super::Sink;
 use super::leaves::TreeView;
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, pair};
+use crate::memory::prefetch::{LEAVES_TOGETHER, MOVERS_AHEAD, RECORDS_AHEAD};
 use crate::memory::scratch::Scratch;
 use crate::simd::{Phase, Simd, limit};
 use crate::tree::visit::Visit;
@@ -19,7 +20,7 @@ pub(crate) struct SweepMovers<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     /// One bit a slot.
     pub(crate) moved: &'p [u32],
-    /// The slots of the movers, leaf by leaf, and their leaves.
+    /// The slots of the movers, leaf by leaf, and their homes.
     pub(crate) movers: &'p [I],
     pub(crate) homes: &'p [I],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
@@ -34,8 +35,8 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
         let Self { tree_view, moved, movers, homes, scratch, sink } = self;
         let mut report =
             Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
-        let visits = [(0, 0, 0); TOGETHER];
-        let (leaves, records) = ([0; TOGETHER], [Record::NOTHING; TOGETHER]);
+        let visits = [(0, 0, 0); LEAVES_TOGETHER];
+        let (leaves, records) = ([0; LEAVES_TOGETHER], [Record::NOTHING; LEAVES_TOGETHER]);
         let mut near =
             Near { tree_view, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
         let mut start = 0;
@@ -55,35 +56,29 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
     }
 }
 
-/// Leaves that are asked for before the first of them is looked at: they are anywhere in memory.
-const TOGETHER: usize = 16;
-/// Records that are asked for; the processor sees for itself that the others follow.
-const RECORDS: usize = 48;
-/// How many movers ahead boxes are asked for.
-const AHEAD: usize = 8;
-
-/// Leaves, and the movers that are near them.
+/// Leaves near movers, collected so that they can be prefetched together.
 struct Near<'n, 'g, I> {
     tree_view: &'n TreeView<'g>,
     movers: &'n [I],
-    /// A leaf of the last full step, and where its movers start and end.
-    visits: [(usize, u32, u32); TOGETHER],
+    /// A whole leaf, and where the movers near it start and end.
+    visits: [(usize, u32, u32); LEAVES_TOGETHER],
     visit_count: usize,
-    /// Leaves, and for each a mover's record in its frame. Two arrays, as pairs would have gaps.
-    leaves: [u32; TOGETHER],
-    records: [Record; TOGETHER],
+    /// Leaves or sub-leaves, and for each the record of a mover in its frame. Two arrays, since an array of both
+    /// would have gaps.
+    leaves: [u32; LEAVES_TOGETHER],
+    records: [Record; LEAVES_TOGETHER],
     test_count: usize,
     /// How many boxes were looked at.
     tested: usize,
 }
 
 impl<I: Index> Near<'_, '_, I> {
-    /// Collects the leaves around movers that are near each other, to be looked at a little later.
+    /// Collects the leaves around movers of one leaf.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
         let tree_view = self.tree_view;
         let movers = self.movers.span(start as usize, (end - start) as usize);
-        for ahead in self.movers.iter().skip(start as usize + AHEAD).take(movers.len()) {
+        for ahead in self.movers.iter().skip(start as usize + MOVERS_AHEAD).take(movers.len()) {
             simd.prefetch(tree_view.boxes, ahead.at());
         }
         let mut around = KeyBox::NOTHING;
@@ -97,7 +92,7 @@ impl<I: Index> Near<'_, '_, I> {
                 }
             }
         }
-        // A large object has no home.
+        // A large object has no home: the walk starts anywhere.
         let leaf = if home == I::LARGE { 0 } else { home.at() >> tree_view.sub_levels };
         let mut visit = Visit::new(simd, tree_view.nodes, tree_view.depth, leaf, around);
         while let Some(whole) = visit.next(simd) {
@@ -105,13 +100,13 @@ impl<I: Index> Near<'_, '_, I> {
             simd.prefetch_from::<SUB_LEAVES, _>(tree_view.bounds, whole << tree_view.sub_levels);
             self.visits.put(self.visit_count, (whole, start, end));
             self.visit_count += 1;
-            if self.visit_count == TOGETHER {
+            if self.visit_count == LEAVES_TOGETHER {
                 self.divide(simd, report);
             }
         }
     }
 
-    /// Finds which of the leaves that are collected movers touch; where they are divided, which parts.
+    /// Finds which of the collected leaves each mover touches, and which of their sub-leaves.
     #[inline(always)]
     fn divide<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
         let tree_view = self.tree_view;
@@ -135,7 +130,7 @@ impl<I: Index> Near<'_, '_, I> {
                     self.leaves.put(self.test_count, leaf as u32);
                     self.records.put(self.test_count, record);
                     self.test_count += 1;
-                    if self.test_count == TOGETHER {
+                    if self.test_count == LEAVES_TOGETHER {
                         self.test(simd, report);
                     }
                 }
@@ -144,13 +139,13 @@ impl<I: Index> Near<'_, '_, I> {
         self.visit_count = 0;
     }
 
-    /// Tests movers against the members of the leaves that they touch.
+    /// Tests movers against the members of leaves that they touch.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
         let tree_view = self.tree_view;
         let leaves = self.leaves.span(0, self.test_count);
         for leaf in leaves {
-            simd.prefetch_from::<RECORDS, _>(
+            simd.prefetch_from::<RECORDS_AHEAD, _>(
                 tree_view.records,
                 tree_view.leaves.at(*leaf as usize).start as usize,
             );
@@ -186,7 +181,7 @@ fn scan<S: Simd, I: Index>(
     }
 }
 
-/// Decides about contacts and passes pairs on in batches.
+/// Decides contacts, and passes pairs on in batches.
 struct Report<'r, 'k, I> {
     boxes: &'r [KeyBox],
     moved: &'r [u32],

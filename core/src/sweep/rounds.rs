@@ -1,37 +1,37 @@
-//! Takes the bits of the masks that windows gave, in rounds: one, two or three bits of each mask, so that a multiple of four is
-//! left, go to a list of candidates; four bits of each mask that has some left are tested at once, until none has. No branch
-//! hangs on how many bits a mask has.
+//! Takes the bits of masks in rounds, so that no branch depends on how many bits a mask has. First one, two or three
+//! bits of each mask go to a list of candidates, so that a multiple of four is left. Then four bits of each mask are
+//! tested at once, until no mask has any.
 
 use super::Sink;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::scratch::Lists;
-use crate::memory::scratch::{PART, ROOM};
+use crate::memory::limits::MASKS_PER_ROUND;
+use crate::memory::scratch::{CANDIDATES_PER_ROUND, Lists};
 use crate::simd::{Phase, Simd, Tested};
 use crate::tree::Record;
 use core::ops::Range;
 
-/// What has been found so far.
+/// Candidates and pairs so far.
 pub(super) struct Found<'s, I> {
     pub(super) sorted: &'s [Record],
     pub(super) boxes: &'s [KeyBox],
     pub(super) candidates: &'s mut [u32],
-    /// Candidates that wait for their test.
+    /// Candidates that wait to be tested.
     pub(super) collected: usize,
     pub(super) pairs: &'s mut [Pair<I>],
-    /// Pairs that wait to be handed on.
+    /// Pairs that wait to be passed on.
     pub(super) found: usize,
     /// As in [`LeafScratch`](crate::memory::scratch::LeafScratch).
     pub(super) tested: &'s mut u64,
     pub(super) tied: &'s mut u64,
 }
 
-/// Takes all bits of the masks in the lists.
+/// Takes all bits of the masks.
 pub(super) struct Drain<'d, 's, I> {
     pub(super) lists: &'d mut Lists,
     /// How many masks there are.
-    pub(super) contained: usize,
+    pub(super) mask_count: usize,
     pub(super) found: &'d mut Found<'s, I>,
     pub(super) sink: &'d mut dyn Sink<I>,
 }
@@ -41,24 +41,24 @@ impl<I: Index> Phase for Drain<'_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { lists, contained, found, sink } = self;
+        let Self { lists, mask_count, found, sink } = self;
         let mut left = 0;
-        for start in (0..contained).step_by(PART) {
+        for start in (0..mask_count).step_by(MASKS_PER_ROUND) {
             found.make_room(simd, sink);
-            left = found.odd_ones(lists, start..contained.min(start + PART), left);
+            left = found.odd_ones(lists, start..mask_count.min(start + MASKS_PER_ROUND), left);
         }
         while left > 0 {
             let mut again = 0;
-            for start in (0..left).step_by(PART) {
+            for start in (0..left).step_by(MASKS_PER_ROUND) {
                 found.make_room(simd, sink);
-                again = found.fours(simd, lists, start..left.min(start + PART), again);
+                again = found.fours(simd, lists, start..left.min(start + MASKS_PER_ROUND), again);
             }
             left = again;
         }
     }
 }
 
-/// Tests the last candidates and hands on the last pairs.
+/// Tests the last candidates and passes the last pairs on.
 pub(super) struct Last<'d, 's, I> {
     pub(super) found: &'d mut Found<'s, I>,
     pub(super) sink: &'d mut dyn Sink<I>,
@@ -75,37 +75,40 @@ impl<I: Index> Phase for Last<'_, '_, I> {
 }
 
 impl<I: Index> Found<'_, I> {
-    /// Makes room for the candidates and the pairs of `PART` masks.
+    /// Makes room for the candidates and the pairs of `MASKS_PER_ROUND` masks.
     #[inline(always)]
     fn make_room<S: Simd>(&mut self, simd: S, sink: &mut dyn Sink<I>) {
-        if self.collected + ROOM > self.candidates.len() {
+        if self.collected + CANDIDATES_PER_ROUND > self.candidates.len() {
             self.test(simd, sink);
         }
-        if self.found + ROOM > self.pairs.len() {
+        if self.found + CANDIDATES_PER_ROUND > self.pairs.len() {
             self.hand_on(sink);
         }
     }
 
-    /// Hands the pairs on.
+    /// Passes the pairs on.
     #[inline(always)]
     fn hand_on(&mut self, sink: &mut dyn Sink<I>) {
         sink.take(self.pairs.span_mut(0, self.found));
         self.found = 0;
     }
 
-    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left come to `to` on;
-    /// returns where they end.
+    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left are put to
+    /// `to` and on; returns where they end.
     #[inline(always)]
     fn odd_ones(&mut self, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
-        let room = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let room = self
+            .candidates
+            .get_mut(self.collected..)
+            .and_then(<[_]>::first_chunk_mut::<CANDIDATES_PER_ROUND>);
         let Some(room) = room else { return to };
         let mut count = 0;
         for index in which {
             let (bits, base) = lists.mask(index);
             let (one, two, _) = without(bits);
             let odd = bits.count_ones() as usize % 4;
-            // Written always, used or not.
-            let at = count % (4 * PART);
+            // Always written, used or not.
+            let at = count % (4 * MASKS_PER_ROUND);
             for (offset, bits) in [bits, one, two].into_iter().enumerate() {
                 room.put(at + offset, candidate(base, bits));
             }
@@ -119,12 +122,15 @@ impl<I: Index> Found<'_, I> {
         to
     }
 
-    /// Tests four bits of each of some masks. Masks with bits left come to `to` on; returns where they end.
+    /// Tests four bits of each mask. Masks with bits left are put to `to` and on; returns where they end.
     #[inline(always)]
     fn fours<S: Simd>(&mut self, simd: S, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
         let sorted = self.sorted;
-        let pairs = self.pairs.get_mut(self.found..).and_then(<[_]>::first_chunk_mut::<ROOM>);
-        let candidates = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut::<ROOM>);
+        let pairs = self.pairs.get_mut(self.found..).and_then(<[_]>::first_chunk_mut::<CANDIDATES_PER_ROUND>);
+        let candidates = self
+            .candidates
+            .get_mut(self.collected..)
+            .and_then(<[_]>::first_chunk_mut::<CANDIDATES_PER_ROUND>);
         let (Some(pairs), Some(candidates)) = (pairs, candidates) else { return to };
         let (mut found, mut untested) = (0, 0);
         let count = which.len();
@@ -134,14 +140,15 @@ impl<I: Index> Found<'_, I> {
             let rest = three & three.wrapping_sub(1);
             lists.put_mask(to, rest, base);
             to += usize::from(rest != 0);
-            // No closure: it would not share the instruction set of its function.
-            if let Some(room) = pairs.get_mut(found % (4 * PART)..).and_then(<[_]>::first_chunk_mut::<4>)
+            // No closure: it would not have the instruction set of its function.
+            if let Some(room) =
+                pairs.get_mut(found % (4 * MASKS_PER_ROUND)..).and_then(<[_]>::first_chunk_mut::<4>)
                 && let Some(four) = simd.four(sorted, base, bits, room)
             {
                 found += four;
                 continue;
             }
-            // Rare, but where boxes share sides.
+            // Rare, except where boxes share sides.
             for bits in [bits, one, two, three] {
                 candidates.put(untested, candidate(base, bits));
                 untested += 1;
@@ -153,7 +160,7 @@ impl<I: Index> Found<'_, I> {
         to
     }
 
-    /// Tests the candidates on all lanes and hands the pairs on.
+    /// Tests the candidates on all lanes.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, sink: &mut dyn Sink<I>) {
         if self.found + self.collected > self.pairs.len() {
@@ -184,7 +191,8 @@ const fn candidate(base: u32, bits: u64) -> u32 {
     base.wrapping_add(bits.trailing_zeros())
 }
 
-/// Tests candidates: see [`Simd::test_candidates`]. Their pairs come to the front of `pairs`, which has a place for each.
+/// Tests candidates: see [`Simd::test_candidates`]. Pairs go to the front of `pairs`, which has a place for each
+/// candidate.
 struct Test<'t, I> {
     sorted: &'t [Record],
     candidates: &'t mut [u32],
@@ -199,7 +207,7 @@ impl<I: Index> Phase for Test<'_, I> {
     fn run<S: Simd>(self, simd: S) -> Tested {
         let Self { sorted, candidates, pairs, boxes } = self;
         let Tested { mut found, tied } = simd.test_candidates(sorted, candidates, pairs);
-        // Of boxes that share a step of the grid only the keys can tell.
+        // Where boxes share a step of the grid, the keys decide.
         for &candidate in candidates.span(0, tied) {
             let a = sorted.at((candidate >> 16) as usize).slot();
             let b = sorted.at((candidate & 0xffff) as usize).slot();

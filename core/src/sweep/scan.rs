@@ -1,21 +1,21 @@
-//! Finds the pairs of a sorted bucket without branches that depend on its boxes. The branch predictor would guess them wrong, and
-//! a wrong guess costs more than the compares.
+//! Compares the records of a sorted bucket with their neighbours, without branches that depend on boxes: the branch
+//! predictor would guess them wrong, and a wrong guess costs more than the compares.
 //!
-//! Each record is compared with the rows of its neighbours, a window at a time, in passes: the first window of many rows, then
-//! the second window of those whose run of neighbours goes on, and so on. What a window finds is a mask; `rounds` takes the
-//! bits.
+//! Each record is compared with the rows of its neighbours, a window of 64 or 32 rows at a time. A pass compares the
+//! first windows of many records, then the second windows of those with more neighbours, and so on. A window gives a
+//! mask; `rounds` takes its bits.
 
 use super::Sink;
 use super::rounds::{Drain, Found, Last};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::scratch::LeafScratch;
-use crate::memory::scratch::{Lists, ROWS};
+use crate::memory::limits::ROWS;
+use crate::memory::scratch::{LeafScratch, Lists};
 use crate::simd::{HALF, Phase, Row, Simd, WINDOW};
 use crate::tree::Record;
 
-/// Rows whose run of neighbours is looked at to choose the width of the windows.
+/// Records whose neighbours are counted to choose the width of windows.
 const SAMPLE: usize = 32;
 
 /// Looks for pairs in a sorted bucket.
@@ -25,7 +25,7 @@ pub(super) struct Scan<'s, I> {
     axis: usize,
     lists: &'s mut [Lists],
     /// Masks in the lists.
-    contained: usize,
+    mask_count: usize,
     found: Found<'s, I>,
     sink: &'s mut dyn Sink<I>,
 }
@@ -42,10 +42,10 @@ impl<'s, I: Index> Scan<'s, I> {
         let LeafScratch { sorted, rows, lists, candidates, pairs, tested, tied } = leaf_scratch;
         let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
         let found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied };
-        Self { sorted, rows, axis, lists, contained: 0, found, sink }
+        Self { sorted, rows, axis, lists, mask_count: 0, found, sink }
     }
 
-    /// Hands on the pairs of all records. `run` has where the neighbours of a record start and end.
+    /// Passes on the pairs of all records. `run` tells where the neighbours of a record start and end.
     #[inline(always)]
     pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
         let count = self.sorted.len();
@@ -55,7 +55,7 @@ impl<'s, I: Index> Scan<'s, I> {
             reach += end.saturating_sub(first);
             sampled += 1;
         }
-        // Short runs need no second half.
+        // Few neighbours need no second half of a window.
         if reach > HALF * sampled {
             simd.call(Passes::<_, _, WINDOW> { scan: &mut self, run });
         } else {
@@ -68,7 +68,7 @@ impl<'s, I: Index> Scan<'s, I> {
     /// Makes room for so many masks, at most `ROWS`.
     #[inline(always)]
     fn make_room<S: Simd>(&mut self, simd: S, more: usize) {
-        if self.contained + more > ROWS {
+        if self.mask_count + more > ROWS {
             self.drain(simd);
         }
     }
@@ -76,12 +76,12 @@ impl<'s, I: Index> Scan<'s, I> {
     #[inline(always)]
     fn drain<S: Simd>(&mut self, simd: S) {
         let [lists] = &mut *self.lists else { return };
-        simd.call(Drain { lists, contained: self.contained, found: &mut self.found, sink: self.sink });
-        self.contained = 0;
+        simd.call(Drain { lists, mask_count: self.mask_count, found: &mut self.found, sink: self.sink });
+        self.mask_count = 0;
     }
 }
 
-/// Compares all records with the rows of their neighbours, in windows of this width.
+/// Compares all records with their neighbours, in windows of one width.
 struct Passes<'p, 's, I, F, const WIDTH: usize> {
     scan: &'p mut Scan<'s, I>,
     run: F,
@@ -101,24 +101,24 @@ impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phas
             let count = ROWS.min(sorted.len() - start);
             scan.make_room(simd, count);
             let [lists] = &mut *scan.lists else { return };
-            let mut pass = Pass { rows, lanes, lists, contained: scan.contained, left: 0 };
+            let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
             for (at, record) in (start..).zip(sorted.span(start, count)) {
                 let (first, end) = run(at, record);
                 pass.next::<S, WIDTH>(simd, record, (at << 16 | first) as u32, end as u32);
             }
             let mut left = pass.left;
-            scan.contained = pass.contained;
+            scan.mask_count = pass.mask_count;
             while left > 0 {
                 scan.make_room(simd, left);
                 let [lists] = &mut *scan.lists else { return };
-                let mut pass = Pass { rows, lanes, lists, contained: scan.contained, left: 0 };
+                let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
                 for index in 0..left {
                     let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
                     let Some(record) = sorted.get((base >> 16) as usize) else { continue };
                     pass.next::<S, WIDTH>(simd, record, base, end);
                 }
                 left = pass.left;
-                scan.contained = pass.contained;
+                scan.mask_count = pass.mask_count;
             }
             start += count;
         }
@@ -131,20 +131,20 @@ struct Pass<'l, A> {
     lanes: A,
     lists: &'l mut Lists,
     /// Masks so far.
-    contained: usize,
+    mask_count: usize,
     /// Rows so far that have further windows.
     left: usize,
 }
 
 impl<A: Copy> Pass<'_, A> {
-    /// Compares a record with the rows of its next window.
+    /// Compares a record with its next window.
     #[inline(always)]
     fn next<S: Simd<Axis = A>, const WIDTH: usize>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
         let first = base & 0xffff;
         let count = end.wrapping_sub(first);
         let rows = self.rows.get(first as usize..first as usize + WIDTH).unwrap_or_default();
         let query = simd.query(self.lanes, record);
-        // No closures: they would not share the instruction set of their function.
+        // No closures: they would not have the instruction set of their function.
         let bits = if WIDTH == WINDOW {
             let Some(rows) = rows.first_chunk() else { return };
             simd.window(rows, count as usize, query)
@@ -152,9 +152,9 @@ impl<A: Copy> Pass<'_, A> {
             let Some(rows) = rows.first_chunk() else { return };
             simd.half_window(rows, count as usize, query).into()
         };
-        // Both lists are written always, used or not.
-        self.lists.put_mask(self.contained, bits, base);
-        self.contained += usize::from(bits != 0);
+        // Both lists are always written, used or not.
+        self.lists.put_mask(self.mask_count, bits, base);
+        self.mask_count += usize::from(bits != 0);
         self.lists.open.put(self.left % ROWS, base.wrapping_add(WIDTH as u32));
         self.lists.ends.put(self.left % ROWS, end);
         self.left += usize::from(count > WIDTH as u32);

@@ -1,21 +1,21 @@
-//! Sweeps a small world straight from its sorted list over the boxes themselves: no records, no batches, and nothing
-//! between the compares. A small processor has no vectors that would make up for more.
+//! Sweeps the boxes themselves along a sorted list (paper, section III.D): no records and no batches. A small
+//! processor has no vectors that would repay them.
 
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::pairs::pair_filter::PairFilter;
 
-/// What a sweep came to.
+/// The result of a sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Found {
-    /// Overlapping pairs, whether they fitted or not.
+    /// Overlapping pairs, whether there was room or not.
     pub(crate) pairs: usize,
     /// Pairs of boxes that overlap along the axis.
     pub(crate) candidates: usize,
 }
 
-/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the axis. O(n + candidates),
-/// of which there are at most n²/2.
+/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the axis. O(n +
+/// candidates); candidates are at most n²/2.
 pub(crate) fn sweep<I: Index>(
     order: &[I],
     boxes: &[KeyBox],
@@ -30,7 +30,7 @@ pub(crate) fn sweep<I: Index>(
     }
 }
 
-/// With the axes known, and in a function of its own, so that the inner loop keeps to the registers.
+/// With constant axes, and not inline, so that the inner loop stays in registers.
 #[inline(never)]
 fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     order: &[I],
@@ -73,7 +73,7 @@ pub(crate) mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    /// Boxes of one size or of many, spread or on a heap, with equal sides among them.
+    /// Boxes of one size or of many, spread or on a heap, some with equal sides.
     pub(crate) fn boxes() -> impl Strategy<Value = Vec<KeyBox>> {
         let low = prop_oneof![-40i32..40, -4000i32..4000];
         let one = ([low.clone(), low.clone(), low], [0i32..60, 0i32..60, 0i32..60], 0i32..40);
@@ -93,7 +93,7 @@ pub(crate) mod tests {
         all.filter(|[a, b]| boxes[*a].overlaps(&boxes[*b])).map(|pair| pair.map(|slot| slot as u16)).collect()
     }
 
-    /// Whether a sweep has found the pairs that it should, or as many of them as had room.
+    /// Checks that a sweep has found the right pairs, or as many of them as had room.
     pub(crate) fn check(boxes: &[KeyBox], full: bool, sweep: impl FnOnce(&mut [Pair<u16>]) -> Found) {
         let mut expected = overlaps(boxes);
         expected.sort_unstable();

@@ -1,17 +1,17 @@
-//! Sweeps a small world for which there is room to copy its boxes. Planes across a second axis cut it into stripes; a box
-//! lives in the strip of its minimum, and the copies stand strip by strip in ascending order along the first axis, which
-//! is also the order of the list from step to step. A box meets those of its own strip behind it, and of each upper strip
-//! that it reaches those that overlap it along the first axis: so no two boxes meet twice.
+//! Sweeps copies of the boxes, in stripes. A second axis is cut into stripes, and a box is in the stripe of its
+//! minimum. The copies are in order: stripe by stripe, each ascending along the first axis. The list has the same
+//! order from step to step. A box meets those behind it in its own stripe, and in each higher stripe that it reaches
+//! those that overlap it along the first axis. So no two boxes meet twice.
 
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::stripes::{Member, Planes, STRIPES};
+use crate::memory::stripes::{Member, STRIPES, StripeStarts};
 use crate::pairs::pair_filter::PairFilter;
 use crate::sort::heapsort;
 use crate::sweep::small::Found;
 
-/// The places of coordinates in a member.
+/// The axes of a member: along the sweep, across the stripes, the third one.
 const W: usize = 0;
 const U: usize = 1;
 const V: usize = 2;
@@ -38,44 +38,44 @@ impl Member {
     }
 }
 
-/// Minima that are looked at to place them.
+/// Minima that are sampled to choose where stripes start.
 const SAMPLE: usize = 4 * STRIPES;
-/// Samples in a strip for which the planes are chosen anew.
+/// With more samples than this in one stripe, the starts are chosen anew.
 const CROWDED: usize = SAMPLE / 4;
 
 /// A world that is swept in stripes.
 pub(crate) struct Striped<'m, I> {
-    /// The living objects' slots.
+    /// The slots of the living objects.
     pub(crate) order: &'m mut [I],
     pub(crate) boxes: &'m [KeyBox],
-    /// The axis along which the stripes are swept, and the one across which they lie.
+    /// The axis along which stripes are swept, and the axis that they divide.
     pub(crate) axes: [usize; 2],
-    pub(crate) planes: &'m mut Planes,
-    /// As many as there are slots.
+    pub(crate) starts: &'m mut StripeStarts,
+    /// One for each slot.
     pub(crate) members: &'m mut [Member],
 }
 
-/// The strip of a minimum.
+/// The stripe of a minimum.
 #[inline(always)]
-fn strip_of(planes: &Planes, min: i32) -> usize {
-    // By halves, written out: loops are dear where code is made small.
-    let half = usize::from(min >= planes[STRIPES / 2]) * (STRIPES / 2);
-    let quarter = half + usize::from(min >= planes.at(half + STRIPES / 4)) * (STRIPES / 4);
-    quarter + usize::from(min >= planes.at(quarter + 1))
+fn stripe_of(starts: &StripeStarts, min: i32) -> usize {
+    // By halves, written out: loops are slow if compiled for size.
+    let half = usize::from(min >= starts[STRIPES / 2]) * (STRIPES / 2);
+    let quarter = half + usize::from(min >= starts.at(half + STRIPES / 4)) * (STRIPES / 4);
+    quarter + usize::from(min >= starts.at(quarter + 1))
 }
 const _: () = assert!(STRIPES == 8);
 
-/// The total order of the list: by strip, then by minimum, then by slot.
-pub(crate) fn place(bounds: &KeyBox, slot: u32, axes: [usize; 2], planes: &Planes) -> u64 {
+/// The total order of the list: by stripe, then by minimum, then by slot.
+pub(crate) fn place(bounds: &KeyBox, slot: u32, axes: [usize; 2], starts: &StripeStarts) -> u64 {
     let [along, across] = axes.map(|axis| bounds.min.at(axis));
-    // Flipping the sign makes the keys' order that of unsigned integers.
+    // With the sign bit flipped, keys have the order of unsigned integers.
     let key = u64::from(along as u32 ^ 1 << 31);
-    (strip_of(planes, across) as u64) << (32 + SLOT_BITS) | key << SLOT_BITS | u64::from(slot)
+    (stripe_of(starts, across) as u64) << (32 + SLOT_BITS) | key << SLOT_BITS | u64::from(slot)
 }
 
 impl<I: Index> Striped<'_, I> {
-    /// Keeps the planes where they divide the minima well, and puts them at the quantiles of some where not. Looks at objects by
-    /// their slots, not by the list, which a world that was loaded does not have. O(n).
+    /// Keeps the starts while they divide the minima well, else puts them at the quantiles of a sample. Takes objects
+    /// by slot, since a world that was loaded has no list. O(n).
     #[inline(never)]
     pub(crate) fn divide(&mut self) {
         let mut sample = [i32::MAX; SAMPLE];
@@ -84,7 +84,7 @@ impl<I: Index> Striped<'_, I> {
         let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
         for bounds in boxes.step_by(self.order.len().div_ceil(SAMPLE).max(1)) {
             let key = bounds.min.at(self.axes[1]);
-            let stripe = strip_of(self.planes, key);
+            let stripe = stripe_of(self.starts, key);
             let known = counts.at(stripe);
             counts.put(stripe, known + 1);
             let mut to = count;
@@ -100,14 +100,14 @@ impl<I: Index> Striped<'_, I> {
             count += 1;
         }
         if counts.iter().any(|count| *count > CROWDED) {
-            for (stripe, plane) in self.planes.iter_mut().enumerate() {
-                *plane = if stripe == 0 { i32::MIN } else { sample.at(stripe * count / STRIPES) };
+            for (stripe, start) in self.starts.iter_mut().enumerate() {
+                *start = if stripe == 0 { i32::MIN } else { sample.at(stripe * count / STRIPES) };
             }
         }
     }
 
-    /// Copies the boxes to where they belong, and brings the list into the same order: by insertion as long as that is
-    /// cheap, else after a sort. O(n) at best, O(n log n) else.
+    /// Copies the boxes in order, and sorts the list in the same way: by insertion while that is cheap, else after a
+    /// heap sort. O(n) at best, else O(n log n).
     pub(crate) fn arrange(&mut self) {
         if !self.insert() {
             self.sort();
@@ -115,15 +115,15 @@ impl<I: Index> Striped<'_, I> {
         }
     }
 
-    /// As [`arrange`](Self::arrange), or false where too many objects have overtaken each other.
+    /// As [`arrange`](Self::arrange); `false` if too many objects have overtaken each other.
     #[inline(never)]
     fn insert(&mut self) -> bool {
-        let Self { order, boxes, axes, planes, members } = self;
+        let Self { order, boxes, axes, starts, members } = self;
         let (w, u) = (axes[0].min(2), axes[1].min(2));
         let axes = [w, u, (3 - w).saturating_sub(u).min(2)];
         let Some(members) = members.get_mut(..order.len()) else { return true };
         let mut budget = crate::lists::links::INVERSIONS_PER_OBJECT * order.len() + 64;
-        // The last member that is in order, and the bounds of its strip: none yet.
+        // The last member that is in order, and the bounds of its stripe: none yet.
         let (mut last, mut stripe, mut low, mut high) = (i32::MIN, 0, i32::MAX, i32::MIN);
         for at in 0..order.len() {
             let slot = order.at(at);
@@ -134,7 +134,7 @@ impl<I: Index> Striped<'_, I> {
                 members.put(at, Member::new(bounds, axes, stripe, slot.slot()));
                 continue;
             }
-            let own = strip_of(planes, side);
+            let own = stripe_of(starts, side);
             let mut to = at;
             while to > 0 {
                 let Some([below, above]) =
@@ -152,8 +152,8 @@ impl<I: Index> Striped<'_, I> {
             members.put(to, Member::new(bounds, axes, own, slot.slot()));
             order.put(to, slot);
             if to == at {
-                (last, stripe, low) = (key, own, planes.at(own));
-                high = planes.get(own + 1).copied().unwrap_or(i32::MAX);
+                (last, stripe, low) = (key, own, starts.at(own));
+                high = starts.get(own + 1).copied().unwrap_or(i32::MAX);
             }
             match budget.checked_sub(at - to) {
                 Some(left) => budget = left,
@@ -163,13 +163,13 @@ impl<I: Index> Striped<'_, I> {
         true
     }
 
-    /// Puts the list in order, where the members will be.
+    /// Sorts the list, in the memory of the members.
     #[inline(never)]
     fn sort(&mut self) {
         let (_, places, _) = bytemuck::pod_align_to_mut::<Member, u64>(self.members);
         let places = places.span_mut(0, self.order.len());
         for (to, slot) in places.iter_mut().zip(&*self.order) {
-            *to = place(KeyBox::of(self.boxes, slot.at()), slot.slot(), self.axes, self.planes);
+            *to = place(KeyBox::of(self.boxes, slot.at()), slot.slot(), self.axes, self.starts);
         }
         heapsort(places, |a, b| a < b);
         for (slot, place) in self.order.iter_mut().zip(places) {
@@ -177,17 +177,17 @@ impl<I: Index> Striped<'_, I> {
         }
     }
 
-    /// Writes the pairs of overlapping members that fit. O(n + candidates), of which there are at most n²/2.
+    /// Writes the pairs of overlapping members that fit. O(n + candidates); candidates are at most n²/2.
     pub(crate) fn sweep(&self, pair_filter: Option<PairFilter<'_>>, pairs: &mut [Pair<I>]) -> Found {
-        sweep(self.members.span(0, self.order.len()), self.planes, pair_filter, pairs)
+        sweep(self.members.span(0, self.order.len()), self.starts, pair_filter, pairs)
     }
 }
 
-/// In a function of its own, so that the inner loop keeps to the registers.
+/// Not inline, so that the inner loop stays in registers.
 #[inline(never)]
 fn sweep<I: Index>(
     members: &[Member],
-    planes: &Planes,
+    starts: &StripeStarts,
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
@@ -198,7 +198,7 @@ fn sweep<I: Index>(
         (*stripe, rest) = rest.split_at(rest.partition_point(|member| member.stripe() <= index));
     }
     for index in 0..STRIPES {
-        // Of the upper stripes those that the next member may still meet.
+        // The members of higher stripes that later members may still meet.
         let mut ahead = stripes;
         let mut own = stripes[index];
         while let Some((a, others)) = own.split_first() {
@@ -232,7 +232,7 @@ fn sweep<I: Index>(
                 found.candidates += met.len() - rest.len();
                 upper += 1;
                 let Some(stripe) = ahead.get_mut(upper) else { break };
-                if max[U] < planes.at(upper) {
+                if max[U] < starts.at(upper) {
                     break;
                 }
                 while let Some((first, others)) = stripe.split_first() {
@@ -269,23 +269,23 @@ mod tests {
             let axes = [axes.0, (axes.0 + axes.1) % 3];
             let n = frames.iter().map(Vec::len).min().unwrap_or_default();
             let mut order: Vec<u16> = (0..n as u16).collect();
-            let mut planes = [0; STRIPES];
+            let mut starts = [0; STRIPES];
             let mut members = vec![Member::default(); 256];
             let mut boxes = frames[0][..n].to_vec();
             for (index, frame) in frames.iter().enumerate() {
-                // All boxes are other ones, or some.
+                // All boxes change, or some.
                 for slot in (0..n).step_by(few + 1) {
                     boxes[slot] = frame[slot];
                 }
                 let mut striped =
-                    Striped { order: &mut order, boxes: &boxes, axes, planes: &mut planes, members: &mut members };
+                    Striped { order: &mut order, boxes: &boxes, axes, starts: &mut starts, members: &mut members };
                 if index != 1 {
                     striped.divide();
                 }
                 striped.arrange();
-                prop_assert!(striped.planes.is_sorted());
+                prop_assert!(striped.starts.is_sorted());
                 check(&boxes, full, |pairs| striped.sweep(None, pairs));
-                let places = order.iter().map(|&slot| place(&boxes[slot as usize], slot.into(), axes, &planes));
+                let places = order.iter().map(|&slot| place(&boxes[slot as usize], slot.into(), axes, &starts));
                 prop_assert!(places.is_sorted_by(|a, b| a < b));
             }
         }
@@ -297,23 +297,23 @@ mod tests {
         let scattered = |index: i32| index.wrapping_mul(0x9e37_79b1_u32 as i32);
         let boxes: Vec<_> = (0..n).map(|index| KeyBox::at([index, scattered(index), 0])).collect();
         let mut order: Vec<u16> = (0..n as u16).collect();
-        let mut planes = [0; STRIPES];
+        let mut starts = [0; STRIPES];
         let mut members = vec![Member::default(); boxes.len()];
         let mut striped = Striped {
             order: &mut order,
             boxes: &boxes,
             axes: [0, 1],
-            planes: &mut planes,
+            starts: &mut starts,
             members: &mut members,
         };
         striped.divide();
         striped.arrange();
-        let chosen = *striped.planes;
+        let chosen = *striped.starts;
         for stripe in 0..STRIPES {
             let count = striped.members.iter().filter(|member| member.stripe() == stripe).count();
-            assert!(count > 0 && count < boxes.len() / 3, "{count} of {} in a strip", boxes.len());
+            assert!(count > 0 && count < boxes.len() / 3, "{count} of {} in a stripe", boxes.len());
         }
         striped.divide();
-        assert_eq!(*striped.planes, chosen);
+        assert_eq!(*striped.starts, chosen);
     }
 }

@@ -1,9 +1,9 @@
-//! Fills the leaves: a counting sort of all objects by leaf, in the order of their slots.
+//! Fills all leaves: a counting sort of the objects by leaf, in the order of their slots.
 //!
-//! The first pass finds each object's leaf (the one it was in, or a walk down the tree) and counts; the second
-//! writes records, straddlers and the large-object list to where the counts say. Both read the boxes in memory order
-//! and write each leaf in sequence. Slots are cut into blocks that any worker may take; the result is that of one
-//! worker that takes them in order.
+//! The first pass finds the leaf of each object (the one that it was in, or a walk down the tree) and counts. The
+//! second pass writes records, straddlers and large objects where the counts say. Both read the boxes in memory order
+//! and write each leaf in sequence. Any worker may take any block of slots; the result is that of one worker that
+//! takes them in order.
 
 use super::cells::{cut, frame};
 use super::enclose::enclose;
@@ -21,9 +21,9 @@ use crate::parallel::shared::Shared;
 use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
-/// Finds the leaf of every object and counts the leaves' members, at the greatest depth at which straddlers and large
-/// objects stay within the capacity and the limits on copies. Then each leaf has its count, and the histogram has where each block
-/// of slots writes.
+/// Finds the leaf of every object and counts, at the greatest depth at which straddlers and large objects are not too
+/// many. Then each leaf has its count, and the histogram has where each block of slots writes. Returns what the boxes
+/// are like, and how many objects left their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let depth = parts.state.tree.depth;
@@ -42,7 +42,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
             offsets(parts, leaves);
             return counted;
         }
-        // One level up, every leaf is a pair of these leaves, and so are the homes.
+        // One level up, each leaf is two of these leaves.
         parts.state.tree.depth = depth - 1;
         renumber(parts.home, |leaf| leaf >> 1);
     }
@@ -93,7 +93,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
         let Self { boxes, homes, planes, cells, depth, histogram } = self;
         let (counts, large) = histogram.as_chunks_mut::<2>();
-        // Of one length, so that one check of an index serves both.
+        // Of one length, so that one check of an index is enough.
         let leaves = 1 << depth;
         let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
             return (BoundsScan::NONE, 0);
@@ -111,7 +111,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             if simd.narrow(keys) {
                 bounds_scan.examine(bounds);
             }
-            // Unbounded coordinates would only blur the frames, and so would large objects.
+            // Without infinite coordinates and large objects, which would make frames too coarse.
             let mut include = || {
                 low = simd.lower(low, simd.upper(keys, least));
                 high = simd.upper(high, simd.lower(keys, most));
@@ -122,11 +122,11 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 if classified.is_home() && !classified.is_large() {
                     include();
                     *members += 1;
-                    *straddlers += u32::from(classified.leaves());
+                    *straddlers += u32::from(classified.straddles());
                     continue;
                 }
             }
-            // It is new, large, or has left its leaf.
+            // The object is new, large, or has left its leaf.
             left += u32::from(*home != I::LARGE);
             let leaf = leaf_of(planes, depth, &bounds.min);
             let classified = cells.at(leaf).classify(simd, keys);
@@ -137,7 +137,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
                 include();
                 *home = I::from_slot(leaf as u32);
                 *members += 1;
-                *straddlers += u32::from(classified.leaves());
+                *straddlers += u32::from(classified.straddles());
             }
         }
         bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
@@ -145,7 +145,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
     }
 }
 
-/// Writes every object's record by the counts of [`count`], and finds the boxes of the nodes.
+/// Writes all records and straddlers where [`count`] says, and finds the boxes of nodes.
 pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
     let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
@@ -157,7 +157,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
     parts.state.tree.filled = 1;
 }
 
-/// Turns the counts of each block into the positions where the block writes.
+/// Turns the counts of each block into the positions where it writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     let row = histogram_row(parts.state.tree.depth);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
@@ -169,7 +169,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         for histogram in histograms.chunks_exact_mut(row.max(1)) {
             let (counts, _) = histogram.as_chunks_mut::<2>();
             if let Some([members, straddlers]) = counts.get_mut(index) {
-                // Positions in the leaf, as they become the objects' places.
+                // Positions in the leaf: they become the places of objects.
                 leaf.len += core::mem::replace(members, leaf.len);
                 leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
@@ -177,7 +177,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         if leaf.baseline == 0 {
             leaf.baseline = leaf.len;
         }
-        // Some room, so that objects can come without a new fill, also when the leaf is divided.
+        // Some room, so that objects can come without a new fill, also to sub-leaves.
         leaf.room = leaf.len + leaf.len / 8 + ROOM;
         record += leaf.room;
         straddler += leaf.straddler_len;
@@ -193,13 +193,13 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
     parts.state.tree.large = straddler - parts.state.tree.large_start;
 }
 
-fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) {
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(parts.state.tree.depth);
     let boxes = parts.boxes.swept();
     let large_start = parts.state.tree.large_start;
-    let (homes, cells, frames, buckets) =
+    let (homes, cells, frames, leaves) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
     let blocks = (
@@ -213,9 +213,9 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepConte
             boxes: boxes.span(first, places.len()),
             homes: homes.span(first, places.len()),
             places,
-            cells: cells.span(0, leaves),
-            frames: frames.span(0, leaves),
-            leaves: buckets.span(0, leaves),
+            cells: cells.span(0, leaf_count),
+            frames: frames.span(0, leaf_count),
+            leaves: leaves.span(0, leaf_count),
             records,
             straddlers,
             large_start,
@@ -246,7 +246,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
         let Self { large_start, histogram, .. } = self;
         let (next, large) = histogram.as_chunks_mut::<2>();
-        // Of one length, for the same reason as the counts.
+        // Of one length, for the same reason.
         let (Some(next), Some(cells), Some(frames)) =
             (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
         else {
@@ -265,7 +265,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 let classified = cell.classify(simd, keys);
                 let record = simd.record(frame, keys, slot | classified.marks());
                 records.store((leaf.start + at) as usize, &record);
-                if classified.leaves() {
+                if classified.straddles() {
                     straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
                     *straddler += 1;
                 }
@@ -279,7 +279,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     }
 }
 
-/// The bounds of the minima of some boxes, and whether one of them may be coarse.
+/// What some boxes are like.
 #[inline(never)]
 pub(crate) fn scan_bounds<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> BoundsScan {
     let mut bounds_scan = BoundsScan::NONE;

@@ -1,62 +1,52 @@
-//! Makes planes from the pre-sorted lists (paper, section III.A; errata E10, E11, E13, E14, E17).
+//! Makes planes from sorted lists (paper, section III.A; errata E10, E11, E13, E14, E17).
 //!
-//! The three lists hold a node's objects in one range, each in its own order. A node is split at the exact median
-//! of the axis that gains most; then every list is divided by side, keeping its order, so that the children's
-//! medians are there without another sort. Level by level, O(n log n) in all.
+//! The three lists hold the objects of a node in one range, each in its own order. A node is divided at the exact
+//! median of the axis that parts its objects best. Then each list is divided by side and keeps its order, so the
+//! medians of the children need no other sort. Level by level, O(n log n) in all.
 
+use super::limits::{AXIS_SAMPLE, CROSSING, LEAF_SAMPLE, LOPSIDED};
 use super::{AXIS, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
+use crate::memory::limits::{BUILD_SHARED_BELOW, BUILD_SHARED_FROM};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// Objects whose boxes are looked at to choose an axis.
-const SAMPLE: usize = 512;
-/// Members of a leaf that are looked at to tell whether it can be split.
-pub(crate) const LEAF_SAMPLE: usize = 32;
-/// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
-const CROSSING: usize = 2;
-
-/// A plane is lopsided with less than one in this many of the objects on a side.
-const LOPSIDED: usize = 4;
-
-/// Below this level parts of the tree are made at once.
-const SHARED_BELOW: u32 = 3;
-const PARTS: usize = 1 << SHARED_BELOW;
-/// The fewest objects for which that is worth it.
-const SHARED_FROM: usize = if cfg!(miri) { 0 } else { 1 << 14 };
+/// Sub-trees that are built at the same time.
+const SUB_TREES: usize = 1 << BUILD_SHARED_BELOW;
 
 /// What a build works on.
 pub(crate) struct Build<'b, I> {
     pub(crate) boxes: &'b [KeyBox],
-    /// The node's slots, each list in order.
+    /// The slots of the node, each list in order.
     pub(crate) lists: [&'b mut [I]; 3],
     pub(crate) planes: &'b mut [i32],
-    /// One bit a slot, clear; left clear.
+    /// One bit a slot, clear before and after.
     pub(crate) sides: &'b mut [u32],
     /// As many slots as a list.
     pub(crate) spare: &'b mut [I],
-    /// Room for the first position of each leaf below the node, and one more.
+    /// Room for where each leaf below the node starts, and one more.
     pub(crate) starts: &'b mut [u32],
 }
 
 impl<I: Index> Build<'_, I> {
-    /// As [`run`](Self::run); parts of the tree at once, if there are enough objects and `room` for what each part needs.
+    /// As [`run`](Self::run); sub-trees are built at the same time if there are enough objects, and `room` for what
+    /// each needs.
     pub(crate) fn share(mut self, root: usize, levels: u32, room: &mut [u32], context: StepContext<'_>) {
-        let below = levels.saturating_sub(SHARED_BELOW);
+        let below = levels.saturating_sub(BUILD_SHARED_BELOW);
         let nodes = 1usize << below;
         let [sides, starts] = [bits::words(self.boxes.len()), nodes + 1];
-        let few = self.lists[0].len() < SHARED_FROM;
-        if few || below == 0 || room.len() < PARTS * (sides + starts + nodes) {
+        let few = self.lists[0].len() < BUILD_SHARED_FROM;
+        if few || below == 0 || room.len() < SUB_TREES * (sides + starts + nodes) {
             return self.run(root, levels);
         }
-        self.run(root, SHARED_BELOW);
+        self.run(root, BUILD_SHARED_BELOW);
         let Build { boxes, lists: [mut x, mut y, mut z], planes, mut spare, starts: borders, .. } = self;
         let mut room = room;
-        let mut builds = [const { None }; PARTS];
+        let mut builds = [const { None }; SUB_TREES];
         for (part, build) in builds.iter_mut().enumerate() {
             let count = borders.at(part + 1) - borders.at(part);
             let lists = [&mut x, &mut y, &mut z].map(|list| take_first(list, count as usize));
@@ -77,7 +67,7 @@ impl<I: Index> Build<'_, I> {
         });
         for (part, build) in builds.iter().flatten().enumerate() {
             for level in 0..below {
-                let first = ((root << SHARED_BELOW) + part) << level;
+                let first = ((root << BUILD_SHARED_BELOW) + part) << level;
                 let made = build.planes.span(1 << level, 1 << level);
                 planes.span_mut(first, 1 << level).copy_in(made);
             }
@@ -91,7 +81,7 @@ impl<I: Index> Build<'_, I> {
         self.starts.put(1, count as u32);
         for level in 0..levels {
             let nodes = 1usize << level;
-            // Two ranges take the place of one: from the back, so that none is overwritten before it has moved.
+            // Two ranges replace one: from the back, so that none is overwritten before it has moved.
             for index in (0..=nodes).rev() {
                 self.starts.put(2 * index, self.starts.at(index));
             }
@@ -105,12 +95,12 @@ impl<I: Index> Build<'_, I> {
         }
     }
 
-    /// The plane that parts the range best and how many boxes of a sample cross it, more than the sample has where it is lopsided;
-    /// or [`UNSPLIT`].
+    /// The plane that parts the range best, or [`UNSPLIT`]; and how many boxes of a sample cross it, more than the
+    /// sample has if it is lopsided.
     fn best_plane(&self, start: usize, end: usize) -> (usize, i32) {
         let count = end - start;
         let mut best = (usize::MAX, UNSPLIT);
-        // Many minima may be the median, or too many boxes cross the planes there: then quarters, if they are better.
+        // If many minima are equal to the median, or too many boxes cross the planes there, quarters may be better.
         for position in [count / 2, count / 4, count - count / 4] {
             for axis in 0..3 {
                 if let Some(plane) = self.plane_at(position, axis, start, end) {
@@ -127,7 +117,7 @@ impl<I: Index> Build<'_, I> {
         best
     }
 
-    /// Splits the range and returns its plane and where the right side starts.
+    /// Divides the range. Returns its plane, and where the right side starts.
     fn split(&mut self, start: usize, end: usize) -> (i32, usize) {
         let (_, plane) = self.best_plane(start, end);
         if plane == UNSPLIT {
@@ -144,7 +134,7 @@ impl<I: Index> Build<'_, I> {
         (plane, start + below)
     }
 
-    /// The plane at a position in the list of an axis, if it leaves objects on both sides.
+    /// The plane at a position in the list of an axis, if it has objects on both sides.
     fn plane_at(&self, position: usize, axis: usize, start: usize, end: usize) -> Option<i32> {
         // Not `[axis]`: the compiler loses sight of the axes that it loops over.
         let list = self.lists.get(axis)?.span(start, end - start);
@@ -154,14 +144,14 @@ impl<I: Index> Build<'_, I> {
         if key_of(plane) > first {
             return Some(plane);
         }
-        // All below are one value: the next value above it is the nearest plane that separates anything.
+        // All minima up to here are equal: the next greater one is the nearest plane that parts anything.
         let above =
             list.partition_point(|slot| self.boxes.at(slot.at()).min.at(axis) <= first.saturating_add(AXIS));
         let plane = super::plane(axis, key(above)?);
         (key_of(plane) > first).then_some(plane)
     }
 
-    /// How many boxes of a sample of the range cross the plane, or too many to split.
+    /// How many boxes of a sample of the range cross the plane; the greatest number if too many do.
     fn crossing(&self, plane: i32, start: usize, end: usize) -> usize {
         let axis = axis_of(plane);
         let list = self.lists[axis].span(start, end - start);
@@ -177,13 +167,13 @@ impl<I: Index> Build<'_, I> {
         let all = sampled(list.len());
         match crossing {
             _ if crossing * CROSSING > below => usize::MAX,
-            // Hardly a split: any other plane is better.
+            // Lopsided: any other plane is better.
             _ if below.min(all - below) < all / LOPSIDED => all + crossing,
             _ => crossing,
         }
     }
 
-    /// Divides the range of every list: those before `middle` on `axis` come first.
+    /// Divides the range of every list: objects before `middle` on `axis` come first.
     fn divide(&mut self, axis: usize, start: usize, middle: usize, end: usize) {
         for slot in self.lists[axis].span(middle, end - middle) {
             bits::set(self.sides, slot.at());
@@ -196,7 +186,7 @@ impl<I: Index> Build<'_, I> {
             for index in 0..list.len() {
                 let slot = list.at(index);
                 let is_right = bits::test(self.sides, slot.at());
-                // Both, so that nothing waits for a guess of the branch predictor: half of the slots go either way.
+                // Both are written, since a branch here would be guessed wrong half of the time.
                 list.put(left, slot);
                 self.spare.put(right, slot);
                 left += usize::from(!is_right);
@@ -210,7 +200,7 @@ impl<I: Index> Build<'_, I> {
     }
 }
 
-/// Whether a plane would part some objects into halves or nearly so, no more than [`LEAF_SAMPLE`].
+/// Whether a plane would part some objects nearly into halves. Looks at up to [`LEAF_SAMPLE`] of them.
 pub(crate) fn is_divisible<I: Index>(boxes: &[KeyBox], slots: &[I]) -> bool {
     let mut lists = [[I::default(); LEAF_SAMPLE]; 3];
     let count = slots.len().min(LEAF_SAMPLE);
@@ -227,13 +217,13 @@ pub(crate) fn is_divisible<I: Index>(boxes: &[KeyBox], slots: &[I]) -> bool {
     let (_, plane) = build.best_plane(0, count);
     let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min.at(axis_of(plane)) < key_of(plane);
     let below = slots.iter().take(count).filter(is_below).count();
-    // Nearly half: of boxes that stand in one place by half, a plane parts the others only, again and again.
+    // Nearly halves: if half of the boxes are in one place, a plane parts only the others, again and again.
     plane != UNSPLIT && 8 * below.min(count - below) >= 3 * count
 }
 
 /// The step from one object of a sample to the next, and how many there are.
 fn step(count: usize) -> usize {
-    count.div_ceil(SAMPLE).max(1)
+    count.div_ceil(AXIS_SAMPLE).max(1)
 }
 fn sampled(count: usize) -> usize {
     count.div_ceil(step(count))

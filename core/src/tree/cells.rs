@@ -1,16 +1,14 @@
-//! The cells, frames and sweep axes that follow from the planes.
+//! Computes cells, frames and sweep axes from planes, and finds where most objects are.
 
+use super::limits::{FAR, OUTLIERS, SPARSE, SPREAD_SAMPLE};
 use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::{KeyBox, key, length, value};
 use crate::id::Index;
 
-/// How many times its cell a box may reach beyond it before it is a large object.
-const FAR: f32 = 2.0;
-
 impl Extent {
-    /// The part of it where most are, as a sample shows; the others are beyond it. As it is where that is not far less.
+    /// The part where most minima are, as a sample shows. The extent itself if that is not far smaller.
     pub(crate) fn trimmed(&self, sample: &Sample) -> Self {
         let (low, high) = sample.bounds();
         let mut trimmed = *self;
@@ -20,7 +18,7 @@ impl Extent {
             }
             let most = length(low[k], high[k]);
             if length(self.low[k], self.high[k]) > SPARSE * most {
-                // A sample does not see all: as much again on either side.
+                // A sample does not see all: it is made as long again on either side.
                 trimmed.low[k] = self.low[k].max(key((value(low[k]) - most).max(f32::MIN)));
                 trimmed.high[k] = self.high[k].min(key((value(high[k]) + most).min(f32::MAX)));
             }
@@ -39,14 +37,7 @@ impl Extent {
     }
 }
 
-/// How many minima a sample has.
-pub(crate) const SAMPLE: usize = 32;
-/// The least and the greatest numbers of a whole sample on an axis, which do not count: outliers.
-const OUTLIERS: usize = 2;
-/// An extent this many times as long as where most minima are is too long for the steps of a grid.
-pub(crate) const SPARSE: f32 = 8.0;
-
-/// Where most of some minima are: the least and the greatest few numbers on each axis.
+/// A sample of minima: the few least and greatest numbers on each axis.
 pub(crate) struct Sample {
     low: [[i32; 3]; OUTLIERS + 1],
     high: [[i32; 3]; OUTLIERS + 1],
@@ -57,26 +48,27 @@ impl Sample {
     const NONE: Self =
         Self { low: [[i32::MAX; 3]; OUTLIERS + 1], high: [[i32::MIN; 3]; OUTLIERS + 1], count: 0 };
 
-    /// Some of so many minima, as `minimum` has them, evenly.
+    /// A sample of `count` minima, spread evenly.
     #[inline(always)]
     pub(crate) fn of(count: usize, minimum: impl Fn(usize) -> Option<[i32; 3]>) -> Self {
         let mut sample = Self::NONE;
-        // An odd step, as every second object may be of another kind.
+        // An odd step, since every second object may be of another kind.
         (0..count)
-            .step_by(count.div_ceil(SAMPLE) | 1)
+            .step_by(count.div_ceil(SPREAD_SAMPLE) | 1)
             .filter_map(minimum)
             .for_each(|min| sample.include(min));
         sample
     }
 
-    /// Of some of the objects in a list, the same in whatever order it has them: a world that was loaded has no lists.
+    /// A sample of the objects in a list. It does not depend on their order, since a world that was loaded has no
+    /// lists.
     pub(crate) fn of_list<I: Index>(list: &[I], boxes: &[KeyBox]) -> Self {
         let mut sample = Self::NONE;
         for slot in list {
-            // Evenly, as multiples of the golden ratio fall.
+            // Multiples of the golden ratio are spread evenly.
             let turn = u64::from(slot.slot().wrapping_mul(0x9e37_79b9));
             let at = (turn * list.len() as u64) >> 32;
-            if at < SAMPLE as u64 {
+            if at < SPREAD_SAMPLE as u64 {
                 sample.include(KeyBox::of(boxes, slot.at()).min);
             }
         }
@@ -99,16 +91,16 @@ impl Sample {
         }
     }
 
-    /// The least and the greatest of the numbers that count; the other way round where there are none.
+    /// The least and the greatest numbers, outliers aside. The least is above the greatest if there are none.
     #[inline(always)]
     pub(crate) fn bounds(&self) -> ([i32; 3], [i32; 3]) {
-        // Of a few none is an outlier.
-        let left_out = (self.count * OUTLIERS / (SAMPLE * 3 / 4)).min(OUTLIERS);
+        // In a small sample nothing is an outlier.
+        let left_out = (self.count * OUTLIERS / (SPREAD_SAMPLE * 3 / 4)).min(OUTLIERS);
         (self.low[left_out], self.high[left_out])
     }
 }
 
-/// Cuts space by the planes down to `depth`: one cell a leaf. O(leaves).
+/// Cuts space by the planes down to `depth` into one cell a leaf. O(leaves).
 pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell]) {
     cells.put(0, Cell::ALL);
     divide(planes, 1, depth, cells);
@@ -117,7 +109,7 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
         let mut far = cell.high();
         for k in 0..3 {
             let reach = FAR * length(low[k], high[k]);
-            // A flat cell has no size that a box could be large against.
+            // Beside a flat cell no box is large.
             far[k] = match far[k] {
                 i32::MAX => i32::MAX,
                 _ if reach <= 0.0 => i32::MAX,
@@ -131,7 +123,7 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
 /// Cuts the first cell, that of a node, by the planes of some levels below.
 pub(crate) fn divide(planes: &[i32], node: usize, levels: u32, cells: &mut [Cell]) {
     for level in 0..levels {
-        // From the back, so that a parent is read before its place is taken by a child.
+        // From the back, so that a parent is read before a child overwrites it.
         for index in (0..1usize << level).rev() {
             let parent = cells.at(index);
             let plane = planes.at((node << level) + index);
@@ -149,7 +141,7 @@ pub(crate) fn divide(planes: &[i32], node: usize, levels: u32, cells: &mut [Cell
     }
 }
 
-/// The frame and the sweep axis of each leaf, from the bounds of the minima of this step. O(leaves).
+/// Makes the frame and the sweep axis of each leaf, from the bounds of minima. O(leaves).
 pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leaves: &mut [Leaf]) {
     for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
         let (low, high) = extent.clip(cell);
@@ -158,7 +150,7 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     }
 }
 
-/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that one is in
+/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that axis is in
 /// order already.
 pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
     let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);

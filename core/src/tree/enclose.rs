@@ -1,4 +1,4 @@
-//! The boxes of the nodes, and the straddlers of leaves whose records have marks.
+//! Makes the boxes of nodes, and lists straddlers by the marks of records.
 
 use super::{Leaf, Record, Straddler};
 use crate::access::Access;
@@ -11,7 +11,8 @@ use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
 use crate::simd::{Phase, Simd};
 
-/// Says where the straddlers of each leaf are to stand, by the marks of the records. Returns how many there are. O(records).
+/// Says where the straddlers of each leaf will be, by the marks of the records. Returns how many there are.
+/// O(records).
 pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let records = &*parts.tree.records;
     let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
@@ -29,7 +30,7 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
     start
 }
 
-/// Lists the straddlers where [`number_straddlers`] has said.
+/// Lists the straddlers where [`number_straddlers`] says.
 pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let boxes = parts.boxes.swept();
     let records = &*parts.tree.records;
@@ -56,7 +57,8 @@ impl Phase for ListStraddlers<'_, '_> {
         for leaf in leaves {
             let mut at = leaf.straddler_start as usize;
             for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-                // Noted for all of them first: which ones are marked is hard to predict, and their boxes are anywhere in memory.
+                // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each box
+                // would be waited for.
                 let mut marked = 0u64;
                 for (bit, record) in records.iter().enumerate() {
                     marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
@@ -78,16 +80,16 @@ impl Phase for ListStraddlers<'_, '_> {
     }
 }
 
-/// The box of each node: of a leaf, around its cell and its straddlers; of an inner node, around its children.
+/// Makes the box of each node: of a leaf, around its cell and its straddlers; of an inner node, around its children.
 pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext<'_>) {
-    let leaves = 1usize << depth;
-    let (cells, buckets, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
-    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaves).unwrap_or_default();
-    let outer = outer.span_mut(0, leaves);
+    let leaf_count = 1usize << depth;
+    let (cells, leaves, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
+    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaf_count).unwrap_or_default();
+    let outer = outer.span_mut(0, leaf_count);
     context.each(Chunks::new(&mut *outer, LEAVES_PER_BLOCK), |block, nodes| {
         for (offset, node) in nodes.iter_mut().enumerate() {
             let index = block * LEAVES_PER_BLOCK + offset;
-            let leaf = buckets.at(index);
+            let leaf = leaves.at(index);
             *node = KeyBox::NOTHING;
             if leaf.len > 0 {
                 *node = cells.at(index).inside();
@@ -97,10 +99,10 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: S
             }
         }
     });
-    for node in (1..leaves).rev() {
+    for node in (1..leaf_count).rev() {
         let mut around = KeyBox::NOTHING;
         for child in [2 * node, 2 * node + 1] {
-            around.include(match child.checked_sub(leaves) {
+            around.include(match child.checked_sub(leaf_count) {
                 Some(leaf) => KeyBox::of(outer, leaf),
                 None => KeyBox::of(inner, child),
             });
@@ -114,7 +116,7 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: S
 pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
     while node > 0 {
         let mut around = nodes.at(node);
-        // So do those above.
+        // Then the boxes above hold it too.
         if around.contains(bounds) {
             break;
         }

@@ -1,19 +1,18 @@
-//! The KD-tree (paper, section III): a complete binary tree of axis-aligned planes over minimum corners.
+//! The KD-tree (paper, section III): a complete binary tree of axis-aligned planes between minimum corners.
 //!
-//! * An object is at home in the one leaf whose half-open cell holds its minimum corner (errata E9 and E10), and
-//!   is stored there once. A box that reaches beyond its cell is also on its leaf's straddlers, where the leaves that
-//!   it reaches find it (erratum E7).
-//! * Planes stay from step to step, so an object that rests has no reason to change its leaf (erratum E8).
-//!   They are medians of existing minima when they are made ([`build`]), and are made anew where leaves have
-//!   grown out of balance.
-//! * A node that would not gain from a split has a plane that no object reaches: its objects all go to the left
+//! * An object is at home in the one leaf whose half-open cell holds its minimum corner (errata E9 and E10). Its
+//!   record is there, once. A box that reaches beyond the cell is also a straddler of its leaf; the leaves that it
+//!   reaches find it there (erratum E7).
+//! * Planes stay from step to step, so an object that rests never changes its leaf (erratum E8). They are medians of
+//!   minima when they are made ([`build`]), and are made anew where leaves have grown out of balance ([`balance`]).
+//! * A node that would gain nothing from a plane has one that no object reaches: all its objects go to the left
 //!   (errata E11 and E14).
-//! * Each node down to the leaves of a full step has a box around its members, which movers make larger, and which is made
-//!   tight again after a while ([`refit`]): what looks for objects near a box or along a line walks by these boxes, and
-//!   planes only tell where an object is at home.
+//! * Each node down to the leaves of a full step has a box around its members. Movers make it larger, and it is made
+//!   tight again after a while ([`refit`]). Whatever looks for objects near a box or along a line walks by these
+//!   boxes ([`visit`]). Planes only tell where an object is at home.
 //!
-//! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`; at depth `d` leaf
-//! `l` is node `2^d + l`.
+//! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`. At depth `d` leaf `l`
+//! is node `2^d + l`.
 
 pub(crate) mod assign;
 pub(crate) mod balance;
@@ -21,6 +20,7 @@ pub(crate) mod build;
 pub(crate) mod cells;
 pub(crate) mod enclose;
 pub(crate) mod keep;
+pub(crate) mod limits;
 pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;
@@ -36,14 +36,15 @@ use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
+use limits::LARGE_PER_OBJECT;
 
-/// The plane that all minima lie below: its node is not split.
+/// A plane above all minima: its node is not divided.
 pub(crate) const UNSPLIT: i32 = i32::MAX & !AXIS;
-/// The low bits of a plane hold its axis. Cutting them off the key moves the plane down by less than an ulp
-/// or two, which any plane may do.
+/// The low bits of a plane hold its axis. Cutting them off the key moves the plane down by an ulp or two, which is
+/// right for any plane.
 const AXIS: i32 = 3;
 
-/// A plane through the minima on `axis`: those at or above it go to the right.
+/// A plane on `axis`: minima at or above it go to the right.
 pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
     key & !AXIS | axis as i32
 }
@@ -51,7 +52,7 @@ pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
 /// The axis of a plane.
 #[inline(always)]
 pub(crate) const fn axis_of(plane: i32) -> usize {
-    // The fourth value does not occur; cutting it to the third spares the bounds check.
+    // The fourth value does not occur. Cut to the third, it needs no check of the range.
     let axis = (plane & AXIS) as usize;
     if axis > 2 { 2 } else { axis }
 }
@@ -65,8 +66,8 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
 /// A corner, to be compared with planes.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
-    /// The highest keys that no plane tells apart from the corner's: a plane as it is, axis included, compares with them as its
-    /// key with the corner. A fourth one spares the look at an axis that does not occur.
+    /// The highest keys that no plane tells apart from those of the corner. So a whole plane, axis included, compares
+    /// with them as its key does with the corner. A fourth key stands for the axis that does not occur.
     keys: [i32; 4],
 }
 
@@ -76,14 +77,14 @@ impl Corner {
         Self { keys: [x | AXIS, y | AXIS, z | AXIS, i32::MIN] }
     }
 
-    /// Whether it is at a plane or above it.
+    /// Whether the corner is at a plane or above it.
     #[inline(always)]
     pub(crate) const fn reaches(&self, plane: i32) -> bool {
         self.keys[(plane & AXIS) as usize] >= plane
     }
 }
 
-/// The leaf whose cell holds the minimum corner, where some leaves of the last full step may be divided.
+/// The leaf or sub-leaf whose cell holds a minimum corner.
 #[inline(always)]
 pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
     let node = below(planes, 1, state.tree.depth, min);
@@ -92,27 +93,27 @@ pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
     whole << state.tree.sub_levels() | part
 }
 
-/// Which part of a leaf holds the minimum corner; the leaf is given as a node.
+/// The number of the sub-leaf that holds a minimum corner, of a whole leaf that is given as a node.
 #[inline(always)]
 fn sub_leaf_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
     below(planes, node, SUB_LEVELS, min) - (node << SUB_LEVELS)
 }
 
-/// The leaf at `depth` whose cell holds the minimum corner.
+/// The leaf at `depth` whose cell holds a minimum corner.
 #[inline(always)]
 pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
     below(planes, 1, depth, min) - (1 << depth)
 }
 
-/// The node so many levels below another whose cell holds the minimum corner.
+/// The node so many levels below another whose cell holds a minimum corner.
 #[inline(always)]
 fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize {
     let corner = Corner::new(*min);
     let reaches = |node: usize| usize::from(corner.reaches(planes.at(node)));
-    // Two levels at a time: the planes of both children are compared before it is known which one it is.
+    // Two levels at a time: the planes of both children are compared before it is known which one is needed.
     for _ in 0..levels / 2 {
         let (right, below) = (reaches(node), [reaches(2 * node), reaches(2 * node + 1)]);
-        // Cutting it to one bit spares the check of the range.
+        // Cut to one bit, it needs no check of the range.
         node = 4 * node + 2 * right + below[right & 1];
     }
     if levels & 1 == 1 {
@@ -121,22 +122,23 @@ fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize 
     node
 }
 
-/// Leaves that a leaf of a full step may be divided into: as many as are tested at once.
+/// The sub-leaves of a whole leaf: as many as are tested at once.
 pub(crate) const SUB_LEAVES: usize = 1 << SUB_LEVELS;
 const _: () = assert!(SUB_LEAVES == EIGHT);
 
-/// The bounds of the parts of a leaf of the last full step, in its frame; `None` where no leaf is divided.
+/// The bounds of the sub-leaves of a whole leaf, in its frame; `None` while no leaf is divided.
 #[inline(always)]
 pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) -> Option<&[Record; EIGHT]> {
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
-/// Whether the leaves at a depth may look at so many large objects each: with more, larger leaves cost less.
+/// Whether there are few enough large objects, as each leaf at the depth looks at all of them. With more, larger
+/// leaves cost less.
 fn are_few(large: u64, depth: u32, live: u32) -> bool {
-    large << depth <= 8 * u64::from(live)
+    large << depth <= LARGE_PER_OBJECT * u64::from(live)
 }
 
-/// Gives the home leaves of objects other numbers, where the leaves of another depth are used. O(slots).
+/// Gives the homes of objects other numbers, when leaves of another depth are used. O(slots).
 fn renumber<I: Index>(homes: &mut [I], to: impl Fn(u32) -> u32) {
     for home in homes {
         if *home < I::LARGE {

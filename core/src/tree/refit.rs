@@ -1,20 +1,16 @@
-//! Makes the boxes around the members of leaves tight again, since movers only make them larger: some in each step with movers,
-//! as many as the movers pay for, so that a crowd that is calm for hours stays as cheap as it was.
+//! Makes the boxes of nodes tight again, since movers only make them larger. Each step with movers refits as many
+//! leaves as the movers pay for, so a crowd that is calm for hours stays as cheap as it was.
 
 use super::Record;
+use super::limits::MOVERS_PER_REFIT;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::LEAF_TARGET;
+use crate::memory::prefetch::REFIT_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 
-/// Movers for each leaf of a full step that gets new boxes: a look at about one member for four movers.
-const MOVERS_PER_LEAF: usize = 4 * LEAF_TARGET;
-/// How many members ahead boxes are asked for: they are anywhere in memory.
-const AHEAD: usize = 16;
-
-/// Makes boxes tight after the records of so many movers were brought up to date.
+/// Makes boxes tight, after the records of `movers` objects were moved.
 pub(crate) struct Refit<'p, 'm, I> {
     pub(crate) parts: &'p mut Parts<'m, I>,
     pub(crate) movers: usize,
@@ -27,19 +23,19 @@ impl<I: Index> Phase for Refit<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { parts, movers } = self;
         let leaves = 1usize << parts.state.tree.depth;
-        // A power of two, so that a mask keeps counts below it. Before, there may have been more leaves; and a snapshot can say
-        // anything.
-        let all = leaves * MOVERS_PER_LEAF;
+        // A power of two, so that a mask keeps counts below it. A count may be too large: there may have been more
+        // leaves before, and a snapshot may hold any number.
+        let all = leaves * MOVERS_PER_REFIT;
         let start = parts.state.tree.moved_since_refit as usize & (all - 1);
         let end = start + movers;
-        for turn in start / MOVERS_PER_LEAF..end / MOVERS_PER_LEAF {
+        for turn in start / MOVERS_PER_REFIT..end / MOVERS_PER_REFIT {
             refit(simd, parts, turn & (leaves - 1));
         }
         parts.state.tree.moved_since_refit = (end & (all - 1)) as u32;
     }
 }
 
-/// Makes the boxes of one leaf of the last full step tight: its own, those of its parts, those of the nodes above.
+/// Makes the boxes of one whole leaf tight: its own, those of its sub-leaves, those of the nodes above.
 #[inline(always)]
 fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let boxes = parts.boxes.swept();
@@ -51,7 +47,7 @@ fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         let mut bounds = Record::NOTHING;
         for (place, record) in members.iter().enumerate() {
-            if let Some(ahead) = members.get(place + AHEAD) {
+            if let Some(ahead) = members.get(place + REFIT_AHEAD) {
                 simd.prefetch(boxes, ahead.slot() as usize);
             }
             bounds.include(record);
@@ -64,7 +60,7 @@ fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let mut node = (1usize << parts.state.tree.depth) + whole;
     while node > 0 {
         tree.nodes.put(node, around);
-        // The two sides of the node above.
+        // With the sibling it makes the node above.
         around.include(KeyBox::of(tree.nodes, node ^ 1));
         node /= 2;
     }

@@ -1,24 +1,19 @@
-//! Moves the records of the few objects that moved (paper, section III.B), in filled leaves.
+//! Moves the records of moved objects to their leaves, one by one (paper, section III.B).
 
 use super::enclose::expand_ancestors;
+use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
+use crate::memory::prefetch::RELOCATED_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 
-/// How many movers ahead leaves are asked for, and twice as many ahead what tells which leaves these are.
-const AHEAD: usize = 6;
-
-/// Records that may move in one step for leaves that take room from each other: one in so many, or so many.
-const SLACK_SHARE: usize = 8;
-const SLACK_AT_LEAST: usize = 16_384;
-
-/// Brings the records of the first so many objects in the second of the sorted lists, or their places among the large objects,
-/// to their new boxes. Returns whether there was room; where a leaf and its neighbours or the large-object list are full, all
-/// leaves must be filled anew, and nothing is lost.
+/// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the large
+/// objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects are full,
+/// nothing is lost, but all leaves must be filled anew.
 pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>, pub(crate) usize);
 
 impl<I: Index> Phase for Relocate<'_, '_, I> {
@@ -41,15 +36,15 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     }
 }
 
-/// Asks for what the next movers need, which is anywhere in memory.
+/// Prefetches what the next movers need.
 #[inline(always)]
 fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
-    if let Some(slot) = movers.get(2 * AHEAD) {
+    if let Some(slot) = movers.get(2 * RELOCATED_AHEAD) {
         simd.prefetch(parts.boxes.swept(), slot.at());
         simd.prefetch(parts.home, slot.at());
         simd.prefetch(parts.place, slot.at());
     }
-    if let Some(slot) = movers.get(AHEAD) {
+    if let Some(slot) = movers.get(RELOCATED_AHEAD) {
         let home = parts.home.at(slot.at()).at();
         simd.prefetch(parts.tree.cells, home);
         simd.prefetch(parts.tree.leaves, home);
@@ -88,17 +83,17 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     }
     if !stays {
         withdraw(parts, slot);
-        let mut bucket = parts.tree.leaves.at(leaf);
-        if bucket.len == bucket.room {
+        let mut target = parts.tree.leaves.at(leaf);
+        if target.len == target.room {
             if !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
                 return false;
             }
-            bucket = parts.tree.leaves.at(leaf);
+            target = parts.tree.leaves.at(leaf);
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
-        parts.place.put(slot, I::from_slot(bucket.len));
-        bucket.len += 1;
-        parts.tree.leaves.put(leaf, bucket);
+        parts.place.put(slot, I::from_slot(target.len));
+        target.len += 1;
+        parts.tree.leaves.put(leaf, target);
     }
     let start = parts.tree.leaves.at(leaf).start;
     let sub_levels = parts.state.tree.sub_levels();
@@ -114,7 +109,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     true
 }
 
-/// Takes an object out of its leaf or out of the large objects; the last one there takes its place.
+/// Takes an object out of its leaf or out of the large objects. The last one there takes its place.
 fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     let home = parts.home.at(slot);
     parts.home.put(slot, I::NONE);
@@ -126,11 +121,11 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
         parts.tree.straddlers.put(start + place, last);
         parts.place.put(last.slot as usize, I::from_slot(place as u32));
     } else if home != I::NONE {
-        let mut bucket = parts.tree.leaves.at(home.at());
-        bucket.len -= 1;
-        parts.tree.leaves.put(home.at(), bucket);
-        let last = parts.tree.records.at((bucket.start + bucket.len) as usize);
-        parts.tree.records.put(bucket.start as usize + place, last);
+        let mut leaf = parts.tree.leaves.at(home.at());
+        leaf.len -= 1;
+        parts.tree.leaves.put(home.at(), leaf);
+        let last = parts.tree.records.at((leaf.start + leaf.len) as usize);
+        parts.tree.records.put(leaf.start as usize + place, last);
         parts.place.put(last.slot() as usize, I::from_slot(place as u32));
     }
 }
@@ -148,12 +143,12 @@ fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox)
     true
 }
 
-/// Orders the list of movers by their leaves, or if they are few by the leaves of the last full step, the large ones last, and
-/// drops those that are no more: their slots are in the first of the sorted lists then, their leaves in the last. Returns how
-/// many there are. O(movers + leaves).
+/// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed ones are
+/// dropped. Their slots are then in the first of the sorted lists, their homes in the third. Returns how many there
+/// are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
-    // A count for each leaf takes longer than movers that find the leaves around them one by one.
+    // With few movers, a count for each sub-leaf would take longer than it saves.
     let coarser = if count < leaves / 4 { parts.state.tree.sub_levels() } else { 0 };
     let leaves = leaves >> coarser;
     let starts = parts.tree.histogram.span_mut(0, leaves + 2);
@@ -161,7 +156,7 @@ pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> 
     let [list, movers, homes] = &mut parts.order;
     let movers = movers.span(0, count);
     let all = &*parts.home;
-    // Those that are no more come behind the others.
+    // Removed objects come behind the others.
     let place_of = |home: I| if home == I::NONE { leaves + 1 } else { (home.at() >> coarser).min(leaves) };
     for slot in movers {
         let place = place_of(all.at(slot.at()));
@@ -179,6 +174,6 @@ pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> 
         homes.put(at as usize, home);
         starts.put(place, at + 1);
     }
-    // Each is where the next one started by now.
+    // Each entry is now where the next leaf starts.
     starts.at(leaves) as usize
 }

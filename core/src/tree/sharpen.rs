@@ -1,8 +1,9 @@
-//! Makes the frames of leaves narrower whose grid is far wider than where their members are: a few objects far from the others,
-//! in a cell at the rim, stretch it until all others share a few steps. Outliers then stand on the first or the last step,
+//! Makes frames narrower if their grid is far wider than where most members are: a few objects far from the others,
+//! in a cell at the rim, stretch it until all others share a few steps. Outliers then get the first or the last step,
 //! which loses no pair.
 
-use super::cells::{SPARSE, Sample};
+use super::cells::Sample;
+use super::limits::SPARSE;
 use super::{Cell, Frame, GRID_MAX, Leaf, Record};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
@@ -12,7 +13,7 @@ use crate::memory::slab::Parts;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
 
-/// Makes the frames narrower, and the records of their leaves anew. O(leaves), and the members of those leaves.
+/// Makes such frames narrower, and the records of their leaves anew. O(leaves + members of those leaves).
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
     let leaves = 1usize << parts.state.tree.depth;
     let extent = parts.state.tree.extent();
@@ -28,7 +29,7 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
     }
 }
 
-/// Whether a side of the cell reaches to infinity: the other cells are as wide as the planes left them.
+/// Whether a side of the cell is at infinity. Other cells are as wide as the planes made them.
 fn is_open(cell: &Cell) -> bool {
     cell.low().contains(&i32::MIN) || cell.high().contains(&i32::MAX)
 }
@@ -45,7 +46,7 @@ fn is_sparse(members: &[Record]) -> bool {
     (0..3).any(|k| low[k] <= high[k] && SPARSE * ((high[k] - low[k]) as f32) < GRID_MAX)
 }
 
-/// Makes one leaf's frame from where most of its members are.
+/// Makes the frame of one leaf from where most of its members are.
 struct Sharpen<'l> {
     boxes: &'l [KeyBox],
     extent: &'l Extent,

@@ -1,13 +1,14 @@
-//! Divides the leaves of calm worlds, for steps and queries that look at a few objects here and there: some in each step,
-//! so that none takes long.
+//! Divides leaves into eight sub-leaves in calm worlds, for steps and queries that look at a few objects here and
+//! there. Each step divides some, so that none takes long.
 //!
-//! The parts of a leaf keep its frame, and have [bounds](Record::include) in it, eight records that are tested at once in place
-//! of three levels of nodes.
+//! Sub-leaves share the frame of their leaf, and have [bounds](Record::include) in it: eight records that are tested
+//! at once, in place of three levels of nodes.
 //!
-//! While that goes on, a leaf that is still whole stands where the first one of its parts will stand: planes above which there is
-//! no object yet are as good as planes that none reaches. The leaves have no straddlers: only a full step gathers ghosts.
+//! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are empty.
+//! Divided leaves have no straddlers: only a full step gathers ghosts.
 
 use super::cells::divide;
+use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE};
 use super::{Cell, Leaf, Record, SUB_LEAVES, renumber, sub_leaf_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
@@ -16,11 +17,7 @@ use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 
-/// Members of the leaves that are divided in one step: one in so many objects, and at least so many.
-const SHARE_PER_STEP: u32 = 64;
-const LEAST_PER_STEP: u32 = 1024;
-
-/// Divides some leaves, if there are any left that are whole.
+/// Divides some leaves that are not divided yet.
 pub(crate) struct Subdivide<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
 
 impl<I: Index> Phase for Subdivide<'_, '_, I> {
@@ -32,10 +29,10 @@ impl<I: Index> Phase for Subdivide<'_, '_, I> {
         if parts.state.tree.subdivided == 0 {
             number_anew(parts);
         }
-        let mut left = (parts.state.objects.live / SHARE_PER_STEP).max(LEAST_PER_STEP);
+        let mut left = (parts.state.objects.live / DIVIDED_SHARE).max(DIVIDED_AT_LEAST);
         while left > 0 && parts.state.tree.subdivided <= 1 << parts.state.tree.depth {
             let whole = parts.state.tree.subdivided as usize - 1;
-            // An empty leaf takes its time too.
+            // An empty leaf takes time too.
             left = left.saturating_sub(parts.tree.leaves.at(whole * SUB_LEAVES).len + 1);
             divide_leaf(simd, parts, whole);
             parts.state.tree.subdivided += 1;
@@ -43,7 +40,7 @@ impl<I: Index> Phase for Subdivide<'_, '_, I> {
     }
 }
 
-/// Gives whole leaves the numbers of their first parts. O(slots).
+/// Gives each leaf the number of its first sub-leaf. O(slots).
 fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     let depth = parts.state.tree.depth;
     let leaves = 1usize << depth;
@@ -51,7 +48,7 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     let slots = parts.state.objects.slots as usize;
     renumber(parts.home.span_mut(0, slots), |leaf| leaf << SUB_LEVELS);
     let tree = &mut parts.tree;
-    // From the back, so that each is read before its place is taken.
+    // From the back, so that each is read before it is overwritten.
     for index in (0..leaves).rev() {
         let first = index * SUB_LEAVES;
         let (cell, leaf) = (tree.cells.at(index), tree.leaves.at(index));
@@ -65,7 +62,8 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// Divides one leaf. Moved objects may be gone or anywhere; they only have to stand where their homes and places say.
+/// Divides one leaf. Its moved objects may be gone or anywhere else by now. They only have to be where their homes
+/// and places say.
 #[inline(always)]
 fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let node = (1usize << parts.state.tree.depth) + whole;
@@ -76,7 +74,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     divide(tree.planes, node, SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
     let frame = tree.frames.at(whole);
 
-    // The slots, and which part each goes to, stand in lists that are made anew when they are needed.
+    // The sorted lists serve as scratch memory: for the slots, and for the sub-leaf of each.
     parts.state.lists.stale = 1;
     let [_, slots, goals] = &mut parts.order;
     let count = leaf.len as usize;
@@ -88,46 +86,46 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     }
     for (slot, goal) in slots.iter().zip(&mut *goals) {
         let bounds = KeyBox::of(boxes, slot.at());
-        let part = sub_leaf_of(tree.planes, node, &bounds.min);
-        *goal = I::from_slot(part as u32);
-        if let Some(len) = lens.get_mut(part) {
+        let sub = sub_leaf_of(tree.planes, node, &bounds.min);
+        *goal = I::from_slot(sub as u32);
+        if let Some(len) = lens.get_mut(sub) {
             *len += 1;
         }
     }
     let spare = leaf.room - leaf.len;
     let mut start = leaf.start;
-    for (part, len) in lens.iter().enumerate() {
-        let mut bucket = tree.leaves.at(first + part);
-        // What cannot be shared equally goes to the last one.
-        let share = if part + 1 == SUB_LEAVES {
+    for (sub, len) in lens.iter().enumerate() {
+        let mut sub_leaf = tree.leaves.at(first + sub);
+        // The last one gets what does not divide equally.
+        let share = if sub + 1 == SUB_LEAVES {
             leaf.start + leaf.room - start - len
         } else {
             spare / SUB_LEAVES as u32
         };
-        (bucket.start, bucket.len, bucket.room) = (start, 0, len + share);
-        (bucket.straddler_start, bucket.straddler_len) = (0, 0);
-        start += bucket.room;
-        tree.leaves.put(first + part, bucket);
+        (sub_leaf.start, sub_leaf.len, sub_leaf.room) = (start, 0, len + share);
+        (sub_leaf.straddler_start, sub_leaf.straddler_len) = (0, 0);
+        start += sub_leaf.room;
+        tree.leaves.put(first + sub, sub_leaf);
     }
     let mut bounds = [Record::NOTHING; SUB_LEAVES];
     for (slot, goal) in slots.iter().zip(&*goals) {
         let index = first + goal.at();
-        let mut bucket = tree.leaves.at(index);
+        let mut sub_leaf = tree.leaves.at(index);
         let keys = simd.keys(KeyBox::of(boxes, slot.at()));
         let record = simd.record(&frame, keys, slot.slot());
         if let Some(bounds) = bounds.get_mut(goal.at()) {
             bounds.include(&record);
         }
-        tree.records.put((bucket.start + bucket.len) as usize, record);
+        tree.records.put((sub_leaf.start + sub_leaf.len) as usize, record);
         parts.home.put(slot.at(), I::from_slot(index as u32));
-        parts.place.put(slot.at(), I::from_slot(bucket.len));
-        bucket.len += 1;
-        tree.leaves.put(index, bucket);
+        parts.place.put(slot.at(), I::from_slot(sub_leaf.len));
+        sub_leaf.len += 1;
+        tree.leaves.put(index, sub_leaf);
     }
     tree.bounds.span_mut(first, SUB_LEAVES).copy_in(&bounds);
 }
 
-/// Goes back to the leaves of the last full step, which have to be filled. Tells whether there was anything to do.
+/// Goes back to whole leaves, which have to be filled. Returns whether leaves were divided.
 pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
     parts.state.step.calm = 0;
     if parts.state.tree.subdivided == 0 {

@@ -1,4 +1,4 @@
-//! The rule of the corner: each pair in one cell, whatever the planes are.
+//! The rule of the corner: each pair is reported in one cell, whatever the planes are.
 
 use super::{UNSPLIT, plane};
 use crate::config::{Capacity, Choice, Config};
@@ -13,9 +13,9 @@ use std::vec::Vec;
 
 /// Corners have the coordinates 0 to 3.
 const STEPS: usize = 4;
-/// All planes that part them, and one that parts nothing.
+/// All planes between them, and one that parts nothing.
 const PLANES: usize = 3 * STEPS + 1;
-/// Where other processors are emulated, some planes are enough: the machine code differs, not the rule.
+/// On emulated processors some planes are enough: the machine code differs, not the rule.
 const LESS: usize = if cfg!(target_arch = "x86_64") { 1 } else { 7 };
 /// Levels of planes: a cell has up to three sides.
 const LEVELS: u32 = 3;
@@ -37,13 +37,13 @@ fn boxes() -> Vec<Aabb> {
     boxes
 }
 
-/// Pairs of slots that were told, each at most once.
-struct Told {
+/// The pairs that were reported, each once.
+struct Reported {
     words: Vec<u64>,
     count: usize,
 }
 
-impl Told {
+impl Reported {
     fn note(&mut self, a: usize, b: usize) -> bool {
         let at = b * (b - 1) / 2 + a;
         let (word, bit) = (&mut self.words[at / 64], 1 << (at % 64));
@@ -54,7 +54,7 @@ impl Told {
     }
 }
 
-/// Has the next full step use these planes, one for all nodes of a level, however uneven the leaves are.
+/// Makes the next full step use these planes, one for all nodes of a level, however uneven the leaves are.
 fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS as usize]) {
     let parts = &mut world.parts;
     for (level, number) in levels.into_iter().enumerate() {
@@ -86,7 +86,7 @@ fn each_pair_is_counted_in_one_cell_for_all_planes_on_a_lattice() {
         boxes.iter().map(|a| boxes.iter().map(|b| a.overlaps(b)).collect()).collect();
     let expected = (0..boxes.len()).map(|b| overlapping[b][..b].iter().filter(|it| **it).count()).sum();
     let kernels: Vec<Kernels> = Kernels::all().collect();
-    let mut told = Told { words: vec![0; boxes.len() * boxes.len() / 128 + 1], count: 0 };
+    let mut reported = Reported { words: vec![0; boxes.len() * boxes.len() / 128 + 1], count: 0 };
     let mut used = 0;
     // The order of the levels does not matter: the cells are the same.
     for x in 0..PLANES {
@@ -96,13 +96,13 @@ fn each_pair_is_counted_in_one_cell_for_all_planes_on_a_lattice() {
                 let step = world.set_kernels(kernels[used % kernels.len()]).step().unwrap();
                 used += 1;
                 assert_eq!(step.stats().path, Path::Full, "no planes of its own");
-                told.words.fill(0);
-                told.count = 0;
+                reported.words.fill(0);
+                reported.count = 0;
                 for [a, b] in step.pairs().iter().map(|pair| pair.map(usize::from)) {
                     assert!(a < b && overlapping[b][a], "planes {x} {y} {z}: {a} and {b} do not meet");
-                    assert!(told.note(a, b), "planes {x} {y} {z}: {a} and {b} twice");
+                    assert!(reported.note(a, b), "planes {x} {y} {z}: {a} and {b} twice");
                 }
-                assert_eq!(told.count, expected, "planes {x} {y} {z}: a pair is missing");
+                assert_eq!(reported.count, expected, "planes {x} {y} {z}: a pair is missing");
                 assert_eq!(world.parts.state.tree.depth, LEVELS);
             }
         }

@@ -1,4 +1,4 @@
-//! Walks down the tree by the boxes of its nodes, to the leaves that a box, a cast or a point is looking for.
+//! Walks the tree by the boxes of its nodes, to the leaves that a box, a cast or a point looks for.
 
 use crate::access::note_fault;
 use crate::geometry::key::KeyBox;
@@ -8,16 +8,16 @@ use heapless::Vec;
 
 /// What looks for leaves.
 pub(crate) trait Probe {
-    /// When a node is met, or that it is not: the nodes that are met first are visited first.
+    /// When a node is met, or that it is not. Nodes that are met first are visited first.
     type When: Copy + Default;
 
-    /// Met without a look at it.
+    /// For a node that counts as met without a look at it.
     const AT_ONCE: Self::When;
 
     /// When two nodes are met.
     fn meet<S: Simd>(&self, simd: S, nodes: [&KeyBox; 2]) -> [Self::When; 2];
 
-    /// Whether a node is still to be visited, which may change with what was found.
+    /// Whether a node is still to be visited. What was found may change that.
     fn is_met(&self, when: Self::When) -> bool;
 
     /// Whether the right child of a node comes before the left one.
@@ -53,32 +53,33 @@ struct Waiting<W> {
     when: W,
 }
 
-/// The leaves at one depth that a probe meets. O(depth) for each leaf.
+/// The walk to the leaves at one depth that a probe meets. O(depth) for each leaf.
 ///
-/// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
+/// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
 pub(crate) struct Visit<'v, P: Probe> {
     nodes: &'v [KeyBox],
     first: u32,
     pub(crate) probe: P,
-    /// Nodes that wait: at most one a level, and the leaf to start at.
+    /// Nodes that wait: at most one a level, and the leaf at the start.
     stack: Vec<Waiting<P::When>, LEVELS>,
 }
 
 impl<'v, P: Probe> Visit<'v, P> {
-    /// Starts at any leaf, which comes first; best the one whose cell holds the probe's low corner, as then little is left to
-    /// visit. No way down from the root has to be found: the tests on the way up do not wait for each other.
+    /// Starts at a leaf, which comes first; best at the one whose cell holds the probe's low corner, since little is
+    /// left to visit then. From there the nodes beside the way up to the root are tested, which do not depend on each
+    /// other; a way down from the root would wait for each test.
     #[inline(always)]
     pub(crate) fn new<S: Simd>(simd: S, nodes: &'v [KeyBox], depth: u32, leaf: usize, probe: P) -> Self {
         let first = 1 << depth;
         let leaf = first | leaf as u32;
         let mut visit = Self { nodes, first, probe, stack: Vec::new() };
-        // What stands beside the way, the deepest last, so that it comes first.
+        // The nodes beside the way. The deepest one is pushed last, so it comes first.
         for level in (0..depth).rev().step_by(2) {
             let has_lower = level > 0;
             let lower = if has_lower { leaf >> (level - 1) ^ 1 } else { 0 };
             let [upper, lower] = visit.meet(simd, [leaf >> level ^ 1, lower]);
             visit.push(upper);
-            // Node zero is none, and yet a probe without bounds may meet it.
+            // There is no node zero, but an unbounded probe might meet its box.
             if has_lower {
                 visit.push(lower);
             }
@@ -87,7 +88,7 @@ impl<'v, P: Probe> Visit<'v, P> {
         visit
     }
 
-    /// Lets a node wait that is met.
+    /// Lets a node wait if it is met.
     #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
         if self.probe.is_met(node.when) && self.stack.push(node).is_err() {

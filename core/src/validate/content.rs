@@ -8,7 +8,7 @@ use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
-use crate::memory::stripes::Planes;
+use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 
@@ -67,7 +67,7 @@ pub(crate) trait Content<I: Index> {
     fn generation(&self, slot: usize) -> u32;
     /// A word of a set. None of a set that the world does not keep.
     fn word(&self, set: Set, index: usize) -> Option<u32>;
-    fn stripes(&self) -> Option<Planes>;
+    fn stripes(&self) -> Option<StripeStarts>;
     fn plane(&self, node: usize) -> i32;
     fn leaf(&self, index: usize) -> LeafCounts;
     /// The frame of a leaf of the last full step.
@@ -166,8 +166,8 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
         words.get(index).copied()
     }
 
-    fn stripes(&self) -> Option<Planes> {
-        self.0.output.planes.first().copied()
+    fn stripes(&self) -> Option<StripeStarts> {
+        self.0.output.stripes.first().copied()
     }
 
     fn plane(&self, node: usize) -> i32 {

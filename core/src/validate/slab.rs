@@ -26,13 +26,13 @@ pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         tree(parts)?;
         cells(parts)?;
     }
-    carried(parts)
+    kept_pairs(parts)
 }
 
 /// What is beyond the slots is as new.
 fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.objects.slots as usize;
-    for marks in [
+    for set in [
         &*parts.moved.words,
         parts.changed.words,
         parts.outdated.words,
@@ -41,7 +41,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         parts.active,
         parts.former.reused.words,
     ] {
-        let words = marks.get(bits::words(slots)..).unwrap_or_default();
+        let words = set.get(bits::words(slots)..).unwrap_or_default();
         check(words.iter().all(|word| *word == 0), "a set has slots that there are not", slots)?;
     }
     for boxes in [&*parts.boxes.now, parts.boxes.fat, parts.boxes.before] {
@@ -67,7 +67,7 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 }
 
 /// Slots that are looked for at a time: their bits are on the stack, which is small where all worlds are.
-const WINDOW: usize = if cfg!(feature = "large") { 1 << 15 } else { 1 << 8 };
+const SLOTS_AT_A_TIME: usize = if cfg!(feature = "large") { 1 << 15 } else { 1 << 8 };
 
 /// Each list has every living object once, and the list that a step has swept is in order.
 fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
@@ -86,12 +86,12 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     )?;
     for order in &parts.order {
         let order = order.span(0, listed);
-        for first in (0..slots).step_by(WINDOW) {
-            let mut met = [0; WINDOW / 32];
+        for first in (0..slots).step_by(SLOTS_AT_A_TIME) {
+            let mut met = [0; SLOTS_AT_A_TIME / 32];
             for slot in order {
                 let marked = slot.at() < slots && bits::test(parts.listed, slot.at());
                 check(marked, "a list holds a slot that is not marked", slot.at())?;
-                if let Some(bit) = slot.at().checked_sub(first).filter(|bit| *bit < WINDOW) {
+                if let Some(bit) = slot.at().checked_sub(first).filter(|bit| *bit < SLOTS_AT_A_TIME) {
                     check(bits::set(&mut met, bit), "a list holds a slot twice", slot.at())?;
                 }
             }
@@ -105,10 +105,10 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
         for (at, two) in order.windows(2).enumerate() {
             let boxes = parts.boxes.swept();
-            let ascends = match parts.output.planes.first() {
-                Some(planes) => {
+            let ascends = match parts.output.stripes.first() {
+                Some(starts) => {
                     let axes = [axis, parts.state.lists.stripe_axis as usize];
-                    let place = |slot: I| stripes::place(&boxes.at(slot.at()), slot.slot(), axes, planes);
+                    let place = |slot: I| stripes::place(&boxes.at(slot.at()), slot.slot(), axes, starts);
                     place(two.at(0)) < place(two.at(1))
                 }
                 None => links::precedes(boxes, axis, two.at(0), two.at(1)),
@@ -195,7 +195,7 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// The pairs that the next step would keep are all that there are. Not asked where it looks itself, or where a rule may have
 /// said no.
-fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &*parts.state;
     let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0 && state.pairs.unproven == 0;
     let filled = !parts.sizes.is_small() && state.tree.filled != 0;
@@ -204,7 +204,7 @@ fn carried<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         return Ok(());
     }
     let all = if filled { Kernels::detect().run(InTree(parts)) } else { one_by_one(parts) };
-    check(all == recount::carried(parts), "pairs are missing, or there twice", 0)
+    check(all == recount::kept(parts), "pairs are missing, or there twice", 0)
 }
 
 /// Whether an object lives and has not moved.

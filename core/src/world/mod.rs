@@ -35,6 +35,7 @@ use crate::access::{Access, faults};
 use crate::error::{Error, Rejected};
 use crate::geometry::aabb::Boxes;
 use crate::id::{Id, Index};
+use crate::memory::limits::SHARED_FROM;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Route};
 use crate::objects::intake::ingest;
@@ -60,10 +61,6 @@ pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
     pub(crate) kernels: Kernels,
 }
-
-/// From this many objects on a step is shared between workers, where no hook decides: below, to hand out the work takes
-/// longer than to do it. Miri is too slow for that many.
-const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
 
 /// A step.
 impl<I: Index> World<'_, I> {

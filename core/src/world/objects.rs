@@ -40,7 +40,7 @@ impl<'m, I: Index> World<'m, I> {
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].
     pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
         let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
-        self.enter(bounds)
+        self.insert_box(bounds)
     }
 
     /// Gives an object another box. O(1).
@@ -78,7 +78,7 @@ impl<'m, I: Index> World<'m, I> {
     /// [`Error::StaleId`].
     pub fn remove(&mut self, id: Id) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
-        self.leave(slot);
+        self.remove_slot(slot);
         Ok(())
     }
 
@@ -138,13 +138,13 @@ impl<'m, I: Index> World<'m, I> {
         }
         for id in ids {
             toggle(self, id);
-            self.leave(id.slot() as usize);
+            self.remove_slot(id.slot() as usize);
         }
         Ok(())
     }
 
     #[cfg_attr(debug_assertions, inline(never))]
-    fn enter(&mut self, bounds: KeyBox) -> Result<Id, Error> {
+    fn insert_box(&mut self, bounds: KeyBox) -> Result<Id, Error> {
         let parts = &mut self.parts;
         let free = parts.state.objects.free;
         let slot = if free > 0 { free - 1 } else { parts.state.objects.slots };
@@ -166,7 +166,7 @@ impl<'m, I: Index> World<'m, I> {
         if let (Some(margin), Some(length)) = (parts.state.setup.margin(), parts.boxes.margins.get_mut(at)) {
             *length = margin_length(&margin, &bounds);
         }
-        parts.objects().enter(at, bounds);
+        parts.objects().insert(at, bounds);
         if let Some(filter) = parts.filters.of.get_mut(at) {
             *filter = Filter::ALL;
         }
@@ -176,7 +176,7 @@ impl<'m, I: Index> World<'m, I> {
             is_kept = parts.former.note(at, former, is_first);
         }
         if VALUES {
-            parts.values.enter(at, is_kept);
+            parts.values.insert(at, is_kept);
         }
         parts.state.objects.has_inserted = 1;
         parts.state.objects.dirty = 1;
@@ -201,11 +201,11 @@ impl<'m, I: Index> World<'m, I> {
     }
 
     #[cfg_attr(debug_assertions, inline(never))]
-    fn leave(&mut self, slot: usize) {
+    fn remove_slot(&mut self, slot: usize) {
         let next = self.parts.state.objects.free;
         self.parts.state.objects.dirty = 1;
         bits::clear(self.parts.resting, slot);
-        self.parts.objects().leave(slot, next);
+        self.parts.objects().remove(slot, next);
         self.parts.state.objects.free = slot as u32 + 1;
         self.parts.state.objects.live -= 1;
     }
@@ -225,7 +225,7 @@ impl<I: Index> Iterator for Inserted<'_, '_, '_, I> {
         let bounds = self.boxes.get(self.next).as_ref().and_then(KeyBox::from_aabb)?;
         self.next += 1;
         // There is room.
-        self.world.enter(bounds).ok()
+        self.world.insert_box(bounds).ok()
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

@@ -1,4 +1,4 @@
-//! The few numbers of a world that are not arrays, each part with the layer that owns it.
+//! The numbers of a world that are not arrays, one struct for each layer that owns some.
 
 mod owners;
 mod setup;
@@ -10,7 +10,7 @@ use super::stats::Stats;
 use crate::config::Config;
 use bytemuck::{Pod, Zeroable};
 
-/// See the module. Plain bytes, as it lives in the slab: parts with numbers of 64 bits come first, so that nothing is between them.
+/// See the module. Plain bytes without gaps, as it is in the slab: parts with numbers of 64 bits come first.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct State {
@@ -20,7 +20,7 @@ pub(crate) struct State {
     pub(crate) step: StepState,
     pub(crate) objects: ObjectState,
     pub(crate) lists: ListState,
-    /// Indices out of range that the last step knew of: see [`access`](crate::access).
+    /// The indices out of range that the last step knew of: see [`access`](crate::access).
     pub(crate) faults: u32,
 }
 
@@ -30,13 +30,14 @@ impl State {
         Self { setup: Setup::new(config, index_bytes), pairs, ..Self::zeroed() }
     }
 
-    /// The leaves that there are now, or those of the last step where there is no tree.
+    /// The leaves now; without a tree, those of the last step.
     pub(crate) const fn leaves(&self) -> u32 {
         if self.tree.filled != 0 { 1 << (self.tree.depth + self.tree.sub_levels()) } else { self.step.leaves }
     }
 
-    /// The state as a snapshot has it. The number of workers decides about scratch memory alone, what the library was built for
-    /// about the slab alone, and hooks about the time of later steps alone. A snapshot has no lists.
+    /// The state as a snapshot has it: without lists, and without what belongs to the memory or to the build. The
+    /// number of workers decides about scratch memory alone, features about the slab alone, hooks about the time of
+    /// later steps alone.
     pub(crate) fn portable(&self) -> Self {
         Self {
             setup: self.setup.portable(),
@@ -47,7 +48,7 @@ impl State {
         }
     }
 
-    /// Whether it is such a state.
+    /// Whether this is such a state.
     pub(crate) const fn is_portable(&self) -> bool {
         let ListState { listed, stale, .. } = self.lists;
         self.setup.is_portable()
@@ -65,8 +66,8 @@ impl State {
         self.pairs.swapped = other.pairs.swapped;
     }
 
-    /// The state of a world into which another one has moved: with the objects and the last result of that one, without tree,
-    /// lists and parked pairs. The pairs of the step before are for the caller to count.
+    /// The state of a world into which another one has moved: the objects and the last result of that one, without
+    /// tree, lists and parked pairs. The caller counts the pairs of the step before.
     pub(crate) fn with_objects_of(&self, other: &Self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = other.tree;
         Self {

@@ -1,11 +1,11 @@
-//! The numbers of each layer.
+//! The numbers of each layer, one struct an owner.
 
 use crate::geometry::extent::Extent;
 use crate::memory::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
 use crate::memory::stats::{Path, Progress, Reason, Route};
 use bytemuck::{Pod, Zeroable};
 
-/// Who lives, and what the caller has changed: `objects` and `world`.
+/// Which objects live, and what the caller has changed: of `objects` and `world`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct ObjectState {
@@ -13,29 +13,29 @@ pub(crate) struct ObjectState {
     pub(crate) live: u32,
     /// Slots that have ever been in use.
     pub(crate) slots: u32,
-    /// The free slot that was freed last, plus one; each free slot holds the next.
+    /// The slot that was freed last, plus one; zero if none is free. Each free slot holds the next one.
     pub(crate) free: u32,
-    /// Boxes since the last complete step that outran their object's margin.
+    /// Boxes since the last complete step that were farther from the last one than the margin.
     pub(crate) outran: u32,
-    /// Whether an object may differ from what the last complete step has seen.
+    /// Whether objects may have changed since the last complete step.
     pub(crate) dirty: u8,
     /// Whether the caller has ever put an object to rest.
     pub(crate) resting: u8,
     /// Whether an object has come since the last complete step.
     pub(crate) has_inserted: u8,
-    /// Whether a tight box has changed inside its fat box since the last complete step.
+    /// Whether a box has changed inside its fat box since the last complete step.
     pub(crate) moved_inside_margin: u8,
 }
 
-/// The sorted lists: `lists` and `step::lists`.
+/// The sorted lists: of `lists` and `step::lists`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct ListState {
     /// Slots in the sorted lists.
     pub(crate) listed: u32,
-    /// Whether the lists do not hold the living objects any more.
+    /// Whether the lists may not hold all living objects.
     pub(crate) stale: u8,
-    /// The axis that a small world is swept along.
+    /// The axis that a world without a tree is swept along.
     pub(crate) axis: u8,
     /// The axis across which its stripes lie.
     pub(crate) stripe_axis: u8,
@@ -43,22 +43,21 @@ pub(crate) struct ListState {
     pub(crate) scan_in: u8,
 }
 
-/// Planes and leaves, and how good they are: `tree`.
+/// Planes and leaves, and how good they are: of `tree`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct TreeState {
-    /// The sum of squares of the leaves' counts when their planes were new: what new planes can achieve.
+    /// The sum of the squares of the leaves' counts when their planes were new: what new planes can reach.
     pub(crate) baseline: u64,
-    /// Candidates that were no pairs in the first full step with these planes: the work that new planes leave.
+    /// Pairs tested in vain by the first full step with these planes: what new planes can reach.
     pub(crate) baseline_work: u64,
     /// Living objects when the planes were made, or zero where there are none.
     pub(crate) built: u32,
-    /// The depth that full steps use the planes to; less than planned where copies would take too much room.
+    /// The depth of the leaves of full steps. Less than planned if ghosts would take too much room.
     pub(crate) depth: u32,
-    /// Zero where the leaves are those of the last full step; else one more than how many of those are divided, the first ones
-    /// first.
+    /// Zero while no leaf is divided; else one more than the number of divided leaves, which are the first ones.
     pub(crate) subdivided: u32,
-    /// Movers so far, of the many that it takes to make the boxes of all leaves tight.
+    /// Movers since the boxes of the first leaf were made tight, as one leaf follows another.
     pub(crate) moved_since_refit: u32,
     /// First large object among the straddlers, and how many there are.
     pub(crate) large_start: u32,
@@ -66,33 +65,32 @@ pub(crate) struct TreeState {
     /// Bounds of the minima.
     pub(super) low: [i32; 3],
     pub(super) high: [i32; 3],
-    /// Leaves with members, and the members of the fullest one, when all leaves were filled last.
+    /// When all leaves were last filled: leaves with members, and members of the fullest one.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
-    /// Whether records, places and reaches are those of the last step.
+    /// Whether records, homes and places are those of the last step.
     pub(crate) filled: u8,
-    /// Whether the planes could not part the objects well when they were made.
+    /// Whether the planes parted the objects badly when they were made.
     pub(crate) poor: u8,
-    /// Whether the planes leave together what new ones would part.
+    /// Whether new planes are due, since they would part what these leave together.
     pub(crate) divisible: u8,
-    /// Full steps until new planes are tried again after they were not good, and how many it will be the next time.
+    /// Full steps until new planes are tried again after bad ones, and how many it will be the next time.
     pub(crate) planes_in: u8,
     pub(crate) planes_after: u8,
-    /// The same for more levels of the planes after there were too many copies.
+    /// The same for more levels, after there were too many ghosts.
     pub(crate) deeper_in: u8,
     pub(crate) deeper_after: u8,
-    /// Full steps in a row with far more candidates than the planes left when they were new.
+    /// Heavy sweeps in a row: see [`HEAVY`](crate::tree::limits::HEAVY).
     pub(crate) heavy: u8,
 }
 
 impl TreeState {
-    /// The most blocks that a sweep may be cut into: as many as a full step has, since each may leave a chunk of staged pairs
-    /// unfinished.
+    /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
         (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
     }
 
-    /// How many levels below `depth` leaves stand: those of the last full step are divided into that, or being divided.
+    /// How many levels the leaves are below `depth`: none while no leaf is divided.
     #[inline(always)]
     pub(crate) const fn sub_levels(&self) -> u32 {
         if self.subdivided == 0 { 0 } else { SUB_LEVELS }
@@ -112,37 +110,38 @@ impl TreeState {
     }
 }
 
-/// Where in the buffers which pairs stand: `pairs`.
+/// Where in the buffers the kinds of pairs are: of `pairs`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct PairState {
-    /// Overlaps of swept boxes in the pair buffer: those parked, the persisting ones, the found ones, then, in exact
-    /// mode with a margin, the surplus.
+    /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, in exact mode with margins,
+    /// surplus.
     pub(crate) swept: u64,
     /// All but the surplus: see [`result`](Self::result).
     pub(crate) reported: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
-    /// With events: pairs of the last complete result in the other buffer; in a step with few movers all but those parked.
+    /// With events: pairs of the last complete result in the other buffer; in a step with few movers without the
+    /// parked ones.
     pub(crate) previous: u64,
-    /// Pairs of two resting objects at the front of the pair buffer, which steps need not look at: see `persistent`. The
-    /// surplus among them comes first.
+    /// Parked pairs at the front of the pair buffer, and how many of them are surplus, which comes first: see
+    /// `persistent`.
     pub(crate) parked: u32,
     pub(crate) surplus_parked: u32,
-    /// How many objects are active, or more.
+    /// At least as many as there are active objects.
     pub(crate) active: u32,
-    /// Whether the last step ended with all its pairs.
+    /// Whether the last step had room for all its pairs.
     pub(crate) complete: u8,
-    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be carried over.
+    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be kept.
     pub(crate) without_surplus: u8,
-    /// Whether the pairs were loaded, and no step has seen yet that they are all: see `recount`.
+    /// Whether the pairs were loaded and no step has checked yet that they are all: see `recount`.
     pub(crate) unproven: u8,
     /// With events: whether the two pair buffers have changed places.
     pub(crate) swapped: u8,
 }
 
 impl PairState {
-    /// Where the result stands in the pair buffer.
+    /// The result in the pair buffer.
     pub(crate) const fn result(&self) -> core::ops::Range<usize> {
         let start = self.surplus_parked as usize;
         start..start + self.reported as usize
@@ -150,12 +149,12 @@ impl PairState {
 
     /// The same pairs, none of them parked.
     pub(super) fn reported_alone(&self) -> Self {
-        // More can not be active, so the next step looks which pairs can be parked.
+        // No more can be active, so the next step looks which pairs it can park.
         Self { previous: 0, parked: 0, surplus_parked: 0, active: u32::MAX, ..*self }
     }
 }
 
-/// What the last step did, and what led to it: `step`.
+/// What the last step did, and what led to it: of `step`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct StepState {
@@ -170,13 +169,13 @@ pub(crate) struct StepState {
     pub(crate) calm: u8,
     /// Steps until margins are used again; zero where they are.
     pub(crate) margins_in: u8,
-    /// How much more often than not many objects have moved in spite of their margins lately.
+    /// Rises by two in a step of many movers in spite of margins, falls by one in another.
     pub(crate) margins_failed: u8,
-    /// Zero where the next intake has no leaves to bring boxes to; else one more than the full steps that have kept the leaves since
-    /// all of them were filled.
+    /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have kept
+    /// them since all were filled.
     pub(crate) kept: u8,
-    /// The path, eight bits above it the reason, and above that whether the step was shared, and whether its resolution was
-    /// coarse.
+    /// The path in the low eight bits, the reason in the next eight, and above them whether the step was shared, and
+    /// whether `f32` was too coarse.
     pub(super) chosen: u32,
 }
 
@@ -200,12 +199,12 @@ impl StepState {
         self.chosen & COARSE != 0
     }
 
-    /// Whether this is what a step leaves, and nothing stands where nothing should.
+    /// Whether a step can have left this.
     pub(crate) fn is_known(&self) -> bool {
         self.path().is_some() && self.reason().is_some() && self.chosen >> 18 == 0
     }
 
-    /// Notes what a step did. Whether the resolution is coarse stays as it was where the step has not looked.
+    /// Notes what a step did. Whether `f32` is too coarse stays as it was if the step has not looked.
     pub(crate) fn record(
         &mut self,
         moved: u32,

@@ -1,10 +1,10 @@
-//! What a world was made for, and how its slab is laid out.
+//! Stores a configuration as plain bytes.
 
 use crate::config::{Capacity, Choice, Config, Hooks, Margin, Mode};
 use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
-/// The version; and a bit of the feature that decides how the slab is laid out.
+/// The version, and a bit for the feature that changes the layout of the slab.
 const MAGIC: u32 = 0x7452_0008 | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
 // The bits of `Setup::flags`.
@@ -15,7 +15,7 @@ const MARGIN: u32 = 1 << 3;
 const FAT: u32 = 1 << 4;
 const FIXED_MARGINS: u32 = 1 << 5;
 const VALUES: u32 = 1 << 6;
-/// From here on the hooks, which are no part of a snapshot.
+/// The first bit of the hooks, which are not in a snapshot.
 const HOOKS: u32 = 7;
 const PORTABLE: u32 = !(Hooks::MASK << HOOKS);
 
@@ -45,7 +45,7 @@ pub(crate) struct Setup {
     leaf_refs: u32,
     pairs: u32,
     margin: [f32; 3],
-    /// All that is a choice between two, and the hooks: see the constants.
+    /// All choices between two, and the hooks: see the constants.
     flags: u32,
     workers: u32,
 }
@@ -65,7 +65,7 @@ impl Setup {
         }
     }
 
-    /// The configuration of a slab that holds a world of this index width.
+    /// The configuration; `None` if this is not a world of this version and index width.
     pub(crate) fn config(&self, index_bytes: usize) -> Option<Config> {
         if self.magic != MAGIC || self.index_bytes != index_bytes as u32 {
             return None;
@@ -84,7 +84,8 @@ impl Setup {
         })
     }
 
-    /// Each by itself, so that only what is asked for is read. Of no choice, which no world has, the automatic one.
+    /// Each by itself, so that only the one that is asked for is read. Bits that name no choice, which no world has,
+    /// count as automatic.
     #[inline(always)]
     pub(crate) fn hooks(&self) -> Hooks {
         let choice = |bits: u32| Choice::from_bits(bits).unwrap_or_default();
@@ -111,8 +112,7 @@ impl Setup {
         (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
     }
 
-    /// Whether this is the setup of a world of the same configuration, but for the workers and the hooks. Snapshots have a version
-    /// of their own.
+    /// Whether the configurations are the same, workers and hooks aside. Snapshots have a version of their own.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let key = |setup: &Self| {
             let Self { index_bytes, objects, leaf_refs, pairs, flags, .. } = *setup;
@@ -121,7 +121,7 @@ impl Setup {
         key(self) == key(other)
     }
 
-    /// What differs from another world's configuration and cannot be changed while there are objects.
+    /// The first difference that cannot change while there are objects.
     pub(crate) fn difference(&self, to: &Self) -> Option<Field> {
         let differs = |flag: u32| (self.flags ^ to.flags) & flag != 0;
         let fields = [
@@ -144,7 +144,7 @@ impl Setup {
         self.workers == 1 && self.magic == 0 && self.flags & !PORTABLE == 0
     }
 
-    /// The configuration of the world that a portable state is of.
+    /// The configuration of a portable state.
     pub(crate) fn portable_config(&self, index_bytes: usize) -> Option<Config> {
         Self { magic: MAGIC, ..*self }.config(index_bytes)
     }

@@ -1,4 +1,4 @@
-//! Where a cast meets boxes.
+//! Where a cast meets nodes and records, in 128-bit vectors.
 
 use super::keys::{Keys, floats};
 use super::vectors::Vectors;
@@ -19,7 +19,7 @@ pub(super) fn enter<V: Vectors>(v: V, walk: &Walk, node: &KeyBox, until: f32) ->
     let leave = v.multiply(v.subtract(v.select(back, low, high), last), leave);
     // NaN falls to the second operand.
     let (from, to) = (v.maximum(come, v.splat(0)), v.minimum(leave, v.splat(until.to_bits())));
-    // The first lane takes the second one, and the third one.
+    // The first lane also takes the second and the third one.
     let (second, third) = (v.splat(0x0706_0504), v.splat(0x0b0a_0908));
     let from = v.maximum(v.maximum(from, v.shuffle(from, second)), v.shuffle(from, third));
     let to = v.minimum(v.minimum(to, v.shuffle(to, second)), v.shuffle(to, third));
@@ -27,7 +27,7 @@ pub(super) fn enter<V: Vectors>(v: V, walk: &Walk, node: &KeyBox, until: f32) ->
     if from <= to + Walk::LEAST { from } else { f32::NAN }
 }
 
-/// When a cast comes to eight records, and masks of those that it may touch.
+/// When a cast enters eight records, and masks of those that it may touch.
 #[inline(always)]
 pub(super) fn met<V: Vectors>(
     v: V,
@@ -37,7 +37,7 @@ pub(super) fn met<V: Vectors>(
     let zero = v.splat(0);
     let (mut from, mut to) = ([zero; 2], [v.splat(crossing.until.to_bits()); 2]);
     for (k, lanes) in transposed(v, records, &crossing.order).into_iter().enumerate() {
-        // The upper half of a float that has the lane as its lower half; NaN for a lane of zero.
+        // A float that has the lane as its lower half; NaN for a lane of zero.
         let upper = v.or(v.equal16(lanes, zero), v.splat(0x4b00_4b00));
         let (scale, offset) = (v.splat(crossing.scale[k].to_bits()), v.splat(crossing.offset[k].to_bits()));
         let first = v.add(v.multiply(v.zip_first16(lanes, upper), scale), offset);

@@ -1,17 +1,17 @@
-//! Four tests of two records each at a time.
+//! Tests four candidates at a time, with 128-bit vectors.
 
 use super::vectors::{NO_BYTE, Vectors};
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use crate::simd::{Simd, Tested};
 
-/// The bytes of a record with the halves of its six lanes changed, and no tag.
+/// The bytes of a record with the halves of its six lanes swapped, and no tag.
 const HALVES: [u8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
 
 /// The six lanes of a record, without its tag.
 const LANES: [u32; 4] = [u32::MAX, u32::MAX, u32::MAX, 0];
 
-/// For each mask of four words: the places of those that it keeps, in their order.
+/// For each mask of four words: the places of those that it keeps, in order.
 const KEPT: [[u8; 16]; 16] = {
     let mut table = [[0; 16]; 16];
     let mut mask = 0;
@@ -33,14 +33,14 @@ const KEPT: [[u8; 16]; 16] = {
     table
 };
 
-/// What the lanes of another record must not exceed for it to touch: its maxima, then its complemented minima. The tag's lanes
-/// exclude nothing.
+/// What the lanes of another record must not exceed to touch this one: its maxima, then its complemented minima. The
+/// tag's lanes exclude nothing.
 #[inline(always)]
 pub(super) fn limit<V: Vectors>(v: V, record: V::Vector) -> V::Vector {
     v.xor(v.shuffle(record, v.load(&HALVES)), v.splat(u32::MAX))
 }
 
-/// Equal bits, without those of the tags.
+/// Whether lanes are equal, those of the tags aside.
 #[inline(always)]
 pub(super) fn has_ties<V: Vectors>(v: V, equal: V::Vector) -> bool {
     v.any(v.and(equal, v.words(LANES)))
@@ -106,7 +106,7 @@ pub(super) fn test_candidates<V: Vectors, S: Simd, I: Index>(
     tested
 }
 
-/// The same for four candidates. `None` too where a position is not in the slice.
+/// The same for four candidates. Also `None` if a position is not in the slice.
 #[inline(always)]
 fn any_four<V: Vectors, I: Index>(
     v: V,
@@ -140,8 +140,8 @@ fn tags<V: Vectors>(v: V, [a, b, c, d]: [V::Vector; 4]) -> V::Vector {
     v.zip_last64(v.zip_last32(a, b), v.zip_last32(c, d))
 }
 
-/// Writes the pairs of those of four records that nothing holds apart from the ones whose limits and tags these are, and returns
-/// how many they are. `None` where only the keys can tell for one of the four.
+/// Writes the pairs of four records with those of the limits and tags, as far as they touch, and returns how many do.
+/// `None` if only the keys can decide one of the four.
 #[inline(always)]
 fn keep<V: Vectors, I: Index>(
     v: V,

@@ -1,4 +1,4 @@
-//! The keys of a box in two vectors of four.
+//! The six keys of a box in two vectors of four.
 
 use super::vectors::{NO_BYTE, Vectors};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
@@ -16,15 +16,15 @@ const FROM_FIRST: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 8, 9, 10, 11
 /// The places of six lanes of 16 bits among the four and four of [`Keys`].
 const SIX_LANES: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
 
-/// The six keys of a box: the first four and the last four, so that two stand in both and no lane is empty. They are loaded and
-/// stored as they stand in memory.
+/// The first four and the last four keys of a box. Two keys are in both, so no lane is empty. They are loaded and
+/// stored in the order of memory.
 #[derive(Clone, Copy)]
 pub(crate) struct Keys<V: Vectors> {
     pub(super) first: V::Vector,
     pub(super) last: V::Vector,
 }
 
-/// The first four and the last four of some words.
+/// The first four and the last four words.
 #[inline(always)]
 fn ends<const N: usize>(words: &[f32; N]) -> [&[u8; 16]; 2] {
     // There are six or more.
@@ -87,7 +87,7 @@ impl<V: Vectors> Keys<V> {
         let [d, e, f]: [u32; 3] = bytemuck::cast(*max);
         let found = Self { first: keys(v, v.words([a, b, c, d])), last: keys(v, v.words([c, d, e, f])) };
         let (minima, maxima) = (v.shuffle(found.first, v.load(&FROM_FIRST)), found.maxima(v));
-        // Minima from -infinity to the maxima, maxima to +infinity.
+        // Minima must be from -infinity to the maxima, maxima up to +infinity.
         let below = v.above32(v.splat(NEGATIVE_INFINITY as u32), minima);
         let above = v.above32(maxima, v.splat(POSITIVE_INFINITY as u32));
         let bad = v.or(v.above32(minima, maxima), v.or(below, above));

@@ -19,10 +19,10 @@ const fn below(count: usize) -> u64 {
     if count >= WINDOW { u64::MAX } else { !(u64::MAX << count) }
 }
 
-/// A mask of those of 16 rows whose bytes are all at least the query's.
+/// Which of 16 rows have no byte below the query's, as a mask.
 #[inline(always)]
 fn inside<V: Vectors>(v: V, [a, b, c, d]: &[[u8; 16]; 4], query: V::Vector) -> V::Vector {
-    // What the query's bytes exceed a row's by: nothing where none does.
+    // How much the query's bytes exceed a row's: zero where none does.
     let (a, b) = (v.excess8(query, v.load(a)), v.excess8(query, v.load(b)));
     let (c, d) = (v.excess8(query, v.load(c)), v.excess8(query, v.load(d)));
     v.equal8(v.join8(v.join16(a, b), v.join16(c, d)), v.splat(0))
@@ -179,7 +179,7 @@ impl<V: Vectors> Simd for Narrow<V> {
 
     #[inline(always)]
     fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
-        // Two numbers a vector would gain nothing for three axes.
+        // Vectors of two numbers would gain nothing on three axes.
         slabs.span(min, max, far)
     }
 

@@ -1,11 +1,12 @@
-//! 128-bit vectors: SSE4.1 of x86, NEON of AArch64, simd128 of WebAssembly. The level is written once, over the operations on
-//! 16 bytes of [`Vectors`](vectors::Vectors); each instruction set is a file that names its own.
+//! 128-bit vectors: SSE4.1 of x86, NEON of AArch64, simd128 of WebAssembly. The level is written once, over the
+//! operations of [`Vectors`](vectors::Vectors) on 16 bytes. Each instruction set is a file that names its own
+//! instructions.
 //!
-//! Why not a crate: `wide` (1.7) chooses its instructions when it is compiled, so a program for any x86-64 would get SSE2 and slow
-//! replacements of a byte shuffle. `pulp` (0.22) chooses while the program runs, but its portable part has no byte shuffle and no
-//! saturating subtraction of bytes. `fearless_simd` (1.2) has both; without `std` it does not ask the CPU, so the caller does, and
-//! vouches for the level by an `unsafe` call, as here. It could stand in for the three files of instruction sets and nothing else
-//! here; that was not tried.
+//! Why not a crate? `wide` (1.7) chooses its instructions when it is compiled, so a program for any x86-64 would get
+//! SSE2, which has no byte shuffle. `pulp` (0.22) chooses while the program runs, but its portable part lacks the
+//! byte shuffle and the saturating subtraction of bytes. `fearless_simd` (1.2) has both. Without `std` it does not
+//! ask the CPU, so the caller does, and vouches for the level by an `unsafe` call, as here. It could replace the
+//! three files of instruction sets; that was not tried.
 
 mod casts;
 mod fours;

@@ -1,10 +1,10 @@
-//! The 128-bit vectors of AArch64, which every CPU has that runs an operating system.
+//! The 128-bit vectors of AArch64. Every CPU that runs an operating system has them.
 
 use super::vectors::{Vectors, operations};
 use crate::simd::Phase;
 use core::arch::aarch64::*;
 
-/// A program that is compiled with vectors runs nowhere else.
+/// Proof of NEON. A program that is compiled with vectors runs nowhere else.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neon(());
 
@@ -84,7 +84,7 @@ impl Vectors for Neon {
     fn any(self, a: uint8x16_t) -> bool {
         // SAFETY: as in `guaranteed`.
         unsafe {
-            // Of a vector the pairwise maximum, in one register with the integers' zero compare.
+            // The greatest of four words: zero only if all are.
             vmaxvq_u32(words(a)) != 0
         }
     }
@@ -120,7 +120,7 @@ impl Vectors for Neon {
         add(a, b) = vreinterpretq_u8_f32(vaddq_f32(floats(a), floats(b)));
         subtract(a, b) = vreinterpretq_u8_f32(vsubq_f32(floats(a), floats(b)));
         multiply(a, b) = vreinterpretq_u8_f32(vmulq_f32(floats(a), floats(b)));
-        // NEON's own maximum gives NaN where one operand is.
+        // NEON's own maximum gives NaN if one operand is NaN.
         maximum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcgtq_f32(floats(a), floats(b))), a, b);
         minimum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcltq_f32(floats(a), floats(b))), a, b);
         at_most(a, b) = vreinterpretq_u8_u32(vcleq_f32(floats(a), floats(b)));

@@ -1,10 +1,10 @@
-//! The 128-bit vectors of WebAssembly, where a module is compiled with them.
+//! The 128-bit vectors of WebAssembly, in modules that are compiled with them.
 
 use super::vectors::{Vectors, operations};
 use crate::simd::Phase;
 use core::arch::wasm32::*;
 
-/// A module that is compiled with vectors runs nowhere else.
+/// Proof of simd128. A module that is compiled with vectors runs nowhere else.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simd128(());
 
@@ -63,7 +63,7 @@ impl Vectors for Simd128 {
         equal32(a, b) = u32x4_eq(a, b);
         excess8(a, b) = u8x16_sub_sat(a, b);
         excess16(a, b) = u16x8_sub_sat(a, b);
-        // Saturation leaves nothing but zero zero.
+        // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = i8x16_narrow_i16x8(a, b);
         join16(a, b) = i16x8_narrow_i32x4(a, b);
         lower_halves(a, b) = u16x8_narrow_i32x4(a, b);
@@ -84,7 +84,7 @@ impl Vectors for Simd128 {
         add(a, b) = f32x4_add(a, b);
         subtract(a, b) = f32x4_sub(a, b);
         multiply(a, b) = f32x4_mul(a, b);
-        // These give their first operand unless the second one is above or below.
+        // These give their first operand unless the second one is above, or below.
         maximum(a, b) = f32x4_pmax(b, a);
         minimum(a, b) = f32x4_pmin(b, a);
         at_most(a, b) = f32x4_le(a, b);

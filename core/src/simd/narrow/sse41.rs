@@ -1,4 +1,4 @@
-//! 128-bit integers of x86: SSE4.1, and POPCNT, which came next. Nehalem, Bulldozer, Jaguar and later.
+//! 128-bit integers of x86: SSE4.1 with POPCNT. Nehalem, Bulldozer, Jaguar and later.
 
 use super::vectors::{Vectors, operations};
 use crate::simd::Phase;
@@ -13,7 +13,7 @@ cpufeatures::new!(detected, "ssse3", "sse4.1", "popcnt");
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sse41(());
 
-/// Operations of the CPU that a token proves.
+/// Operations that the token proves.
 macro_rules! proven {
     ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
         operations! { $($name($($operand),+) =
@@ -48,7 +48,7 @@ impl Vectors for Sse41 {
 
     #[inline(always)]
     fn prefetch<T>(self, items: &[T], index: usize) {
-        // SAFETY: `self` proves SSE. Nothing can be told from a prefetch, wherever it points to.
+        // SAFETY: `self` proves SSE. A prefetch has no effect on the program, wherever it points.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
     }
 
@@ -99,7 +99,7 @@ impl Vectors for Sse41 {
         equal32(a, b) = _mm_cmpeq_epi32(a, b);
         excess8(a, b) = _mm_subs_epu8(a, b);
         excess16(a, b) = _mm_subs_epu16(a, b);
-        // Saturation leaves nothing but zero zero.
+        // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = _mm_packs_epi16(a, b);
         join16(a, b) = _mm_packs_epi32(a, b);
         lower_halves(a, b) = _mm_packus_epi32(a, b);

@@ -1,17 +1,17 @@
-//! What an instruction set of 128 bits must offer.
+//! The operations that an instruction set of 128 bits must offer.
 
 use crate::simd::Phase;
 
-/// The operations of one instruction set on 16 bytes, which are lanes of 8, 16 or 32 bits as an operation's name says. A value of
-/// the type is the proof that the CPU has it. A mask has lanes of all ones or of zeros.
+/// The operations of one instruction set on 16 bytes: lanes of 8, 16 or 32 bits, as the name of an operation says. A
+/// value of the type is the proof that the CPU has it. A mask has lanes of all ones or all zeros.
 pub(crate) trait Vectors: Copy + Send + Sync {
     /// Its name, as [`Kernels::name`](crate::Kernels::name) gives it.
     const NAME: &'static str;
 
-    /// The proof, where the target is enough of one.
+    /// The proof, if the target guarantees it.
     const GUARANTEED: Option<Self>;
 
-    /// Asks the CPU, where the target guarantees nothing.
+    /// Asks the CPU, if the target guarantees nothing.
     #[inline(always)]
     fn detect() -> Option<Self> {
         Self::GUARANTEED
@@ -49,19 +49,19 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn equal8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn equal16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn equal32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// What `a` exceeds `b` by, or zero.
+    /// How much `a` exceeds `b`, or zero.
     fn excess8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn excess16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// A lane of 8 bits for each two of `a` and then of `b`, zero where both are.
+    /// A lane of 8 bits for each two lanes of `a` and then of `b`: zero where both are.
     fn join8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// A lane of 16 bits for each two of `a` and then of `b`, zero where both are.
+    /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
     fn join16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The lower halves of lanes of 32 bits, whose upper halves are zero.
     fn lower_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
-    /// One lane of `a` and one of `b` in turn, from their first halves.
+    /// Lanes of the first halves, one of `a` and one of `b` in turn.
     fn zip_first16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The same from their last halves.
+    /// The same of the last halves.
     fn zip_last16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_first32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_last32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -79,18 +79,18 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     /// The upper of two numbers without signs.
     fn most32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn minus32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Without the sign; the least number stays.
+    /// The absolute value; the least number stays.
     fn magnitude32(self, a: Self::Vector) -> Self::Vector;
-    /// The lower halves as upper halves, above zeros.
+    /// Shifts the lower halves up, above zeros.
     fn raised32(self, a: Self::Vector) -> Self::Vector;
 
-    /// The sum of `f32`, as all below.
+    /// The sum of `f32`. Those below are of `f32` too.
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a` where it is above `b`, else `b`: so where one is not a number.
+    /// `a` where it is above `b`, else `b`, also if one is NaN.
     fn maximum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a` where it is below `b`, else `b`: so where one is not a number.
+    /// `a` where it is below `b`, else `b`, also if one is NaN.
     fn minimum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether `a` is at most `b`.
     fn at_most(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;

@@ -57,7 +57,7 @@ impl<I: Index> World<'_, I> {
         }
         check_room(self.parts.state, &sizes)?;
         let mut world = World::new_in(slab, config)?;
-        carry(&InSlab(&self.parts), &mut world.parts);
+        transfer(&InSlab(&self.parts), &mut world.parts);
         Ok(world)
     }
 }
@@ -86,7 +86,7 @@ fn of_the_step_before(state: &State) -> u64 {
 }
 
 /// Moves what is there into an empty world that has room for it.
-pub(super) fn carry<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
+pub(super) fn transfer<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let state = from.state();
     *to.state = to.state.with_objects_of(state);
     to.boxes.tight = false;

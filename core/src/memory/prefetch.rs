@@ -1,0 +1,28 @@
+//! How far ahead memory is asked for: boxes, leaves and records stand anywhere in memory, and a cache miss takes longer than the
+//! work on what it brings. The table of constants in `PERFORMANCE.md` says what was measured for each.
+
+/// Worlds of up to this many boxes have them in the cache: no boxes of pairs are prefetched.
+pub(crate) const BOXES_NEAR: usize = 4096;
+/// Pairs ahead whose boxes are prefetched.
+pub(crate) const PAIRS_AHEAD: usize = 12;
+/// Worlds of up to this many boxes prefetch none of a leaf before its sweep, for the events that are told after it.
+pub(crate) const EVENT_BOXES_NEAR: usize = 16_384;
+
+/// Movers ahead whose leaves are prefetched when records are moved; twice as many ahead, what tells which leaves these are.
+pub(crate) const RELOCATED_AHEAD: usize = 6;
+/// Members ahead whose boxes are prefetched when the boxes of a leaf are made tight.
+pub(crate) const REFIT_AHEAD: usize = 16;
+
+/// Movers ahead whose boxes are prefetched when movers are tested.
+pub(crate) const MOVERS_AHEAD: usize = 8;
+/// Leaves near movers that are prefetched before the first of them is looked at.
+pub(crate) const LEAVES_TOGETHER: usize = 16;
+/// Records of a leaf that are prefetched; the processor sees for itself that the others follow.
+pub(crate) const RECORDS_AHEAD: usize = 48;
+
+/// Leaves of a full step near a region that are prefetched before the first of them is looked at.
+pub(crate) const REGION_LEAVES: usize = 2;
+/// Objects near a region that are prefetched before the first of them is looked at.
+pub(crate) const REGION_ANSWERS: usize = 8;
+/// Objects that a cast may touch and that are prefetched before the first of them is looked at.
+pub(crate) const CAST_ANSWERS: usize = 16;

@@ -1,0 +1,64 @@
+//! When the tree changes, and how much of it in one step. The table of constants in `PERFORMANCE.md` says what was measured for
+//! each.
+
+use crate::memory::limits::LEAF_TARGET;
+
+// When planes are made anew. Quarters, so that integers suffice.
+
+/// Leaves are out of balance when the sum of the squares of their counts is this many quarters of what new planes can reach, since
+/// sweeps cost about that sum. With few leaves it is less, as the sum cannot grow to that.
+pub(crate) const OUT_OF_BALANCE: u64 = 16;
+/// Planes are good if that sum is at most this many quarters of the least one that there is.
+pub(crate) const GOOD: u64 = 5;
+/// The fullest leaf is sampled if it has more than this many quarters of the mean.
+pub(crate) const FULL: u64 = 6;
+/// A leaf gets new planes when it has this many times the mean count.
+pub(crate) const OVERFULL: usize = 2;
+/// A sweep is heavy if it tests this many times as many pairs in vain as the first one after new planes.
+pub(crate) const HEAVY: u64 = 4;
+/// This many heavy sweeps in a row are a reason for new planes: a single one may be an odd frame.
+pub(crate) const HEAVY_STEPS: u8 = 3;
+/// The most full steps from one try at better planes, or at more levels, to the next.
+pub(crate) const PATIENCE: u8 = 64;
+/// One in this many objects may get new planes in one step, so that no step takes much longer than the others.
+pub(crate) const REBALANCED_SHARE: usize = 8;
+
+// How a plane is chosen.
+
+/// Boxes that are sampled to choose an axis.
+pub(crate) const AXIS_SAMPLE: usize = 512;
+/// Members of a leaf that are sampled to tell whether a plane can part them.
+pub(crate) const LEAF_SAMPLE: usize = 32;
+/// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
+pub(crate) const CROSSING: usize = 2;
+/// A plane is lopsided with less than one in this many of the objects on a side.
+pub(crate) const LOPSIDED: usize = 4;
+/// A box is a large object if it reaches this many times the size of its cell beyond it.
+pub(crate) const FAR: f32 = 2.0;
+/// Large objects times leaves may be this many times the objects, since each leaf looks at all large ones. With more,
+/// larger leaves cost less.
+pub(crate) const LARGE_PER_OBJECT: u64 = 8;
+
+// Where most objects are.
+
+/// Minima in a sample of where most are.
+pub(crate) const SPREAD_SAMPLE: usize = 32;
+/// The least and the greatest numbers of a whole sample on an axis that do not count.
+pub(crate) const OUTLIERS: usize = 2;
+/// An extent this many times as long as where most minima are is too long for the steps of a grid.
+pub(crate) const SPARSE: f32 = 8.0;
+
+// How much changes in one step.
+
+/// Leaves with one in this many objects are divided in one step.
+pub(crate) const DIVIDED_SHARE: u32 = 64;
+/// Leaves with at least this many objects are divided in one step.
+pub(crate) const DIVIDED_AT_LEAST: u32 = 1024;
+/// Movers for each leaf whose boxes are made tight: one member is looked at for about four movers.
+pub(crate) const MOVERS_PER_REFIT: usize = 4 * LEAF_TARGET;
+/// Leaves on either side that a full leaf asks for room.
+pub(crate) const NEIGHBOURS: usize = 16;
+/// One in this many records may move in one step for leaves that borrow room.
+pub(crate) const SLACK_SHARE: usize = 8;
+/// At least this many records may move for that.
+pub(crate) const SLACK_AT_LEAST: usize = 16_384;

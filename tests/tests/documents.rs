@@ -1,0 +1,354 @@
+//! What the documents name exists: files, tests and programs, constants with their values, the sections of the slab.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// All files and folders of the repository by their paths, without what builds leave.
+fn entries() -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut folders = vec![String::new()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(root().join(&folder)).expect("a folder") {
+            let entry = entry.expect("an entry");
+            let name = entry.file_name().into_string().expect("plain names");
+            if ["target", "node_modules", ".git"].contains(&name.as_str()) {
+                continue;
+            }
+            let path = if folder.is_empty() { name } else { format!("{folder}/{name}") };
+            if entry.file_type().expect("a type").is_dir() {
+                folders.push(path.clone());
+            }
+            found.insert(path);
+        }
+    }
+    found
+}
+
+/// The documents: their paths and texts.
+fn documents(entries: &BTreeSet<String>) -> Vec<(String, String)> {
+    let documents: Vec<_> = (entries.iter())
+        .filter(|path| path.ends_with(".md"))
+        .map(|path| (path.clone(), read(path)))
+        .collect();
+    assert!(documents.len() > 10, "there are only {} documents", documents.len());
+    documents
+}
+
+/// What a document shows as code or links to.
+fn code(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (number, part) in text.split("```").enumerate() {
+        if number % 2 == 1 {
+            found.extend(part.lines().skip(1).map(str::to_owned));
+            continue;
+        }
+        found.extend(part.split('`').skip(1).step_by(2).map(str::to_owned));
+        let links = part.split("](").skip(1).filter_map(|link| link.split([')', '#']).next());
+        found.extend(links.map(str::to_owned));
+    }
+    found
+}
+
+/// A path without `.` and `..`.
+fn plain(path: &str) -> String {
+    let mut parts = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()),
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+/// Files that the reader makes, or has elsewhere.
+const OF_THE_READER: [&str; 3] = ["FILE.aabbs", "game.c", "./build.sh"];
+
+const EXTENSIONS: [&str; 17] = [
+    "aabbs", "c", "cmake", "cpp", "css", "h", "hpp", "html", "js", "json", "md", "mjs", "png", "rs", "sh",
+    "toml", "txt",
+];
+
+#[test]
+fn files_that_documents_name_exist() {
+    let entries = entries();
+    let names: BTreeSet<&str> = entries.iter().filter_map(|path| path.rsplit('/').next()).collect();
+    let (mut missing, mut looked_for) = (Vec::new(), 0);
+    for (document, text) in documents(&entries) {
+        let folder = document.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let code = code(&text);
+        for word in code.iter().flat_map(|code| code.split_whitespace()) {
+            let word = word.trim_matches([',', ';', ':', '(', ')', '"', '\'']);
+            if word.starts_with(['-', '/', '$', '~'])
+                || word.contains(['*', '{', '=', '<', '>', '[', '|', '"'])
+            {
+                continue;
+            }
+            let extension = word.rsplit_once('.').map_or("", |(_, extension)| extension);
+            let first = word.split('/').next().unwrap_or("");
+            let is_below = |folder: &str| entries.contains(&plain(&format!("{folder}/{first}")));
+            let is_path = word.contains('/') && (is_below("") || is_below(folder));
+            if word.contains("://") || !is_path && !EXTENSIONS.contains(&extension) {
+                continue;
+            }
+            looked_for += 1;
+            // From the document, from the root, from the sources that it is about; or a name that says where it is.
+            let places = [folder, "", &format!("{folder}/src"), "core/src"];
+            let exists = places.iter().any(|place| entries.contains(&plain(&format!("{place}/{word}"))))
+                || plain(word).is_empty()
+                || plain(&format!("{folder}/{word}")).is_empty()
+                || !word.contains('/') && names.contains(word)
+                || OF_THE_READER.contains(&word);
+            if !exists {
+                missing.push(format!("{document}: {word}"));
+            }
+        }
+    }
+    assert!(looked_for > 100, "only {looked_for} paths");
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+/// The folders of all packages, by name.
+fn packages(entries: &BTreeSet<String>) -> BTreeMap<String, String> {
+    let manifests = entries.iter().filter_map(|path| path.strip_suffix("/Cargo.toml"));
+    let name = |folder: &str| {
+        let manifest = read(&format!("{folder}/Cargo.toml"));
+        let package = manifest.split_once("[package]")?.1;
+        let name = package.lines().find_map(|line| line.strip_prefix("name = \""))?;
+        Some(name.trim_end_matches('"').to_owned())
+    };
+    manifests.filter_map(|folder| Some((name(folder)?, folder.to_owned()))).collect()
+}
+
+/// The names of all functions in the tests and sources of a package as a test would have them: module, function.
+fn functions(entries: &BTreeSet<String>, package: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for path in entries.iter().filter(|path| path.ends_with(".rs")) {
+        let Some(file) =
+            ["tests", "src"].iter().find_map(|part| path.strip_prefix(&format!("{package}/{part}/")))
+        else {
+            continue;
+        };
+        let file = file.trim_end_matches(".rs").trim_end_matches("/mod").replace('/', "::");
+        let mut module = file;
+        for line in read(path).lines() {
+            if line.starts_with("mod tests {") {
+                module += "::tests";
+            }
+            if let Some(name) = line.trim_start().strip_prefix("fn ") {
+                names.push(format!("{module}::{}", name.split(['(', '<']).next().unwrap_or("")));
+            }
+        }
+    }
+    names
+}
+
+/// A command of cargo as a document has it.
+#[derive(Default)]
+struct Command {
+    options: BTreeMap<String, String>,
+    filters: Vec<String>,
+}
+
+impl Command {
+    fn of(words: &str) -> Self {
+        let mut command = Self::default();
+        let mut words = words.split_whitespace();
+        while let Some(word) = words.next() {
+            match word {
+                "-p" | "--bin" | "--bench" | "--example" | "--test" | "--manifest-path" | "--features"
+                | "-j" => {
+                    command.options.insert(word.to_owned(), words.next().unwrap_or("").to_owned());
+                }
+                _ if word.starts_with('-') => {}
+                _ => command.filters.push(word.to_owned()),
+            }
+        }
+        command
+    }
+
+    /// What it names and there is not.
+    fn missing(
+        &self,
+        entries: &BTreeSet<String>,
+        packages: &BTreeMap<String, String>,
+        is_test: bool,
+    ) -> Vec<String> {
+        let option = |name: &str| self.options.get(name);
+        let mut missing = Vec::new();
+        let manifest = option("--manifest-path");
+        missing.extend(manifest.filter(|path| !entries.contains(*path)).cloned());
+        let Some(name) = option("-p") else { return missing };
+        let Some(package) = packages.get(name) else { return vec![name.clone()] };
+        for (option, folder) in
+            [("--bin", "src/bin"), ("--bench", "benches"), ("--example", "examples"), ("--test", "tests")]
+        {
+            let Some(target) = self.options.get(option) else { continue };
+            let exists = entries.contains(&format!("{package}/{folder}/{target}.rs"))
+                || entries.contains(&format!("{package}/{folder}/{target}/main.rs"))
+                || read(&format!("{package}/Cargo.toml")).contains(&format!("name = \"{target}\"\npath"));
+            if !exists {
+                missing.push(format!("{target} of {name}"));
+            }
+        }
+        if is_test {
+            let functions = functions(entries, package);
+            for filter in &self.filters {
+                // The reader's choice.
+                let filter = filter.trim_end_matches("NAME");
+                if !functions.iter().any(|function| function.contains(filter)) {
+                    missing.push(format!("{filter} of {name}"));
+                }
+            }
+        }
+        missing
+    }
+}
+
+#[test]
+fn tests_and_programs_that_documents_name_exist() {
+    let entries = entries();
+    let packages = packages(&entries);
+    let (mut missing, mut looked_for) = (Vec::new(), 0);
+    for (document, text) in documents(&entries) {
+        for code in code(&text) {
+            let code = code.split('#').next().unwrap_or("");
+            for command in ["test", "run", "bench"] {
+                let Some((_, words)) = code.split_once(&format!("cargo {command}")) else { continue };
+                looked_for += 1;
+                let found = Command::of(words).missing(&entries, &packages, command == "test");
+                missing.extend(found.into_iter().map(|name| format!("{document}: {name}")));
+            }
+        }
+    }
+    assert!(looked_for > 20, "only {looked_for} commands");
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+/// The part of a document below a heading.
+fn section<'t>(text: &'t str, heading: &str) -> &'t str {
+    let (_, below) = text.split_once(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("no {heading}"));
+    let level = heading.split(' ').next().unwrap_or("");
+    below.split(&format!("\n{level} ")).next().unwrap_or("")
+}
+
+/// The constants of a file and what they are, in plain numbers where builds for tests have other ones.
+fn constants(file: &str) -> BTreeMap<String, String> {
+    let text = read(file);
+    let constants = text.split("const ").skip(1).filter_map(|text| {
+        let (name, rest) = text.split_once(':')?;
+        let (_, value) = rest.split_once(" = ")?;
+        let value = value.split(';').next()?;
+        // Miri and fuzzing have others.
+        let value = value.split_once("} else {").map_or(value, |(_, value)| value.trim_end_matches('}'));
+        let value = value.replace('_', "");
+        let value = match value.trim().strip_prefix("Duration::from") {
+            Some(time) => time.trim_end_matches(')').split('(').rev().collect::<Vec<_>>().join(" "),
+            None => value.trim().to_owned(),
+        };
+        let is_name = name.chars().all(|letter| letter.is_ascii_uppercase() || letter == '_');
+        (is_name && !name.is_empty()).then(|| (name.to_owned(), value))
+    });
+    constants.collect()
+}
+
+/// The files that hold nothing but constants that were chosen, each of which is in the table.
+const CHOSEN: [&str; 3] =
+    ["core/src/memory/limits.rs", "core/src/memory/prefetch.rs", "core/src/tree/limits.rs"];
+
+#[test]
+fn constants_are_as_the_table_says() {
+    let text = read("core/PERFORMANCE.md");
+    let mut listed = BTreeSet::new();
+    for row in section(&text, "## Constants").lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [_, name, value, file, measured, _] = cells[..] else { panic!("{row}: not four cells") };
+        let (name, file) = (name.trim_matches('`'), file.trim_matches('`'));
+        let file = if file.starts_with("std-adapter") { file.to_owned() } else { format!("core/src/{file}") };
+        let value = value.trim_matches('`').replace(',', "");
+        let constants = constants(&file);
+        let known = constants.get(name).unwrap_or_else(|| panic!("{file} has no {name}"));
+        assert_eq!(*known, value, "{name} of {file}");
+        assert!(!measured.is_empty(), "{name}: not even that it was not measured");
+        listed.insert((file, name.to_owned()));
+    }
+    for file in CHOSEN {
+        for name in constants(file).into_keys() {
+            assert!(
+                listed.contains(&(file.to_owned(), name.clone())),
+                "{name} of {file} is not in the table"
+            );
+        }
+    }
+}
+
+/// The sections of the slab as the figure has them, and how `slab.rs` takes each.
+const SECTIONS: [(&str, &str); 35] = [
+    ("state", "let state: &mut State = slab.take("),
+    ("boxes", "let now = slab.take("),
+    ("fat boxes", "let fat = slab.take("),
+    ("margins", "let margins = slab.take("),
+    ("boxes before", "let before = slab.take("),
+    ("former generations", "generations: slab.take("),
+    ("reused", "reused: SlotSet::carve(slab.take("),
+    ("filters", "of: slab.take("),
+    ("classes", "classes: slab.take("),
+    ("refiltered", "changed: SlotSet::carve(slab.take("),
+    ("values", "let values = slab.take::<u64>("),
+    ("generations", "let generations = slab.take("),
+    ("listed, resting, moved", "slab.take(2 * words"),
+    ("changed, outdated", "let (changed, outdated) = slab.take("),
+    ("active", "let active = slab.take("),
+    ("lists of x, y, z", "let (x, rest) = slab.take("),
+    ("home, place", "let (home, place) = slab.take("),
+    ("records", "records: slab.take("),
+    ("straddlers", "straddlers: slab.take("),
+    ("planes", "planes: slab.take(sizes.leaves"),
+    ("cells", "cells: slab.take("),
+    ("frames", "frames: slab.take("),
+    ("leaves", "leaves: slab.take("),
+    ("bounds", "bounds: slab.take("),
+    ("nodes", "nodes: slab.take("),
+    ("histogram", "histogram: slab.take("),
+    ("segments", "slab.take::<[u32; 2]>("),
+    ("their number", "(slab.take(usize::from(blocks > 0)"),
+    ("pairs", "let mut pairs = slab.take("),
+    ("pairs before", "let mut previous = slab.take("),
+    ("staged pairs", "staged: slab.take("),
+    ("chunks", "chunks: slab.take("),
+    ("members of stripes", "members: slab.take("),
+    ("stripes", "stripes: slab.take("),
+    ("scratch of each worker", "scratch: slab.take("),
+];
+
+#[test]
+fn the_figure_of_the_slab_has_its_sections_in_order() {
+    let text = read("core/ARCHITECTURE.md");
+    let figure = section(&text, "## The slab").split("```").nth(1).expect("a figure");
+    let shown: Vec<&str> = (figure.lines())
+        .filter(|line| line.starts_with(" │"))
+        .flat_map(|line| line.split('│').map(str::trim).filter(|cell| !cell.is_empty()))
+        .collect();
+    assert_eq!(shown, SECTIONS.map(|(name, _)| name));
+
+    let text = read("core/src/memory/slab.rs");
+    let (_, carve) = text.split_once("fn carve(slab: &'m mut [u8]").expect("the function");
+    let carve = carve.split("\n    }\n").next().unwrap_or("");
+    let mut rest = carve;
+    for (name, taken) in SECTIONS {
+        let (_, behind) =
+            rest.split_once(taken).unwrap_or_else(|| panic!("{name} is not taken in this place"));
+        rest = behind;
+    }
+    assert_eq!(carve.matches("slab.take").count(), SECTIONS.len());
+}
