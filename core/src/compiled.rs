@@ -1,12 +1,12 @@
-//! The large functions of a world, compiled with this crate for both widths of slots. A program links generic code that an upstream
-//! crate has compiled and that is never inlined; else each program and each test compiles all of the core anew. In builds with debug
-//! assertions alone, as these are made again and again; in others whatever gains by it is inlined.
+//! Compiles the large functions of a world with this crate, for both widths of slots, in builds with debug
+//! assertions. A program then links them; else each program and each test would compile all of the core anew. Other
+//! builds inline them where it pays.
 
 use crate::id::Index;
 use crate::world::World;
 use core::hint::black_box;
 
-/// What keeps them.
+/// Keeps them in the crate.
 #[used]
 static COMPILED: [fn(); 2] = [mentioned::<u16>, mentioned::<u32>];
 

@@ -3,7 +3,7 @@
 use trisap_core::Aabb;
 
 /// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
-/// welcome; NaN and a minimum above its maximum are refused.
+/// allowed; NaN and a minimum above its maximum are refused.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct trisap_aabb {
@@ -32,7 +32,7 @@ impl From<Aabb> for trisap_aabb {
 /// Keep `origin` near the objects: far from it precision is lost, never a pair. Add a margin of your own to the `f64`
 /// box, so that the rounding comes after it.
 ///
-/// Where an argument is null, or a number is NaN, the result is a box that every function refuses.
+/// If an argument is null, or a number is NaN, the result is a box that every function refuses.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_aabb_from_f64(
@@ -50,8 +50,7 @@ pub unsafe extern "C" fn trisap_aabb_from_f64(
 /// operations alone, and is exact where 24 significant bits suffice, rounded outward beyond. Both corners are three
 /// numbers. O(1).
 ///
-/// Where an argument is null, or there are more than 126 fraction bits, the result is a box that every function
-/// refuses.
+/// If an argument is null, or there are more than 126 fraction bits, the result is a box that every function refuses.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_aabb_from_fixed(
@@ -67,7 +66,7 @@ pub unsafe extern "C" fn trisap_aabb_from_fixed(
     Aabb::from_fixed(min, max, fraction_bits).into()
 }
 
-/// The caller's point. From null one of NaN, which every use refuses.
+/// The caller's point. For null a point of NaN, which every use refuses.
 ///
 /// # Safety
 /// A pointer that is not null points to three numbers.

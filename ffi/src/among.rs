@@ -8,14 +8,14 @@ use crate::structs::trisap_id;
 use core::ffi::c_void;
 use trisap_core::Id;
 
-/// Which objects may answer a query, as if the others were not there; null stands for all. Called with an object that the query has come
-/// to, and with the query's `user`; not 0 if the object may answer. It has to say the same of the same object. May look at the world, for
-/// instance by `trisap_world_meets`; calls that change it are refused as busy. Batches with a job system call it from several threads at
-/// once.
+/// Which objects may answer a query; null stands for all. Called with an object that the query has found, and with
+/// the query's `user`; returns not 0 if the object may answer. It has to say the same of the same object. It may look
+/// at the world, for instance by `trisap_world_meets`; calls that change it are refused as busy. Batches with a job
+/// system call it from several threads at once.
 pub type trisap_condition = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
 
-/// 1 if an object meets what has this filter, by groups and classes, else 0; 0 for misuse and stale ids. Objects of a world without
-/// filters are in all groups and meet all. O(1).
+/// 1 if an object meets whatever has this filter, by groups and classes, else 0; 0 for misuse and stale ids. In a
+/// world without filters objects are in all groups and meet all. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_meets(
@@ -42,7 +42,7 @@ pub(crate) fn accepts(condition: trisap_condition, user: *mut c_void) -> Option<
     Some(move |id| choice.accepts(id))
 }
 
-/// A condition and what it is called with.
+/// A condition, and what it is called with.
 struct Choice {
     condition: unsafe extern "C" fn(*mut c_void, trisap_id) -> u32,
     user: *mut c_void,

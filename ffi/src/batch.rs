@@ -1,4 +1,4 @@
-//! Many queries in one call, shared by the caller's workers.
+//! Answers many queries in one call, on the caller's workers.
 
 use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Items};
@@ -12,7 +12,7 @@ use trisap_core::{Cast, Error, Region};
 
 const NAME: &CStr = c"trisap queries";
 
-/// Queries that are handed out at once. They are copied to the stack in the core's form.
+/// Queries that are handed out at a time. They are copied to the stack in the core's form.
 const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 128 };
 
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
                 None => world.overlaps_many(regions, &executor, ids, counts),
             };
             match outcome {
-                // The others may have room enough.
+                // The others may have enough room.
                 Err(Error::OutputFull { .. }) => Ok(()),
                 outcome => outcome,
             }
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     unsafe { look(world, ask) }
 }
 
-/// Hands queries on, block by block, with the position of the first one of each block.
+/// Passes queries on in blocks, with the position of the first one of each block.
 fn in_blocks<C: Copy, Q>(
     queries: &Items<C>,
     block: &mut [Q; BLOCK],

@@ -1,5 +1,5 @@
-//! Where the caller's pointers become Rust's: everything that can be seen to be wrong is a status here, before a world
-//! is touched.
+//! Makes the caller's pointers Rust's. Everything that can be seen to be wrong is a status here, before a world is
+//! touched.
 
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{
@@ -104,7 +104,7 @@ impl<T: Copy> Items<T> {
     }
 }
 
-/// Room for answers, whose number is known only when all of them are there.
+/// Room for answers. Their number is known only at the end.
 pub(crate) struct Answers<T> {
     first: *mut T,
     room: usize,
@@ -128,7 +128,7 @@ impl<T> Answers<T> {
         Ok(Self { first, room, count: 0, told })
     }
 
-    /// Writes another answer, or counts it where there is no more room.
+    /// Writes another answer, or only counts it if there is no more room.
     pub(crate) fn push(&mut self, answer: T) {
         if self.count < self.room {
             // SAFETY: not null, aligned, and within the caller's room.
@@ -146,7 +146,7 @@ impl<T> Answers<T> {
         }
     }
 
-    /// Tells how many there are.
+    /// Writes how many there are.
     pub(crate) fn conclude(self) -> Result<(), Refusal> {
         // SAFETY: `new` has checked the pointer.
         unsafe { self.told.write(self.count) };
@@ -155,10 +155,10 @@ impl<T> Answers<T> {
     }
 }
 
-/// The caller's boxes, where they stand.
+/// The caller's boxes, in place.
 ///
 /// # Safety
-/// A view that is not null says truly where `count` boxes stand, for the life of the result.
+/// A view that is not null says correctly where `count` boxes are, for the life of the result.
 pub(crate) unsafe fn boxes<'a>(
     view: *const trisap_boxes,
     world: &Range<usize>,
@@ -168,7 +168,7 @@ pub(crate) unsafe fn boxes<'a>(
     let (stride, max_offset) = (view.stride, view.max_offset as usize);
     let no_boxes = Boxes::strided(&[], stride, max_offset).ok_or(trisap_status::InvalidArgument)?;
     let Some(strides) = view.count.checked_sub(1) else { return Ok(no_boxes) };
-    // The last item ends with its maximum: what else it holds may lie beyond the end of the memory.
+    // The last item ends with its maximum: the rest of it may be beyond the end of the memory.
     let bytes = strides.checked_mul(stride).and_then(|bytes| bytes.checked_add(max_offset + CORNER));
     let bytes = bytes.ok_or(trisap_status::InvalidArgument)?;
     let first = view.first.cast::<u8>();
@@ -197,7 +197,7 @@ pub(crate) unsafe fn ids<'a>(
     span(first, count, world)?;
     // SAFETY: not null, aligned, no longer than a slice may be, and outside of the world.
     let bits = unsafe { core::slice::from_raw_parts(first, count) };
-    // Without a way out of the loop, so that it becomes vector code.
+    // Without an exit from the loop, so that it becomes vector code.
     if bits.iter().fold(false, |any, bits| any | Id::from_bits(*bits).is_none()) {
         let stale = bits.iter().find(|bits| Id::from_bits(**bits).is_none());
         return Err(Refusal { status: trisap_status::StaleId, detail: stale.copied().unwrap_or_default() });
@@ -306,7 +306,7 @@ const _: () = {
     }
 };
 
-/// The pointer as one that a slice of the world's memory is derived from, so that it stays good after the slice.
+/// The pointer, derived from the pointer to the world, so that it stays valid after the slice.
 pub(crate) fn lend<T, P>(slab: *const c_void, slice: &[T]) -> (*const P, usize) {
     // An empty slice may come from anywhere.
     let offset = if slice.is_empty() { 0 } else { slice.as_ptr().addr() - slab.addr() };

@@ -1,7 +1,8 @@
-//! Calls inside of worlds.
+//! Enters worlds: one call that changes a world, or any number that look at it.
 //!
-//! The memory of a world starts with a `Header`, a cache line that tells where the core's slab ends and who is inside; the slab
-//! follows. A `Call` enters alone, a `Look` beside others that look; both open the core's world in the slab, and leave.
+//! The memory of a world starts with a `Header`, a cache line that tells where the core's slab ends and which calls
+//! are inside. The slab follows. A `Call` enters alone, a `Look` beside other looks. Both open the core's world in
+//! the slab, and leave.
 
 use crate::border;
 use crate::report;
@@ -15,16 +16,16 @@ use core::sync::atomic::{
 };
 use trisap_core::World;
 
-/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
-/// any other address of the same alignment, can be opened and goes on as the world would have.
+/// A world, in the caller's memory. It holds no pointers: a copy of its memory, at any other address of the same
+/// alignment, can be opened and goes on as the world would have.
 ///
-/// One thread at a time may change it, any number may look at it: functions that take it as `const`. What comes while it is not
-/// allowed is refused as busy. There is nothing to free.
+/// One thread at a time may change it. Any number may look at it: functions that take it as `const`. Other calls are
+/// refused as busy. There is nothing to free.
 pub struct trisap_world {
     _opaque: [u8; 0],
 }
 
-/// What stands before the core's slab.
+/// What comes before the core's slab.
 #[repr(C, align(64))]
 pub(crate) struct Header {
     magic: u32,
@@ -32,12 +33,12 @@ pub(crate) struct Header {
     slab_bytes: u64,
     /// The detail of the last refusal, in halves: several threads that look may be refused at once.
     detail: [AtomicU32; 2],
-    /// How many look, or `ALONE`.
+    /// How many calls look, or `ALONE`.
     inside: AtomicU32,
 }
 
 const MAGIC: u32 = u32::from_le_bytes(*b"trsp");
-/// One that changes the world is inside.
+/// A call that changes the world is inside.
 const ALONE: u32 = u32::MAX;
 pub(crate) const HEADER: usize = size_of::<Header>();
 const _: () = assert!(HEADER == 64);
@@ -53,12 +54,12 @@ impl Header {
         }
     }
 
-    /// Nobody is inside any more.
+    /// No call is inside any more.
     pub(crate) fn release(&self) {
         self.inside.store(0, Release);
     }
 
-    /// Where there is no atomic exchange, there is one thread: refused is what comes from inside a call.
+    /// Without atomic exchange there is one thread: refused are calls from inside a call.
     #[cfg(not(target_has_atomic = "32"))]
     fn take(&self, next: fn(u32) -> Option<u32>) -> bool {
         let taken = next(self.inside.load(Relaxed));
@@ -70,7 +71,7 @@ impl Header {
         self.inside.fetch_update(Acquire, Relaxed, next).is_ok()
     }
 
-    /// One that looks leaves.
+    /// A call that looks leaves.
     fn leave(&self) {
         #[cfg(target_has_atomic = "32")]
         self.inside.fetch_sub(1, Release);
@@ -79,7 +80,7 @@ impl Header {
     }
 }
 
-/// A world that somebody is inside of.
+/// A world that a call is inside of.
 pub(crate) struct Inside {
     header: *mut Header,
     slab_bytes: usize,
@@ -89,8 +90,8 @@ impl Inside {
     /// # Safety
     /// As for [`Call::enter`].
     unsafe fn enter(world: *const trisap_world, next: fn(u32) -> Option<u32>) -> Result<Self, trisap_status> {
-        // What the caller may not change through the pointer, this crate does not change either, but for `inside` and the
-        // detail, which are no part of what the caller sees as the world.
+        // A caller of a `const` function must not see a change. This crate changes only `inside` and the detail,
+        // which are no part of the world for the caller.
         let header = world.cast_mut().cast::<Header>();
         border::check(header)?;
         // SAFETY: aligned, not null, and a header by the caller's promise.
@@ -145,7 +146,7 @@ impl Call {
 
     /// The core's world.
     pub(crate) fn world(&mut self) -> Result<World<'_, u32>, Refusal> {
-        // SAFETY: the header says truly how long the slab is, `init` has initialised it, nobody else is inside, and the
+        // SAFETY: the header says how long the slab is, `init` has initialised it, no other call is inside, and the
         // borrow of `self` keeps the slice the only one.
         let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
         Ok(World::open(slab)?)
@@ -182,10 +183,10 @@ impl Look {
 
     /// The core's world.
     pub(crate) fn world(&self) -> Result<Seen<'_>, Refusal> {
-        // SAFETY: the header says truly how long the slab is, and `init` has initialised it. Others that look may have slices
-        // of the same bytes; nobody writes to them while one is inside: to open a world writes nothing, and `Seen` gives out
-        // shared references alone. By Tree Borrows mutable references that nobody writes through stand beside each other;
-        // Miri with -Zmiri-tree-borrows watches that in ffi/tests/border.rs.
+        // SAFETY: the header says how long the slab is, and `init` has initialised it. Other looks may have slices of
+        // the same bytes. Nothing writes to them while a look is inside: to open a world writes nothing, and `Seen`
+        // gives out shared references alone. By Tree Borrows, mutable references that nothing writes through may
+        // exist beside each other; Miri with -Zmiri-tree-borrows checks that in ffi/tests/border.rs.
         let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
         Ok(Seen(World::open(slab)?))
     }

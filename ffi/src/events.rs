@@ -1,4 +1,4 @@
-//! Pairs by ids, which stay good when slots go to other objects.
+//! Names pairs by ids, which stay right when slots go to other objects.
 
 use crate::border;
 use crate::call::{Look, look, trisap_world};
@@ -8,9 +8,9 @@ use trisap_core::{Error, Id};
 
 /// All pairs of the last step: for `trisap_world_pair_ids`.
 pub const TRISAP_PAIRS_ALL: u32 = 0;
-/// With events, those that the last step has and the complete step before it had not: for the same.
+/// With events, pairs of the last step that the complete step before it did not have: for the same.
 pub const TRISAP_PAIRS_FOUND: u32 = 1;
-/// With events, those that the complete step before the last one had and the last one has not: for the same.
+/// With events, pairs of the complete step before the last one that the last one does not have: for the same.
 pub const TRISAP_PAIRS_LOST: u32 = 2;
 
 /// Two objects by id.
@@ -26,9 +26,9 @@ pub struct trisap_id_pair {
 /// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; `what`
 /// is one of `TRISAP_PAIRS_...`. O(pairs).
 ///
-/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have the
-/// ids of the objects that were the pair, also where these are gone and others have their slots. Other pairs of which
-/// an object has been removed since the step are left out.
+/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have
+/// the ids of the objects that were the pair, also if they are gone and others have their slots. Other pairs of
+/// objects that were removed since the step are left out.
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the number is right, and
 /// the room holds as many as fit.

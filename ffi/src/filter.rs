@@ -7,8 +7,8 @@ use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
 use trisap_core::{Error, Filter};
 
-/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
-/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+/// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
+/// (see `trisap_world_set_classes`). Filled by `trisap_default_filter`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct trisap_filter {
@@ -16,7 +16,7 @@ pub struct trisap_filter {
     pub group: u32,
     /// The groups that it meets. By default all.
     pub mask: u32,
-    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    /// Its class, below 32: static, kinematic, dynamic or sensor, for instance. By default 0.
     pub object_class: u32,
 }
 
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn trisap_world_set_filter_many(
         };
         let mut world = call.world()?;
         let filters = || ids.iter().enumerate().filter_map(|(at, id)| Some((*id, filters.get(at)?)));
-        // What the core would refuse shows before anything is done.
+        // Everything that the core would refuse is found before anything is done.
         for (id, filter) in filters() {
             if !world.contains(id) {
                 return Err(Error::StaleId { id }.into());
@@ -127,9 +127,8 @@ pub unsafe extern "C" fn trisap_world_filter(
 pub const TRISAP_CLASSES: u32 = 32;
 const CLASSES: u32 = TRISAP_CLASSES;
 
-/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a`
-/// of `meets[b]` says so too; both have to be set. All classes meet at first. The next step looks for all pairs anew.
-/// O(n).
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers. Two classes `a` and `b` meet if bit `b` of `meets[a]` and
+/// bit `a` of `meets[b]` are set. At first all classes meet. The next step looks for all pairs anew. O(n).
 ///
 /// Errors: `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]
@@ -149,7 +148,7 @@ pub unsafe extern "C" fn trisap_world_set_classes(
     unsafe { with(world, set) }
 }
 
-/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+/// Makes the next step ask about all pairs of an object again, after a `trisap_rule` has changed its answer. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 #[unsafe(no_mangle)]

@@ -5,21 +5,21 @@
 //!
 //! # Safety
 //!
-//! What a caller can get wrong and a callee can see is a status. The rest is the contract of every function here:
+//! A mistake of the caller that can be seen is a status. The rest is the contract of every function here:
 //!
 //! - A pointer that is not null points to memory of the type, or of the length, that the function says. Input is
 //!   initialised.
-//! - What its results point to may be read by any number of threads until the next step or load. Threads that change a world
+//! - Any number of threads may read what results point to, until the next step or load. Threads that change a world
 //!   while others are inside are refused as busy, and so are those that look at one that is being changed.
 //! - Ids are those of this world: the ids of another one are not told apart from them.
-//! - Nobody else writes to the memory of a world, and it stays where it is while a call runs.
-//! - Callbacks return by no other way than returning: no exception, no `longjmp`.
+//! - Nothing else writes to the memory of a world, and it stays in its place while a call runs.
+//! - Callbacks end only by returning: no exception, no `longjmp`.
 //!
 //! # Panics
 //!
-//! `trisap-core` does not panic, and neither does this crate. If they did, the panic would end the process, not cross
-//! the border: Rust aborts where an unwinding panic reaches the end of an `extern "C"` function. So nothing is caught
-//! here.
+//! `trisap-core` does not panic, and neither does this crate. If they did, the panic would end the process and not
+//! cross the border: Rust aborts if an unwinding panic reaches the end of an `extern "C"` function. So nothing is
+//! caught here.
 
 #![no_std]
 #![allow(unsafe_code, reason = "this crate is the border to C")]

@@ -1,4 +1,4 @@
-//! Worlds that go to other memory.
+//! Moves worlds to other memory.
 
 use crate::border;
 use crate::call::{Call, HEADER, Header, Look, check_header, look, memory_range, trisap_world};
@@ -8,7 +8,7 @@ use crate::structs::trisap_config;
 use crate::world::place;
 use core::ffi::c_void;
 
-/// The bytes that the world takes of its memory: what a copy for `trisap_world_open` has to copy. 0 for misuse. O(1).
+/// How many bytes of its memory the world takes: a copy for `trisap_world_open` needs these. 0 for misuse. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {
@@ -16,10 +16,10 @@ pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize
     unsafe { Look::enter(world) }.map_or(0, |look| look.range().len())
 }
 
-/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+/// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller,
-/// and checked when they come back, are the snapshots of `trisap_world_save`.
+/// For copies within a program, and between programs of the same version on the same kind of machine. The snapshots
+/// of `trisap_world_save` are smaller, and checked when they are loaded.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_NOT_A_WORLD`.
 #[unsafe(no_mangle)]
@@ -55,16 +55,16 @@ pub unsafe extern "C" fn trisap_world_open(
     report::conclude(find())
 }
 
-/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is,
-/// which is `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+/// Moves a world to other memory and another configuration: larger, or smaller if all fits. Writes where it is, which
+/// is `memory` itself, to `world`. The world `from` stays as it is and needs nothing more. O(bytes).
 ///
-/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what
-/// is found and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and
-/// a step there tells the events as if there had been room from the beginning. Capacities, workers and the margin of
-/// new objects may change; mode, events, filters and whether there are margins may not.
+/// Everything goes on: ids, boxes, margins, filters, rest, and the last result, so the next step tells what is found
+/// and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs; a step
+/// there tells events as if there had always been room. Capacities, workers and the margin of new objects may change.
+/// The mode, events, filters and whether there are margins may not.
 ///
 /// Errors: those of `trisap_world_init`, `TRISAP_STATUS_OTHER_CONFIG`, and `TRISAP_STATUS_OBJECTS_FULL` or
-/// `TRISAP_STATUS_PAIRS_FULL` where the world does not fit; the detail of `from` then says how many would have to.
+/// `TRISAP_STATUS_PAIRS_FULL` if the world does not fit; the detail of `from` then says how much would have to fit.
 /// Nothing has been written to the memory then.
 #[unsafe(no_mangle)]
 #[must_use]

@@ -12,7 +12,7 @@ pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
     Id::from_bits(id).ok_or(stale)
 }
 
-/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// A view of boxes one after another. For others, point `first` to the first minimum and set `stride` and
 /// `max_offset`. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
@@ -26,15 +26,15 @@ pub extern "C" fn trisap_default_boxes(boxes: *const trisap_aabb, count: usize) 
     }
 }
 
-/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`. O(1).
+/// The index of an object in pairs and in the boxes of `trisap_world_step_over`. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_id_slot(id: trisap_id) -> u32 {
     id as u32
 }
 
-/// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
-/// order from 0. O(1).
+/// Adds an object and writes its id to `id`. Slots are given out in ascending order from 0 until an object is
+/// removed. O(1).
 ///
 /// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`.
 #[unsafe(no_mangle)]
@@ -78,7 +78,7 @@ pub unsafe extern "C" fn trisap_world_update(
     unsafe { with(world, update) }
 }
 
-/// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+/// Removes an object. Its id becomes stale, and its pairs are lost at the next step. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
@@ -88,8 +88,8 @@ pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisa
     unsafe { with(world, |call| Ok(call.world()?.remove(living(id)?)?)) }
 }
 
-/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
-/// Does nothing in a world without margins. O(1).
+/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
+/// once. In a world without margins this does nothing. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
 #[unsafe(no_mangle)]

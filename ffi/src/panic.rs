@@ -1,4 +1,4 @@
-//! The end of a program that has found a mistake of trisap's.
+//! Ends a program in which trisap has found a mistake of its own.
 
 use crate::report;
 use crate::status::trisap_status;
@@ -27,7 +27,7 @@ fn abort() -> ! {
     core::arch::wasm32::unreachable()
 }
 
-/// Without an operating system: an instruction that there is not, so that a debugger or the handler of faults sees where.
+/// Without an operating system: an illegal instruction, so that a debugger or the fault handler sees where.
 #[cfg(not(any(unix, windows, target_family = "wasm")))]
 fn abort() -> ! {
     // SAFETY: does not return, and touches nothing.

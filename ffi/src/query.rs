@@ -1,6 +1,6 @@
-//! What is in a region, what a moving box meets, what is nearest: questions between two steps.
+//! Answers questions between two steps: what is in a region, what a moving box meets, what is nearest.
 //!
-//! Answers are those of the boxes as they are now. Each needs no step before it.
+//! Answers are about the boxes as they are now. No query needs a step before it.
 
 use crate::aabb::{point, trisap_aabb};
 use crate::among::{accepts, trisap_condition};
@@ -17,14 +17,14 @@ pub const TRISAP_REGION_AABB: u32 = 0;
 /// A ball: for `trisap_region::kind`.
 pub const TRISAP_REGION_SPHERE: u32 = 1;
 
-/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
-/// `trisap_region_point` or `trisap_region_sphere`.
+/// A closed part of space to look for objects: touching counts. Made by `trisap_region_aabb`, `trisap_region_point`
+/// or `trisap_region_sphere`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_region {
     /// One of `TRISAP_REGION_...`.
     pub kind: u32,
-    /// The radius of a ball, zero or more; infinite holds everything.
+    /// The radius of a ball, zero or more. An infinite ball holds everything.
     pub radius: f32,
     /// The lowest corner of a box; the centre of a ball.
     pub min: [f32; 3],
@@ -47,9 +47,9 @@ impl trisap_region {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_cast {
-    /// Where it starts; a ray starts as a box of one point. Finite.
+    /// Where it starts. For a ray, a box of one point. Finite.
     pub start: trisap_aabb,
-    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    /// How it moves in one unit of distance. Finite, of any length; zero tests the start alone.
     pub direction: [f32; 3],
     /// How far it moves, in units of `direction`. Zero or more; may be infinite.
     pub distance: f32,
@@ -61,7 +61,7 @@ impl From<trisap_cast> for Cast {
     }
 }
 
-/// A box to look in. Of null, a region that is refused. O(1).
+/// A box to look in. For null a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_aabb(aabb: *const trisap_aabb) -> trisap_region {
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn trisap_region_aabb(aabb: *const trisap_aabb) -> trisap_
     trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max }
 }
 
-/// A point to look at, of three numbers. Of null, a region that is refused. O(1).
+/// A point to look at, of three numbers. For null a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_point(position: *const f32) -> trisap_region {
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn trisap_region_point(position: *const f32) -> trisap_reg
     trisap_region { kind: TRISAP_REGION_AABB, radius: 0.0, min, max: min }
 }
 
-/// A ball to look in; its centre is three numbers. Of null, a region that is refused. O(1).
+/// A ball to look in; its centre is three numbers. For null a region that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_region_sphere(center: *const f32, radius: f32) -> trisap_region {
@@ -91,7 +91,7 @@ pub unsafe extern "C" fn trisap_region_sphere(center: *const f32, radius: f32) -
     trisap_region { kind: TRISAP_REGION_SPHERE, radius, min, max: min }
 }
 
-/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. For null a cast that is
 /// refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn trisap_cast_ray(
     trisap_cast { start: trisap_aabb { min: origin, max: origin }, direction, distance }
 }
 
-/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused. O(1).
+/// A box that moves by `direction`, which is three numbers. For null a cast that is refused. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_cast_swept(start: *const trisap_aabb, direction: *const f32) -> trisap_cast {
@@ -131,8 +131,8 @@ unsafe fn cast(cast: *const trisap_cast) -> Result<Cast, trisap_status> {
     Ok(unsafe { cast.read() }.into())
 }
 
-/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and
-/// their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) where
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot,
+/// and their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) if
 /// the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `ids`
@@ -169,9 +169,9 @@ pub unsafe extern "C" fn trisap_world_overlaps(
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 pub type trisap_visit_id = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
 
-/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for
-/// the same calls. `user` is handed to the visitor. Expected O(log n + answers + movers since the last step); O(n)
-/// where the last step had no tree.
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it. The same calls give the
+/// same order. `user` is passed to the visitor. Expected O(log n + answers + movers since the last step); O(n) if the
+/// last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]
@@ -199,9 +199,9 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
     unsafe { look(world, ask) }
 }
 
-/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where
-/// it meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
-/// where the last step had no tree.
+/// Writes the first object that a cast meets to `hit`; of several at one distance the one with the lowest slot; if it
+/// meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
+/// if the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]

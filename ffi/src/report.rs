@@ -1,4 +1,4 @@
-//! What the host is told besides statuses: refusals, and where a panic was.
+//! Tells the host more than a status: refusals, and where a panic was.
 
 use crate::status::{Refusal, trisap_status, trisap_status_text};
 use core::ffi::{c_char, c_void};
@@ -20,8 +20,8 @@ pub type trisap_report =
 static REPORT: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 static USER: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
-/// Has a function called with every refusal, of all worlds. `user` is handed to it; null ends the reports. Set it
-/// before other threads call trisap. O(1).
+/// Sets a function that is called with every refusal, of all worlds. `user` is passed to it; null ends the reports.
+/// Set it before other threads call trisap. O(1).
 #[unsafe(no_mangle)]
 pub extern "C" fn trisap_set_report(report: trisap_report, user: *mut c_void) {
     REPORT.store(null_mut(), Release);
@@ -42,7 +42,7 @@ pub(crate) fn tell(status: trisap_status, detail: u64, text: *const c_char) {
     }
 }
 
-/// The status of a call, told if it is a refusal.
+/// The status of a call, reported if it is a refusal.
 pub(crate) fn conclude(outcome: Result<(), Refusal>) -> trisap_status {
     match outcome {
         Ok(()) => trisap_status::Ok,
@@ -53,8 +53,8 @@ pub(crate) fn conclude(outcome: Result<(), Refusal>) -> trisap_status {
     }
 }
 
-/// "file:line: message", with a zero at its end, cut where there is no more room. Without the formatting of `core`, which is larger
-/// than a small world's code.
+/// "file:line: message" with a zero at its end, cut if it is too long. Without the formatting of `core`, which is
+/// larger than the code of a small world.
 #[doc(hidden)]
 #[must_use]
 pub fn place(file: &str, line: u32, message: &str) -> [u8; 256] {

@@ -6,9 +6,8 @@ use crate::objects::living;
 use crate::status::trisap_status;
 use crate::structs::{trisap_id, trisap_pair};
 
-/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps do not look at what
-/// the boxes of `trisap_world_step_over` have for them. `trisap_world_update` and `trisap_world_update_many` wake an
-/// object. O(ids).
+/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps ignore their boxes
+/// in `trisap_world_step_over`. `trisap_world_update` and `trisap_world_update_many` wake an object. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
@@ -27,7 +26,7 @@ pub unsafe extern "C" fn trisap_world_set_resting(
     unsafe { with(world, rest) }
 }
 
-/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(ids).
+/// Wakes objects, all or none: steps take their boxes from `trisap_world_step_over` again. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]
@@ -46,9 +45,10 @@ pub unsafe extern "C" fn trisap_world_wake(
     unsafe { with(world, wake) }
 }
 
-/// Writes the pairs of the last step of which at least one object is awake, has not been put to rest or has been woken since, to
-/// `pairs`, which has room for `room` of them, and their number to `count`. These are what a narrow phase has to look at that keeps
-/// the contacts of those that rest. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+/// Writes the pairs of the last step with at least one awake object to `pairs`, which has room for `room` of them,
+/// and their number to `count`. An object is awake if it was not put to rest, or has been woken since. A narrow phase
+/// that keeps the contacts of resting objects needs only these pairs. After `TRISAP_STATUS_OUTPUT_FULL` the room
+/// holds as many as fit. O(pairs).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_awake_pairs(

@@ -1,16 +1,16 @@
-//! Moving the origin of a world to where its objects are.
+//! Moves the origin of a world close to its objects.
 
 use crate::aabb::point;
 use crate::border;
 use crate::call::{Call, trisap_world, with};
 use crate::status::trisap_status;
 
-/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative
-/// to the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. Give boxes relative to the new
+/// origin from then on. Pairs and events stay right. O(n), and the next step takes as long as the first one.
 ///
-/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to
-/// overlap. `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of
-/// all coordinates give zero.
+/// If a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but boxes may come to
+/// overlap. `rounded`, which may be null, tells how many objects had their boxes rounded; it is zero for shifts by
+/// multiples of the finest step of all coordinates.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SHIFT`.
 #[unsafe(no_mangle)]

@@ -20,11 +20,11 @@ pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) 
     size
 }
 
-/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. No
-/// alignment is asked for. O(n + pairs).
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. Any
+/// alignment is right. O(n + pairs).
 ///
-/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into
-/// any world that has room for it, in any program of the same version, on any machine of the same byte order.
+/// A snapshot holds no addresses and no scratch memory. It is much smaller than the world, and any world that has
+/// room can load it, in any program of the same version, on any machine of the same byte order.
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. Only the length is written then.
 #[unsafe(no_mangle)]
@@ -59,14 +59,13 @@ pub unsafe extern "C" fn trisap_world_save(
     unsafe { look(world, save) }
 }
 
-/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the
-/// number of workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the
-/// configuration that it has. The result of its last step comes with it: see `trisap_world_result`. What older results
-/// point to has no meaning any more. O(n + pairs).
+/// Replaces the world by that of a snapshot. If the configurations are the same, workers aside, the world goes on
+/// byte for byte. Else it goes on as after `trisap_world_move`, in its own configuration. The result of its last step
+/// comes with it: see `trisap_world_result`. Older results mean nothing any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes, also where bytes were forged with a right checksum. What
-/// is loaded is valid, and its steps find all pairs. The first step that would keep pairs without looking at them looks
-/// once whether they are all, which takes several times as long as to find them anew.
+/// Everything is checked before anything changes, also in bytes that were forged with a right checksum. A loaded
+/// world is valid, and its steps find all pairs. The first step that would keep pairs looks once whether they are
+/// all, which takes several times as long as to find them anew.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
 /// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.

@@ -1,4 +1,4 @@
-//! What steps did, and a check of the whole world.
+//! Tells what steps did, and checks the whole world.
 
 use crate::border;
 use crate::call::{Look, look, trisap_world};
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn trisap_world_stats(
     unsafe { look(world, ask) }
 }
 
-/// Checks every invariant of the world: for debugging what else writes to its memory. O(n log n + pairs).
+/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs).
 ///
 /// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
 #[unsafe(no_mangle)]

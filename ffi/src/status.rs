@@ -3,7 +3,7 @@
 use core::ffi::c_char;
 use trisap_core::{Error, Field};
 
-/// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
+/// The result of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
 /// was before the call.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,35 +32,35 @@ pub enum trisap_status {
     CapacityTooLarge = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     BadMargin = 10,
-    /// More objects than the capacity. The detail says how many would have to fit. For a world that moves or a snapshot, slots that
-    /// have been in use.
+    /// More objects than the capacity. The detail says how many would have to fit; for a world that moves and for a
+    /// snapshot, slots that have been in use.
     ObjectsFull = 11,
     /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
     BadBox = 12,
     /// An id names no living object, or comes twice in a batch of removals. The detail is the id.
     StaleId = 13,
-    /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
-    /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
-    /// one. Of a world that moves or a snapshot nothing has happened.
+    /// More pairs than the capacity. The step has happened, the result holds the pairs that fit, and the detail says
+    /// how many there are. Found and lost pairs are empty; the next complete step tells them relative to the last
+    /// complete one. If a world moves or a snapshot is loaded, nothing has happened.
     PairsFull = 14,
-    /// The memory of the world was written to by others.
+    /// Something else has written to the memory of the world.
     Corrupt = 15,
     /// The world was made without `trisap_config::filters`.
     NoFilters = 16,
     /// A class is 32 or more. The detail is the class.
     BadClass = 17,
-    /// A query has NaN, infinities or negative lengths where they make no sense, or is of no known kind. The detail is its
-    /// position in the batch.
+    /// A query has NaN, or an infinity or a negative length where none is allowed, or is of no known kind. The detail
+    /// is its position in the batch.
     BadQuery = 18,
     /// More answers than there is room for. The detail says how many there are; the room holds as many as fit.
     OutputFull = 19,
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     BadSnapshot = 20,
-    /// A part of the shift of the origin is not finite.
+    /// The shift of the origin is not finite.
     BadShift = 21,
-    /// Refused for a reason that this version of the ABI has no word for.
+    /// Refused for a reason that this version of the ABI has no name for.
     Other = 22,
-    /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
+    /// The world or the snapshot moves to a configuration that differs in what cannot change. The detail says in
     /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots, 6 values.
     OtherConfig = 23,
     /// The world was made without `trisap_config::values`.

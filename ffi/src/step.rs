@@ -51,11 +51,11 @@ pub unsafe extern "C" fn trisap_world_step(
     unsafe { with(world, step) }
 }
 
-/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own
-/// array: one pass over it, no copy, no ids. The fastest way where most objects move.
+/// As `trisap_world_step`, after giving every object the box at its slot in `boxes`, the caller's own array: one
+/// pass, no copy, no ids. The fastest way if most objects move.
 ///
-/// What stands at the slots of no object does not matter. Objects beyond the end of the boxes keep theirs, and so do
-/// those whose new box is refused: see `trisap_result::rejected_count`.
+/// Boxes at slots without an object do not matter. Objects beyond the end of the boxes keep theirs, and so do those
+/// whose new box is refused: see `trisap_result::rejected_count`.
 ///
 /// Errors: those of `trisap_world_step`; `TRISAP_STATUS_INVALID_ARGUMENT` also for a stride or an offset that boxes
 /// cannot have.
@@ -79,15 +79,16 @@ pub unsafe extern "C" fn trisap_world_step_over(
     unsafe { with(world, step) }
 }
 
-/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+/// A rule of the caller: returns not 0 if the objects in two slots, the lower one first, make a pair.
 ///
-/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
-/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same until one of the objects is given to `trisap_world_refilter`,
+/// since pairs of resting objects are not asked about again. Must not call into the same world, which is refused as
+/// busy.
 pub type trisap_rule = Option<unsafe extern "C" fn(user: *mut c_void, a: u32, b: u32) -> u32>;
 
-/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the
-/// pairs that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in
+/// As `trisap_world_step_over`, or if `boxes` is null as `trisap_world_step`, with a rule that decides the pairs that
+/// the filters let through; `user` is passed to it. If a world has a rule in one step, it should have the same in
 /// all.
 ///
 /// Errors: those of `trisap_world_step_over`, and `TRISAP_STATUS_NO_FILTERS`.
@@ -125,7 +126,7 @@ pub unsafe extern "C" fn trisap_world_step_with_rule(
     unsafe { with(world, step) }
 }
 
-/// A rule and what it is called with.
+/// A rule, and what it is called with.
 struct Judge {
     rule: unsafe extern "C" fn(*mut c_void, u32, u32) -> u32,
     user: *mut c_void,

@@ -5,7 +5,7 @@ use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
 use trisap_core::{Capacity, Config, Hit, Hooks, Margin, Mode};
 
-/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// Names an object while it lives. Opaque except for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
 pub type trisap_id = u64;
 
@@ -33,41 +33,40 @@ pub const TRISAP_MODE_FAT: u32 = 1;
 pub struct trisap_config {
     /// The size of this struct in bytes.
     pub struct_size: u32,
-    /// Objects that can live at once. By default the number that the default function was given.
+    /// The most living objects. By default the number that the default function was given.
     pub objects: u32,
-    /// Boxes that may reach beyond the leaf of the tree that they live in; with fewer than a scene needs, steps are
-    /// slower. By default half of `objects`.
+    /// The most boxes that reach beyond their leaf of the tree. If a scene has more, steps are slower. By default
+    /// half of `objects`.
     pub leaf_refs: u32,
-    /// Pairs that a step can return. By default eight an object.
+    /// The most pairs that a step can return. By default eight an object.
     pub pairs: u32,
     /// `TRISAP_MODE_EXACT` (the default) or `TRISAP_MODE_FAT`.
     pub mode: u32,
-    /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
+    /// 1 if steps tell found and lost pairs; costs memory for a second set of pairs and boxes. By default 0.
     pub events: u32,
     /// 1 if objects have a `trisap_filter`, which says whom they meet; costs 12 bytes an object. By default 0.
     pub filters: u32,
-    /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
-    /// By default 1.
+    /// The most workers of a step, 1 to 32, the calling thread included; each costs scratch memory. By default 1.
     pub workers: u32,
-    /// 1 if up to 256 objects are swept box by box, without vectors and their scratch memory: for microcontrollers. Worlds
-    /// for up to 64 objects are anyway. By default 0.
+    /// 1 if a world for up to 256 objects does without a tree, vectors and scratch memory: for microcontrollers.
+    /// Worlds for up to 64 objects always do. By default 0.
     pub lean: u32,
-    /// 1 if boxes get a margin, which they can move in without costing a step more than a glance; pays where many
-    /// objects rest or creep. By default 0.
+    /// 1 if boxes get a margin, inside which they move at hardly any cost for a step; pays where many objects rest or
+    /// move little. By default 0.
     pub has_margin: u32,
-    /// The margin as a share of the object's largest extent. By default 0.
+    /// The margin as a share of the object's largest side. By default 0.
     pub margin_per_extent: f32,
     /// Lower bound of the margin, a length. By default 0.
     pub margin_min: f32,
     /// Upper bound of the margin, a length. By default the largest float.
     pub margin_max: f32,
-    /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
-    /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
+    /// 1 if objects keep their margin however they move. By default 0: an object that moves by more than its margin
+    /// at once has none until it is slower, and one that has become much smaller gets a smaller fat box.
     pub fixed_margins: u32,
-    /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
+    /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
     pub test_hooks: u32,
-    /// 1 if objects have a value of 64 bits, which means what the caller likes; costs 8 bytes an object, 16 with events. By
-    /// default 0.
+    /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
+    /// 0.
     pub values: u32,
 }
 
@@ -132,17 +131,17 @@ pub extern "C" fn trisap_default_config(objects: u32) -> trisap_config {
     trisap_config::from_core(&Config::new(Capacity::for_objects(objects)))
 }
 
-/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
-/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+/// Boxes in the caller's memory. Each item has three floats of the minimum and three of the maximum at fixed places.
+/// Filled by `trisap_default_boxes`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_boxes {
     /// The size of this struct in bytes.
     pub struct_size: u32,
-    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 if corners are padded to four
     /// floats.
     pub max_offset: u32,
-    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    /// The minimum of the first item. Any alignment is right. May be null if `count` is zero.
     pub first: *const c_void,
     /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
     pub stride: usize,
@@ -159,22 +158,22 @@ pub struct trisap_jobs {
     /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
     /// never called.
     pub worker_count: u32,
-    /// Handed to `fork_join`.
+    /// Passed to `fork_join`.
     pub user: *mut c_void,
-    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
+    /// Calls `run(task)` `count` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
-    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
-    /// thousand objects, a step is done before it would be handed out, and never asks.
+    /// `count` is at least 2, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
+    /// thousand objects never call, since a step takes less time than sharing it.
     ///
-    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
-    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
+    /// Each call of `run` takes blocks of work until none are left, and the step makes a last call itself. So fewer
+    /// calls, more calls, late calls, calls one after another, or none at all give the same result, byte for byte.
     /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
     ///
-    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
-    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
-    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
-    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
+    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` is on the
+    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the
+    /// calling thread did before comes before every call, and every call before the return. Must not call into the
+    /// same world, which is refused as busy, and must not throw. May be null only if `worker_count` is 1.
     pub fork_join: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -186,10 +185,10 @@ pub struct trisap_jobs {
     >,
 }
 
-/// What a step has found. Made by `trisap_default_result`, filled by the step.
+/// The result of a step. Made by `trisap_default_result`, filled by the step.
 ///
-/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
-/// updating and removing does not touch them. Never null, also where they are empty.
+/// The arrays are in the memory of the world and stay as they are until its next step or `trisap_world_load`:
+/// inserting, updating and removing do not touch them. Never null, also if they are empty.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_result {
@@ -200,28 +199,28 @@ pub struct trisap_result {
     pub rejected_count: u32,
     /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
     pub first_rejected: trisap_id,
-    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
-    /// for the same calls.
+    /// The overlapping pairs, each once, the lower slot first. Their order means nothing, but the same calls give the
+    /// same order.
     pub pairs: *const trisap_pair,
     /// How many.
     pub pair_count: usize,
-    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
-    /// slots counts as another pair.
+    /// With events: pairs of this step that the last complete step did not have. Other objects in the same slots are
+    /// another pair.
     pub found: *const trisap_pair,
     /// How many.
     pub found_count: usize,
-    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
-    /// another one by now.
+    /// With events: pairs of the last complete step that this one does not have. The slot of a removed object may
+    /// have a new object by now.
     pub lost: *const trisap_pair,
     /// How many.
     pub lost_count: usize,
-    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
+    /// How many pairs there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
     pub pairs_needed: u64,
 }
 
 /// Nothing had moved: the pairs stayed.
 pub const TRISAP_PATH_UNCHANGED: u32 = 0;
-/// A small world: swept straight from a sorted list.
+/// A world without a tree: its boxes were swept along a sorted list.
 pub const TRISAP_PATH_LISTS: u32 = 1;
 /// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.
 pub const TRISAP_PATH_MOVERS: u32 = 2;
@@ -229,35 +228,36 @@ pub const TRISAP_PATH_MOVERS: u32 = 2;
 pub const TRISAP_PATH_FULL: u32 = 3;
 /// As full, after new planes for the whole tree.
 pub const TRISAP_PATH_REBUILT: u32 = 4;
-/// Some have moved, and the others have many pairs: all leaves were filled, and swept for the pairs of the movers alone; the others stay.
+/// Many have moved, but most pairs stay: all leaves were filled and swept for the pairs of moved objects alone, and
+/// the other pairs stay.
 pub const TRISAP_PATH_MOVERS_BY_LEAF: u32 = 5;
 
 /// Unchanged: nothing had moved.
 pub const TRISAP_REASON_NO_MOVERS: u32 = 0;
-/// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
+/// Lists: the world is for up to 64 objects, or lean, and has no tree.
 pub const TRISAP_REASON_FEW_OBJECTS: u32 = 1;
-/// Movers: few had moved: one object in thirteen, or fewer where objects have many pairs.
+/// Movers: few had moved: one object in 13, or fewer if objects have many pairs.
 pub const TRISAP_REASON_FEW_MOVERS: u32 = 2;
 /// Full: more had moved.
 pub const TRISAP_REASON_MANY_MOVERS: u32 = 3;
-/// Movers or full: a test has it so.
+/// Movers or full: a test has fixed it.
 pub const TRISAP_REASON_FIXED: u32 = 4;
-/// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
-/// many pairs, or few objects, or a shift of the origin.
+/// Full or rebuilt: there were no leaves of a complete step to use again. So it is in the first step, after one with
+/// too many pairs or few objects, and after a shift of the origin.
 pub const TRISAP_REASON_NOTHING_KEPT: u32 = 5;
 /// Full or rebuilt: few had moved, but a leaf had no room for one of them.
 pub const TRISAP_REASON_NO_ROOM: u32 = 6;
-/// Rebuilt: the planes were made for a much smaller or larger number of objects.
+/// Rebuilt: the planes were made for far fewer or far more objects.
 pub const TRISAP_REASON_OUTGROWN: u32 = 7;
 /// Rebuilt: the leaves had become too uneven.
 pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
-/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and found
-/// those of the boxes as given besides. With more room steps are cheaper.
+/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,
+/// and also found those of the boxes as given. With more room steps are cheaper.
 pub const TRISAP_REASON_NO_ROOM_FOR_SURPLUS: u32 = 9;
-/// A reason that this version of the ABI has no word for.
+/// A reason that this version of the ABI has no name for.
 pub const TRISAP_REASON_OTHER: u32 = u32::MAX;
 
-/// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
+/// What a step did and chose. All of it follows from counts, so equal calls give equal statistics on every machine.
 /// Made by `trisap_default_stats`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -268,36 +268,38 @@ pub struct trisap_stats {
     pub path: u32,
     /// Living objects.
     pub objects: u32,
-    /// Objects that were new or gone, or had left their margin, or, without margins, whose box had changed.
+    /// Objects that were new or gone, or had left their margin (without margins: had another box).
     pub moved: u32,
-    /// Leaves of the tree; 1 where the world is swept from a list.
+    /// Leaves of the tree; 1 in a world without one.
     pub leaves: u32,
-    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    /// Leaves that had members when all leaves were last filled. If they are far fewer than `leaves`, the planes do
+    /// not fit the scene.
     pub leaves_in_use: u32,
-    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    /// Members of the fullest leaf then. About 500 is usual. Far more means boxes that no plane can part, or a bad
+    /// tree.
     pub fullest_leaf: u32,
-    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
+    /// Large objects: far larger than the leaves that they reach, they are in a list of their own.
     pub large: u32,
-    /// Objects whose leaf got new planes.
+    /// Objects whose leaves got new planes.
     pub rebalanced: u32,
-    /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
-    /// Boxes without any side count where the world has not even steps enough to tell them apart. The boxes may have lost
-    /// their shape before; shift the origin.
+    /// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A
+    /// box without any side counts only if the world has not even steps enough to tell such boxes apart. The boxes
+    /// may have lost their shape before; shift the origin.
     pub coarse_resolution: u32,
     /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
     pub reason: u32,
-    /// 1 if the leaves are the small ones for steps with few movers.
+    /// 1 if leaves are divided into sub-leaves, for steps with few movers.
     pub fine_leaves: u32,
     /// 1 if the work was offered to the workers of the job system.
     pub shared: u32,
-    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than
-    /// its margin. Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
+    /// With margins: boxes since the last complete step that were farther from the object's last box than its margin.
+    /// Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
     pub outran: u32,
-    /// Boxes swept in leaves where they are not at home.
+    /// Ghosts: boxes swept in leaves where they are not at home.
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
     pub candidates: u64,
-    /// Of these, pairs that two corners on one step of the grid left to the exact test.
+    /// Of these, pairs whose sides share a step of the grid, so that the boxes had to decide.
     pub tied: u64,
     /// Overlapping pairs.
     pub pairs: u64,
@@ -330,8 +332,8 @@ const _: () = {
 pub struct trisap_hit {
     /// The object.
     pub id: trisap_id,
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
-    /// the nearest objects: the distance.
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts inside.
+    /// For the nearest objects: the distance.
     pub distance: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Values of objects, which mean what the caller likes.
+//! Gives objects values for the caller's use.
 
 use crate::border::{self, Answers, Items};
 use crate::call::{Call, Look, look, trisap_world, with};
@@ -78,8 +78,8 @@ pub unsafe extern "C" fn trisap_world_value(
     unsafe { look(world, ask) }
 }
 
-/// Writes the values of objects to `values`, which has room for `count`: of those whose ids stand `stride` bytes behind each other,
-/// for instance in the hits of a query. After a refusal some may be written. O(n).
+/// Writes the values of `count` objects to `values`. Their ids are `stride` bytes behind each other, as in the hits
+/// of a query. After a refusal some may be written. O(n).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_values(
@@ -108,9 +108,9 @@ pub unsafe extern "C" fn trisap_world_values(
     unsafe { look(world, ask) }
 }
 
-/// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`: as
-/// `trisap_world_pair_ids` does by id, and to be asked when that is. Pairs that are lost have the values of the objects that were the
-/// pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+/// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`:
+/// as `trisap_world_pair_ids` does by id, and to be called at the same time. Lost pairs have the values of the
+/// objects that were the pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_pair_values(

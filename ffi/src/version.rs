@@ -30,7 +30,7 @@ const _: () = {
     assert!(number(env!("CARGO_PKG_VERSION_PATCH")) == TRISAP_VERSION_PATCH);
 };
 
-/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else. O(1).
+/// The ABI version of the linked library. If it differs from `TRISAP_ABI_VERSION`, call nothing else. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_abi_version() -> u32 {
@@ -44,8 +44,8 @@ pub extern "C" fn trisap_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. It
-/// changes the speed and nothing else. O(1).
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. Only
+/// the speed differs. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_instruction_set() -> *const c_char {

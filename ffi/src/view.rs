@@ -1,4 +1,4 @@
-//! The tree to look at: what a debug view draws. Nothing where the last step had no tree.
+//! Shows the tree, for debug views. Nothing if the last step had no tree.
 
 use crate::aabb::trisap_aabb;
 use crate::border::Answers;
@@ -11,7 +11,7 @@ use trisap_core::{LeafView, PlaneView};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trisap_leaf {
-    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    /// The part of space whose minimum corners are at home in the leaf; infinite at the rim.
     pub cell: trisap_aabb,
     /// The objects that were in it at the last step.
     pub objects: u32,
@@ -29,9 +29,9 @@ impl From<LeafView> for trisap_leaf {
 pub struct trisap_plane {
     /// The part of space that it divides; infinite at the rim.
     pub cell: trisap_aabb,
-    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    /// The axis that it divides: 0 for x, 1 for y, 2 for z.
     pub axis: u32,
-    /// Where it stands on that axis.
+    /// Its place on that axis.
     pub position: f32,
     /// How many planes are above it.
     pub depth: u32,
@@ -92,8 +92,8 @@ pub unsafe extern "C" fn trisap_world_planes(
     unsafe { look(world, ask) }
 }
 
-/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of
-/// them, and their number to `count`. O(large objects).
+/// Writes the large objects, which are in no leaf, to `ids`, which has room for `room` of them, and their number to
+/// `count`. O(large objects).
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 #[unsafe(no_mangle)]

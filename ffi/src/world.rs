@@ -1,4 +1,4 @@
-//! Worlds in the caller's memory.
+//! Makes worlds in the caller's memory.
 
 use crate::border;
 use crate::call::{HEADER, Header, Look, look, memory_range};
@@ -23,7 +23,7 @@ fn size(config: &trisap_config) -> Result<usize, trisap_status> {
 /// The bytes of memory that a world of this configuration needs. They grow linearly with objects, leaf references and
 /// pairs. O(1).
 ///
-/// 0 where there can be no such world: `trisap_world_init` says why.
+/// 0 if there can be no such world: `trisap_world_init` says why.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_size(config: *const trisap_config) -> usize {
@@ -31,7 +31,7 @@ pub unsafe extern "C" fn trisap_world_size(config: *const trisap_config) -> usiz
     unsafe { border::read(config) }.and_then(|config| size(&config)).unwrap_or(0)
 }
 
-/// The boundary that the memory of a world starts on: 64 bytes. O(1).
+/// The alignment of the memory of a world: 64 bytes. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_world_align() -> usize {
@@ -40,8 +40,8 @@ pub extern "C" fn trisap_world_align() -> usize {
 
 /// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`. O(bytes).
 ///
-/// What was in the memory does not matter, so this clears a world, too. What is beyond `trisap_world_size()` is not
-/// touched. Nothing is allocated, neither here nor later.
+/// What was in the memory does not matter, so this also clears a world. Bytes beyond `trisap_world_size()` are not
+/// touched. Nothing is allocated, now or later.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_INVALID_ARGUMENT`, `TRISAP_STATUS_CAPACITY_TOO_LARGE`,
 /// `TRISAP_STATUS_BAD_MARGIN`. Nothing is written then.
@@ -65,11 +65,10 @@ pub unsafe extern "C" fn trisap_world_init(
     report::conclude(make())
 }
 
-/// Makes a world in memory, once everything that can be wrong with it has been looked at. The memory may not reach into what is
-/// `taken`.
+/// Makes a world in memory, after everything has been checked. The memory must not reach into what is `taken`.
 ///
 /// # Safety
-/// The memory has so many bytes, and nobody else uses them.
+/// The memory has so many bytes, and nothing else uses them.
 pub(crate) unsafe fn place(
     memory: *mut c_void,
     bytes: usize,
@@ -79,7 +78,7 @@ pub(crate) unsafe fn place(
     mut make: impl FnMut(&mut [u8]) -> Result<(), Error>,
 ) -> Result<(), Refusal> {
     let header = memory.cast::<Header>();
-    // What may be wrong with it shows without memory, so that a refusal leaves the memory alone.
+    // Checked without the memory, so that a refusal leaves it alone.
     match make(&mut []) {
         Err(Error::SlabTooSmall { .. }) | Ok(()) => {}
         Err(error) => return Err(error.into()),

@@ -11,11 +11,11 @@ use core::hash::Hash;
 use std::collections::HashMap;
 use trisap_core::{Aabb, Capacity, Config, Error, Field, Filter, Id, World};
 
-/// Boxes by key, and which of them overlap: a [`World`] for those who do not want to count memory.
+/// Boxes by key, and which of them overlap: a [`World`] that counts its memory itself.
 ///
-/// Keys are the caller's own: an entity of an ECS, a number, a name. Each names one box. Where objects or pairs do not fit any more,
-/// the world moves into more memory, twice as much for objects, and goes on with all its events; so no step is lost, and no error says
-/// that anything is full. Memory is never given back.
+/// Keys are your own: an entity of an ECS, a number, a name. Each names one box. When objects or pairs no longer fit,
+/// the world moves into more memory, twice as much for objects, and goes on with all its events. So no step is lost,
+/// and no error says that something is full. Memory is never given back.
 ///
 /// With the feature `rayon`, steps run on rayon's global pool if [`Config::with_workers`] allows more than one worker.
 ///
@@ -49,7 +49,7 @@ pub struct BroadPhase<K> {
 struct Names<K> {
     /// By slot.
     living: Vec<Option<(Id, K)>>,
-    /// Those that have been removed since the last step, and between that one and the step before.
+    /// Keys of objects that were removed since the last step, and between that one and the step before.
     removed: HashMap<Id, K>,
     removed_before: HashMap<Id, K>,
 }
@@ -81,17 +81,17 @@ impl<K: Copy + Eq + Hash> Default for BroadPhase<K> {
 }
 
 impl<K: Copy + Eq + Hash> BroadPhase<K> {
-    /// An empty one with exact pairs and events, that grows from room for 64 objects.
+    /// An empty broad phase with exact pairs and events. It grows from room for 64 objects.
     ///
     /// # Panics
-    /// If a few kilobytes cannot be had.
+    /// If a few kilobytes cannot be allocated.
     #[must_use]
     pub fn new() -> Self {
         let config = Config::new(Capacity::for_objects(FIRST)).with_events();
         Self::with_config(&config).expect("a small world")
     }
 
-    /// An empty one, that begins with the capacity of a configuration.
+    /// An empty broad phase that begins with the capacity of a configuration.
     ///
     /// # Errors
     /// [`Error::CapacityTooLarge`], [`Error::NoMemory`] or [`Error::BadMargin`].
@@ -192,7 +192,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(())
     }
 
-    /// Gives a key another box. False where it has none.
+    /// Gives a key another box. False if it has none.
     ///
     /// # Errors
     /// [`Error::BadBox`].
@@ -203,7 +203,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         }
     }
 
-    /// Removes a box. False where the key has none. Its pairs are lost at the next step.
+    /// Removes a box. False if the key has none. Its pairs are lost at the next step.
     pub fn remove(&mut self, key: &K) -> bool {
         let Some(id) = self.ids.remove(key) else { return false };
         let removed = self.owned.world().remove(id).is_ok();
@@ -212,7 +212,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         removed
     }
 
-    /// Sets whom a key meets. False where it has no box.
+    /// Sets whom a key meets. False if it has no box.
     ///
     /// # Errors
     /// [`Error::NoFilters`] or [`Error::BadClass`].

@@ -1,9 +1,10 @@
-//! The memory of an owned world: zeroed, aligned, and all of it backed from the start, so that no step waits for pages.
+//! Allocates the memory of an owned world: zeroed, aligned, and backed by pages from the start, so that no step waits
+//! for them.
 
 use bytemuck::{Pod, Zeroable};
 use core::ops::{Deref, DerefMut};
 
-/// As much memory as the strictest item of a world wants aligned.
+/// A unit of memory with the alignment of a world.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Block([u8; 64]);
@@ -47,21 +48,21 @@ impl DerefMut for Memory {
     }
 }
 
-/// Memory in huge pages. A step with few movers goes to a few dozen places in a large world for each of them, and where
-/// pages are small a fifth of its time goes into the translation of their addresses.
+/// Memory in huge pages. A step with few movers touches a few dozen places in a large world for each of them. With
+/// small pages, a fifth of its time goes into the translation of addresses.
 #[cfg(target_os = "linux")]
 mod huge {
     use memmap2::{Advice, MmapMut};
 
-    /// The size of a huge page on most targets. Where it is another one, or where the system has none, pages are small.
+    /// The size of a huge page on most targets. If it is another one, or the system has none, pages are small.
     pub(super) const PAGE: usize = 2 << 20;
 
     pub(super) fn zeroed(bytes: usize) -> Option<MmapMut> {
         // Whole huge pages: Linux aligns no others.
         let mut memory = MmapMut::map_anon(bytes.checked_next_multiple_of(PAGE)?).ok()?;
-        // Refused where the system has no huge pages; then small ones do.
+        // Refused if the system has no huge pages; small ones serve then.
         let _ = memory.advise(Advice::HugePage);
-        // Written, so that it is there.
+        // Written, so that its pages exist.
         memory.fill(0);
         Some(memory)
     }

@@ -8,9 +8,9 @@ use trisap_core::{Config, Error, Index, World};
 
 /// A world in memory of its own, allocated once: on Linux in huge pages if it has two MiB or more, else on the heap.
 ///
-/// [`OwnedWorld::world`] opens the [`World`] in it to change it, as often as wanted: all state is in the memory, so that a world
-/// opened again goes on where the last one stopped. [`OwnedWorld::as_world`] looks at it through a shared reference, from as many
-/// threads as wanted.
+/// [`OwnedWorld::world`] opens the [`World`] to change it. All state is in the memory, so a world that is opened
+/// again goes on where the last one stopped. [`OwnedWorld::as_world`] looks at it through a shared reference, from
+/// any number of threads.
 ///
 /// ```
 /// use trisap::{Aabb, Capacity, Config, OwnedWorld, Region};
@@ -32,7 +32,7 @@ use trisap_core::{Config, Error, Index, World};
 /// # Ok::<(), trisap::Error>(())
 /// ```
 pub struct OwnedWorld<I: Index = u32> {
-    /// The memory, while nobody has looked at the world since it was changed last.
+    /// The memory, if the world has changed since it was last looked at.
     memory: Mutex<Option<Memory>>,
     /// Else the memory and the world in it.
     seen: OnceLock<Seen<I>>,
@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(OwnedWorld::<u32>::new(&no_worker).map(drop), too_large(Field::Workers, 32));
     }
 
-    /// Looking and changing take turns; what is seen is what was done last.
+    /// Looking and changing take turns; a look sees the last change.
     #[test]
     fn several_threads_look_at_once() -> Result<(), Error> {
         let config = Config::new(Capacity::for_objects(8)).with_events();

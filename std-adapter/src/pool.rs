@@ -12,16 +12,16 @@ use std::thread;
 use std::time::{Duration, Instant};
 use trisap_core::{Executor, Offer, Stage};
 
-/// How long a thread looks for more after its last work: the stages of a step follow each other within microseconds,
+/// How long a thread looks for more after its last work. The stages of a step follow each other within microseconds,
 /// and to wake a sleeping thread takes as long as a stage of ten thousand objects.
 const LINGER: Duration = Duration::from_micros(200);
-/// For so long a thread that waits keeps its processor; then it lets others run, if there are any.
+/// How long a thread that waits keeps its processor. Then it lets others run.
 const SPIN: Duration = Duration::from_micros(10);
-/// A caller that has waited for so long goes to sleep, so that the operating system brings whom it waits for here.
+/// How long a caller waits before it sleeps, so that the operating system lets the thread run that it waits for.
 const AWAKE: Duration = Duration::from_micros(50);
-/// A thread that looks for work and finds that so much time has gone by has not been running.
+/// If so much time is between two looks for work, the thread has lost its processor.
 const GAP: Duration = Duration::from_micros(100);
-/// Such a gap counts as a loss of this part of it.
+/// Such a gap counts as a loss of one in so many parts of it.
 const GAP_PART: u64 = 4;
 
 /// An executor over a rayon thread pool: the global one, or one of the caller's.
@@ -74,7 +74,7 @@ struct Common {
     passed_on: AtomicU32,
     /// How many callers have a job for them, or are about to.
     callers: AtomicU32,
-    /// Nobody is going to have work for them.
+    /// There will be no more work for them.
     over: AtomicBool,
     /// A step is being done.
     stepping: AtomicBool,
@@ -108,7 +108,7 @@ impl<'p> Rayon<'p> {
         lock(&self.common.judge).counts
     }
 
-    /// Has so many more threads look for work.
+    /// Makes so many more threads look for work.
     fn wake(&self, threads: u32) {
         for _ in 0..threads {
             self.common.looking.fetch_add(1, Relaxed);
@@ -156,7 +156,7 @@ impl Common {
     /// Takes part in jobs and runs what else the pool has to do, until there has been nothing for a while.
     fn look_for_work(self: &Arc<Self>) {
         if LOOKING.get() == Arc::as_ptr(self) {
-            // It has come to the call for another thread, which would sleep on.
+            // This thread has taken the call for another one, which would sleep on.
             self.passed_on.fetch_add(1, Relaxed);
             let common = Arc::clone(self);
             return rayon::spawn(move || {

@@ -1,15 +1,15 @@
-//! When to share: what waiting for others has cost is paid back by working alone for a while.
+//! Decides when to share the work of steps: after time is lost by waiting for others, work is done alone for a while.
 
 use std::mem;
 use std::time::{Duration, Instant};
 
-/// A loss is followed by so many times its length alone. So what is lost stays a small part of the whole.
+/// After a loss, work is done alone for so many times its length. So losses are a small part of the whole.
 const REPAID: u32 = 32;
-/// So many times if it comes after a good time, which is one of twice that length.
+/// The same after a good time, which is one of twice that length.
 const REPAID_AFTER_GOOD: u32 = 8;
-/// At most so many times, where losses follow each other: small ones are no reason for a long time alone.
+/// The most, if losses follow each other: small ones are no reason for a long time alone.
 const MOST_REPAID: u32 = 1000;
-/// The longest time alone. When the processors become free, it takes so long at most until that is found out.
+/// The longest time alone. After processors become free, it takes at most this long to find out.
 const LONGEST: Duration = Duration::from_secs(1);
 /// Calls of a job do not end in the same instant: each still has a block of work in hand when there are no more.
 const SKEW: Duration = Duration::from_micros(20);
@@ -25,7 +25,7 @@ const WINDOWS: u32 = 4;
 pub struct Sharing {
     /// Steps of which another thread has done a part.
     pub shared: u64,
-    /// Steps that the calling thread has done alone, since they were small, or nobody came, or by choice.
+    /// Steps that the calling thread has done alone: they were small, no thread came, or it was chosen.
     pub alone: u64,
     /// How often others were late, so that the executor chose to work alone for a while.
     pub losses: u64,
@@ -67,10 +67,10 @@ impl Judge {
     /// Whether the work may be shared now.
     pub(crate) fn shares(&mut self, now: Instant) -> bool {
         let rests = self.alone_until.is_some_and(|until| now < until);
-        // Where nobody tells of steps, there is nothing to compare.
+        // If steps are not reported, there is nothing to compare.
         let stepping = self.begun.is_some();
         let compares = stepping && self.windows >= WINDOWS && !self.taken;
-        // A step that has begun alone ends alone: it shall tell what that takes.
+        // A step that has begun alone ends alone, to measure how long that takes.
         self.refused = rests || compares || (stepping && self.refused);
         !self.refused
     }
@@ -94,7 +94,7 @@ impl Judge {
         self.rest = if calm > 2 * REPAID_AFTER_GOOD * time {
             REPAID_AFTER_GOOD * time
         } else {
-            // Twice as long as the last time if that makes sense: whoever is busy may be so for long.
+            // Twice as long as the last time, within limits: a busy processor may be busy for long.
             let longer = (2 * self.rest).min(MOST_REPAID * time);
             (REPAID * time).max(longer).min(LONGEST)
         };
@@ -116,7 +116,7 @@ impl Judge {
         match (taken, refused) {
             (false, true) => self.stepped_alone(took),
             (true, false) => self.stepped_shared(took, now),
-            // The work was small, or nobody came, or a loss came in the midst of the step: that tells nothing.
+            // The work was small, no thread came, or there was a loss within the step: nothing can be compared.
             _ => {}
         }
     }

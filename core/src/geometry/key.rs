@@ -234,8 +234,8 @@ mod tests {
         // emulated processors some blocks are enough: the machine code differs, not the rule.
         let blocks = (NEGATIVE_INFINITY..POSITIVE_INFINITY).step_by(1 << 16);
         for block in blocks.step_by(if cfg!(target_arch = "x86_64") { 1 } else { 61 }) {
-            let stands = |k: i32| value(k) < value(k.wrapping_add(1)) && key(value(k)) == k;
-            let right = (block..block + (1 << 16)).fold(true, |right, k| right & stands(k));
+            let is_right = |k: i32| value(k) < value(k.wrapping_add(1)) && key(value(k)) == k;
+            let right = (block..block + (1 << 16)).fold(true, |right, k| right & is_right(k));
             assert!(right, "between {:?} and the next 65,536 floats", value(block));
         }
         // Beyond them is NaN.

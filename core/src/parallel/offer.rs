@@ -49,8 +49,9 @@ pub struct Offer {
     job: UnsafeCell<Option<Job>>,
 }
 
-// SAFETY: `job` is written only by who has set HELD, while there are no seats and nobody is running, and read only by who
-// has taken a seat and not yet returned. What it points to is `Sync`, and alive until no call is running: see `lend`.
+// SAFETY: only the caller that has set HELD writes `job`, while there are no seats and no call is running. Only a thread
+// that has taken a seat and not yet returned reads it. What it points to is `Sync`, and alive until no call is running:
+// see `lend`.
 unsafe impl Sync for Offer {}
 // SAFETY: as above; where the offer itself is does not matter.
 unsafe impl Send for Offer {}
@@ -79,7 +80,7 @@ impl Offer {
         // SAFETY: only the lifetime in the type changes. `Held` does not let this function return or unwind while a call
         // is running or may begin, and `job` is alive until then.
         let pointer = unsafe { transmute::<*const (dyn Fn() + Sync + '_), Job>(job) };
-        // SAFETY: HELD is ours, there are no seats, and nobody is running.
+        // SAFETY: HELD is ours, there are no seats, and no call is running.
         unsafe { *self.job.get() = Some(pointer) };
         let held = Held(self);
         // Release: a thread that takes a seat sees the pointer, and all that this thread did before.

@@ -6,8 +6,8 @@ use crate::id::{Id, Index};
 use crate::parallel::executor::Executor;
 use crate::world::World;
 
-/// Queries that only objects which fulfil a condition can answer: made by [`World::among`].
-#[must_use = "a query that nobody asks"]
+/// Queries that only objects with a condition can answer: made by [`World::among`].
+#[must_use = "does nothing until a query is asked"]
 #[derive(Clone, Copy)]
 pub struct Among<'w, 'm, C, I: Index = u32> {
     world: &'w World<'m, I>,
@@ -86,13 +86,13 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
         self.world.nearest_of(point, out, Some(self.condition()))
     }
 
-    /// Of one type, so that each search is compiled once for all conditions.
+    /// By reference, so that each search is compiled once for all conditions.
     fn condition(&self) -> &dyn Fn(Id) -> bool {
         &self.condition
     }
 }
 
-/// Many queries at once: the workers ask the condition, several of them at a time.
+/// Many queries at once. Several workers may ask the condition at a time.
 impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     /// See [`World::first_hits`].
     ///

@@ -1,4 +1,4 @@
-//! Many queries in one call, shared by the caller's workers.
+//! Answers many queries in one call, on the caller's workers.
 
 use super::{Cast, Hit, Region};
 use crate::access::Access;
@@ -32,7 +32,7 @@ impl<I: Index> World<'_, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] where `out` is shorter than `casts`; nothing is written then.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`. Nothing is written then.
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn first_hits(
         &self,
@@ -70,13 +70,13 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// [`overlaps`](Self::overlaps) of each region: `out` is shared out equally, `counts` tells how many objects overlap each
-    /// region.
+    /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how many
+    /// objects overlap each region.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] or [`Error::LengthMismatch`] where `counts` is shorter than `regions`; nothing is written then.
-    /// [`Error::OutputFull`] where some region has more objects than its share takes: the counts are right, and so are the
-    /// shares that suffice.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is written
+    /// then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are right, and so
+    /// are the shares that suffice.
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn overlaps_many(
         &self,
@@ -132,7 +132,7 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// The position of the first query that is not valid, as an error.
+/// An error for the first query that is not valid.
 fn check<T>(queries: &[T], is_valid: impl Fn(&T) -> bool) -> Result<(), Error> {
     match queries.iter().position(|query| !is_valid(query)) {
         Some(index) => Err(Error::BadQuery { index: index as u32 }),

@@ -1,4 +1,4 @@
-//! What a ray or a moving box meets, near things first.
+//! Finds what a ray or a moving box meets, near things first.
 
 use super::{is_current, prefetch_members, prefetch_parts};
 use crate::access::Access;
@@ -18,12 +18,12 @@ use crate::world::World;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cast {
-    /// Where it starts; a ray starts as a box of one point. Finite.
+    /// Where it starts. For a ray, a box of one point. Finite.
     pub start: Aabb,
-    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    /// How it moves in one unit of distance. Finite, of any length; zero tests the start alone.
     pub direction: [f32; 3],
-    /// How far it moves, in units of `direction`. Zero or more; may be infinite, which does not get to boxes that are at
-    /// infinity alone.
+    /// How far it moves, in units of `direction`. Zero or more. It may be infinite; then boxes at infinity are not
+    /// reached.
     pub distance: f32,
 }
 
@@ -42,7 +42,7 @@ impl Cast {
 
     pub(super) fn is_valid(&self) -> bool {
         let Self { start: Aabb { min, max }, direction, distance } = self;
-        // All of them, so that nothing branches.
+        // All are tested: there is no branch.
         let finite = [min, max, direction].into_iter().flatten().fold(true, |all, x| all & x.is_finite());
         finite & self.start.is_valid() & (*distance >= 0.0)
     }
@@ -53,8 +53,8 @@ impl Cast {
 pub struct Hit {
     /// The object.
     pub id: Id,
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
-    /// the nearest objects: the distance. Computed in `f64`.
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts inside.
+    /// For the nearest objects: the distance. Computed in `f64`.
     pub distance: f64,
 }
 
@@ -88,11 +88,12 @@ impl Hit {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor returns how
-    /// far to look on: the cast's distance to see everything, the hit's to see only nearer ones, less than zero to stop.
+    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor
+    /// returns how far to look on: the cast's distance to see all, the hit's distance to see only nearer ones, less
+    /// than zero to stop.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] where the cast is not valid: NaN, infinities other than the distance, a negative distance.
+    /// [`Error::BadQuery`] if the cast is not valid: NaN, an infinity other than the distance, a negative distance.
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
@@ -128,8 +129,8 @@ impl<I: Index> World<'_, I> {
         Ok(first)
     }
 
-    /// Writes the objects that a cast meets to `out`, the nearest first, equally near ones by ascending slot, and returns how
-    /// many there are.
+    /// Writes the objects that a cast meets to `out`, the nearest first, equally near ones by ascending slot. Returns
+    /// how many there are.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
@@ -163,7 +164,7 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// The order of hits.
+/// The order of hits; `None` comes last.
 pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
     match (a, b) {
         (Some(a), Some(b)) => a.precedes(&b),
@@ -179,7 +180,7 @@ struct Along<'w> {
 }
 
 impl Probe for Along<'_> {
-    /// NaN where it is not met.
+    /// NaN if it is not met.
     type When = f32;
 
     const AT_ONCE: f32 = 0.0;
@@ -213,7 +214,8 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { world, cast, visit } = self;
         let parts = &world.parts;
-        // What takes longest is started first: the way to the leaf where the cast starts, which is found by planes alone.
+        // What takes longest is started first: the leaf where the cast starts is found by planes alone, and
+        // prefetched.
         let has_tree = world.has_tree();
         let mut home = 0;
         if has_tree {
@@ -222,7 +224,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         }
         let line = Line::new(&cast.start, cast.direction, cast.distance);
         let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
-        // The large ones first: they are often hit, and what is behind them need not be looked at.
+        // Large objects first: they are often hit, and what is behind them need not be looked at.
         if world.has_others() {
             for slot in world.others() {
                 search.slots[0] = slot as u32;
@@ -243,13 +245,13 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
     }
 }
 
-/// The parts of a leaf that a cast meets, nearer ones first: a number each, its time with the number of the part in the lowest
-/// bits. Times rise with their bits, and a little earlier is right as well; NaN is above all others.
+/// The sub-leaves that a cast meets, nearer ones first. A number each: its time, with the number of the sub-leaf in
+/// the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above all others.
 struct Met([u32; EIGHT]);
 
 impl Met {
     const PART: u32 = EIGHT as u32 - 1;
-    /// Of a leaf that is not divided.
+    /// For a leaf that is not divided.
     const WHOLE: [f32; EIGHT] = [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
 
     #[inline(always)]
@@ -261,7 +263,7 @@ impl Met {
         Self(numbers)
     }
 
-    /// Takes the first one out; returns the part and when it is met, NaN where none is left.
+    /// Takes out the first one: the sub-leaf, and when it is met; NaN if none is left.
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S) -> (usize, f32) {
         let first = simd.pop_min(&mut self.0);
@@ -281,7 +283,7 @@ struct Search<'q, 'm, I: Index> {
 }
 
 impl<I: Index> Search<'_, '_, I> {
-    /// Visits the members of a leaf of the last full step that the cast meets, part by part.
+    /// Visits the members of a whole leaf that the cast meets, sub-leaf by sub-leaf.
     #[inline(always)]
     fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
         let parts = &self.world.parts;
@@ -295,7 +297,7 @@ impl<I: Index> Search<'_, '_, I> {
         });
         let (mut part, mut from) = met.take(simd);
         prefetch_members(simd, parts, first + part);
-        // What is not met has no time, and NaN is not at most anything.
+        // A sub-leaf that is not met has NaN, which ends the loop.
         while from <= crossing.until {
             let leaf = first + part;
             (part, from) = met.take(simd);
@@ -333,7 +335,7 @@ impl<I: Index> Search<'_, '_, I> {
         self.look(simd, count);
     }
 
-    /// Visits those of the first so many objects that the cast meets.
+    /// Visits the objects that the cast meets, of the first so many slots.
     #[inline(always)]
     fn look<S: Simd>(&mut self, simd: S, count: usize) {
         for slot in self.slots.span(0, count) {
@@ -348,8 +350,8 @@ impl<I: Index> Search<'_, '_, I> {
 }
 
 impl Line {
-    /// Between which distances up to `far` the cast touches a box; where it does not, the first one is above the second. Each
-    /// number rises with the box's sides, so a larger box is met no later and left no earlier.
+    /// Between which distances up to `far` the cast touches a box. If it does not, the first one is above the second.
+    /// Each number rises with the box's sides, so a larger box is met no later and left no earlier.
     #[inline(always)]
     fn span<S: Simd>(&self, simd: S, min: &[i32; 3], max: &[i32; 3], far: f64) -> (f64, f64) {
         let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];

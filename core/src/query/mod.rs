@@ -1,8 +1,10 @@
-//! What is in a region, what a moving box meets, what is nearest: questions between two steps, on the tree of the last one.
+//! Answers questions between two steps, on the tree of the last one: what is in a region, what a moving box meets,
+//! what is nearest.
 //!
-//! Answers are those of the boxes as they are now, margins aside: what has come, moved or gone since the last step is asked
-//! one by one, and so is everything before the first step with a tree. All numbers are computed in `f64` from the boxes'
-//! `f32`, in operations that keep the order of their operands, so that what the tree rules out the exact test would too.
+//! Answers are about the boxes as they are now, without margins. Objects that have changed since the last step are
+//! looked at one by one, and so are all objects before the first step with a tree. All numbers are computed in `f64`
+//! from the boxes' `f32`, in operations that keep the order of their operands. So whatever the tree rules out, the
+//! exact test would too.
 
 // In the order of use, in which the documentation lists the methods.
 mod region;
@@ -30,22 +32,22 @@ use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_
 use crate::world::World;
 
 impl<I: Index> World<'_, I> {
-    /// Whether the tree holds every object that has not been touched since the last step.
+    /// Whether the tree holds every object that has not changed since the last step.
     pub(crate) fn has_tree(&self) -> bool {
         self.parts.state.tree.filled != 0
     }
 
-    /// Whether there is more than what stands in the tree's leaves. Asked first, as it is less than an iterator over nothing.
+    /// Whether there are objects that are not in leaves. Asked first, since it takes less than an empty iterator.
     fn has_others(&self) -> bool {
         !self.has_tree() || self.parts.state.tree.large != 0 || self.parts.state.objects.dirty != 0
     }
 
-    /// The slots that the tree's leaves do not answer for.
+    /// The slots of objects that are not in leaves.
     fn others(&self) -> impl Iterator<Item = usize> + '_ {
         self.large_in_tree().chain(self.apart_from_tree())
     }
 
-    /// The slots that the tree does not answer for: all, or those that were touched since the last step.
+    /// The slots that the tree does not know: all, or those that have changed since the last step.
     fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let (has_tree, dirty) = (self.has_tree(), self.parts.state.objects.dirty != 0);
         let all = 0..if has_tree { 0 } else { self.parts.state.objects.slots as usize };
@@ -53,7 +55,7 @@ impl<I: Index> World<'_, I> {
         all.chain(moved.into_iter().flatten()).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
     }
 
-    /// The large objects that the tree answers for.
+    /// The large objects, those that have changed aside.
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let state = &*self.parts.state;
         let count = if self.has_tree() { state.tree.large as usize } else { 0 };
@@ -67,18 +69,18 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Whether the tree's record of an object is that of its box.
+/// Whether the record of an object in the tree is up to date.
 #[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
-/// The current members of a leaf whose records touch that of a region.
+/// Looks for members of a leaf whose records touch that of a region.
 ///
-/// An iterator but for the trait: its loop has to be compiled into that of its caller to share its instruction set.
+/// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
 struct MembersNear<'q, S> {
     simd: S,
-    /// Members that are touched since the last step, where there are any.
+    /// The slots that have changed since the last step, if any.
     moved: &'q [u32],
     chunks_of_eight: ChunksOfEight<'q>,
     /// The region in the leaf's frame.
@@ -98,7 +100,7 @@ impl<'q, S: Simd> MembersNear<'q, S> {
         Self { simd, moved, chunks_of_eight, region, limit: limit(&region), eight: NONE, mask: 0 }
     }
 
-    /// The slot of the next one, and whether its swept box overlaps the region for certain.
+    /// The slot of the next one, and whether its swept box certainly overlaps the region.
     #[inline(always)]
     fn next(&mut self) -> Option<(usize, bool)> {
         loop {
@@ -121,8 +123,8 @@ impl<'q, S: Simd> MembersNear<'q, S> {
     }
 }
 
-/// A region in the frame of a leaf of the last full step, and which of the leaf's parts it touches; bit zero for a leaf that
-/// is not divided.
+/// A region in the frame of a whole leaf, and which of its sub-leaves the region touches; bit zero if the leaf is not
+/// divided.
 #[inline(always)]
 fn parts_near<S: Simd, I: Index>(
     simd: S,
@@ -136,7 +138,7 @@ fn parts_near<S: Simd, I: Index>(
     (region, bounds.map_or(1, |bounds| simd.touching(bounds, limit(&region))))
 }
 
-/// Asks for what tells which parts of a leaf of the last full step there are to look at.
+/// Prefetches what tells which sub-leaves of a whole leaf to look at.
 #[inline(always)]
 fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
     simd.prefetch(parts.tree.frames, whole);
@@ -145,7 +147,7 @@ fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize
     simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.leaves, first);
 }
 
-/// Asks for the first members of a leaf; the processor sees for itself that the others follow.
+/// Prefetches the first members of a leaf; the processor sees for itself that the others follow.
 #[inline(always)]
 fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
     simd.prefetch_from::<RECORDS_AHEAD, _>(parts.tree.records, parts.tree.leaves.at(leaf).start as usize);

@@ -14,7 +14,7 @@ use crate::tree::{Record, SUB_LEAVES, leaf_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
-/// A closed part of space that objects are looked for in: touching counts.
+/// A closed part of space to look for objects: touching counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Region {
@@ -22,18 +22,18 @@ pub enum Region {
     Aabb(Aabb),
     /// A point. Decided exactly.
     Point([f32; 3]),
-    /// A ball. The squared distance is computed in `f64`; who does not touch the ball's least box in `f32` does not touch the
-    /// ball, however the distance is rounded.
+    /// A ball. The squared distance is computed in `f64`. An object that does not touch the least `f32` box of the
+    /// ball does not touch the ball, however the distance is rounded.
     Sphere {
         /// The centre.
         center: [f32; 3],
-        /// The radius, zero or more; infinite holds everything.
+        /// The radius, zero or more. An infinite ball holds everything.
         radius: f32,
     },
 }
 
 impl Region {
-    /// The least box around the region, or `None` where the region is not valid.
+    /// The least box around the region; `None` if the region is not valid.
     fn bounds(&self) -> Option<KeyBox> {
         match *self {
             Self::Aabb(aabb) => KeyBox::from_aabb(&aabb),
@@ -105,11 +105,11 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks; always in the same order for
-    /// the same calls. O(log n + answers + movers since the last step), or O(n) where there is no tree yet.
+    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. The same calls give the
+    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] where the region is not valid: NaN, a minimum above its maximum, a negative radius.
+    /// [`Error::BadQuery`] if the region is not valid: NaN, a minimum above its maximum, a negative radius.
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_overlaps(
         &self,
@@ -121,7 +121,7 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Writes the objects whose boxes overlap a region to `out`, by ascending slot, and returns how many there are.
+    /// Writes the objects whose boxes overlap a region to `out`, by ascending slot. Returns how many there are.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
@@ -227,27 +227,27 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
     }
 }
 
-/// Leaves that a region touches, and members that may overlap it.
+/// Leaves that a region touches, and members that may overlap it, collected to be prefetched together.
 struct Near<'n, 'm, I: Index> {
     world: &'n World<'m, I>,
     region: &'n Region,
     bounds: KeyBox,
-    /// The region in the frames of the leaves of the last full step.
+    /// The region in the frames of whole leaves.
     records: [Record; REGION_LEAVES],
-    /// A leaf, and which of these is its frame.
+    /// A leaf, and which of these records is in its frame.
     leaves: [(u32, u32); REGION_LEAVES * SUB_LEAVES],
     leaf_count: usize,
-    /// A slot, and whether the object overlaps the region for certain.
+    /// A slot, and whether the object certainly overlaps the region.
     slots: [(usize, bool); REGION_ANSWERS],
     slot_count: usize,
 }
 
 impl<I: Index> Near<'_, '_, I> {
-    /// Looks for objects in the leaves; tells whether to stop.
+    /// Looks for objects in the leaves. Returns whether to stop.
     #[inline(always)]
     fn scan<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
         let parts = &self.world.parts;
-        // Records are those of swept boxes: where those are the boxes themselves, they can tell.
+        // Records are those of swept boxes. Without margins these are the boxes themselves, so records can decide.
         let decides = parts.boxes.fat.is_empty() && !matches!(self.region, Region::Sphere { .. });
         for index in 0..self.leaf_count {
             prefetch_members(simd, parts, self.leaves.at(index).0 as usize);
@@ -273,7 +273,7 @@ impl<I: Index> Near<'_, '_, I> {
         false
     }
 
-    /// Visits the objects that overlap the region; tells whether to stop.
+    /// Visits the objects that overlap the region. Returns whether to stop.
     #[inline(always)]
     fn flush<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
         let Self { world, region, bounds, .. } = *self;
@@ -292,7 +292,7 @@ impl<I: Index> Near<'_, '_, I> {
     }
 }
 
-/// Visits an object if it overlaps the region; tells whether to stop.
+/// Visits an object if it overlaps the region. Returns whether to stop.
 #[inline(always)]
 fn meet<S: Simd, I: Index>(
     simd: S,

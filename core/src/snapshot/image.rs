@@ -1,5 +1,4 @@
-//! A snapshot as it stands in the caller's bytes: read where it is, unaligned, so that all of it can be checked before anything of
-//! a world changes.
+//! Reads a snapshot in the caller's bytes, of any alignment, so that all of it can be checked before a world changes.
 
 use crate::access::{Access, bits};
 use crate::filter::Filter;
@@ -9,7 +8,7 @@ use crate::memory::layout::Sizes;
 use crate::memory::state::State;
 use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
-use crate::validate::content::{Content, LeafCounts, Set, Stand};
+use crate::validate::content::{Content, LeafCounts, Place, Set};
 use crate::validate::{pairs, tree};
 use bytemuck::Pod;
 use core::marker::PhantomData;
@@ -25,7 +24,7 @@ impl<'b, T: Pod + Default> Packed<'b, T> {
     /// The items in order.
     #[inline(always)]
     pub(super) fn iter(&self) -> impl Iterator<Item = T> + use<'b, T> {
-        // All of them are as long as that.
+        // Each chunk has the length of an item.
         let item = |bytes| bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default();
         self.bytes.chunks_exact(size_of::<T>()).map(item)
     }
@@ -68,7 +67,7 @@ impl<'b> Cutter<'b> {
     }
 }
 
-/// The sections of a snapshot, in this order; the state stands before them.
+/// The sections of a snapshot, in this order. The state comes before them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored<'b, I> {
     pub(super) now: Packed<'b, KeyBox>,
@@ -86,7 +85,7 @@ pub(super) struct Stored<'b, I> {
     pub(super) stripes: Packed<'b, StripeStarts>,
     pub(super) planes: Packed<'b, i32>,
     pub(super) leaves: Packed<'b, LeafCounts>,
-    /// Of each leaf of the last full step: from where on boxes are large objects.
+    /// Of each whole leaf: from where on a box is a large object.
     pub(super) far: Packed<'b, [i32; 3]>,
     /// The origin and the scale of its frame.
     pub(super) frames: Packed<'b, [[f32; 3]; 2]>,
@@ -103,12 +102,12 @@ pub(super) struct Stored<'b, I> {
     pub(super) segments: Packed<'b, u32>,
     pub(super) before: Packed<'b, KeyBox>,
     pub(super) reused: Packed<'b, u32>,
-    /// Of the reused slots.
+    /// Of the reused slots: the generations and values of former objects.
     pub(super) former: Packed<'b, u32>,
     pub(super) former_values: Packed<'b, u64>,
 }
 
-/// How long the sections are that do not depend on other sections.
+/// The lengths of sections that follow from the state alone.
 pub(super) struct Lengths {
     pub(super) slots: usize,
     pub(super) words: usize,
@@ -123,7 +122,7 @@ pub(super) struct Lengths {
 }
 
 impl Lengths {
-    /// By the numbers of a state, which have been checked.
+    /// From a state whose numbers have been checked.
     pub(super) fn of(state: &State, sizes: &Sizes) -> Self {
         let filled = |count: usize| if state.tree.filled != 0 { count } else { 0 };
         let slots = state.objects.slots as usize;
@@ -143,7 +142,7 @@ impl Lengths {
 }
 
 impl<'b, I: Index> Stored<'b, I> {
-    /// Cuts the bytes behind a state, whose numbers have been checked; `None` where there are too few of them, or too many.
+    /// Cuts the bytes behind a state whose numbers have been checked. `None` if there are too few bytes, or too many.
     pub(super) fn cut(state: &State, sizes: &Sizes, body: &'b [u8]) -> Option<Self> {
         let mut body = Cutter { rest: body };
         let lengths = Lengths::of(state, sizes);
@@ -169,7 +168,7 @@ impl<'b, I: Index> Stored<'b, I> {
         let bounds = body.cut(lengths.bounds)?;
         let nodes = body.cut(lengths.nodes)?;
         let members = leaves.iter().map(|leaf| u64::from(leaf.len)).sum::<u64>();
-        // No slot stands twice.
+        // No slot has two records.
         let members = usize::try_from(members).ok().filter(|members| *members <= slots)?;
         let (members, large) = (body.cut(members)?, body.cut(lengths.large)?);
         let (pairs, previous) = (body.cut(lengths.pairs)?, body.cut(kept(sizes.previous, lengths.previous))?);
@@ -215,12 +214,12 @@ impl<'b, I: Index> Stored<'b, I> {
     }
 }
 
-/// A snapshot that is checked.
+/// A snapshot while it is checked.
 pub(super) struct Image<'b, 'm, I> {
     pub(super) sizes: &'b Sizes,
     pub(super) state: &'b State,
     pub(super) stored: Stored<'b, I>,
-    /// Which slots have a place in the tree, as far as that is known: one bit for each that there can be.
+    /// One bit a slot: a place in the tree has been seen.
     pub(super) placed: &'m mut [u32],
 }
 
@@ -340,7 +339,7 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
     }
 
     #[inline(always)]
-    fn stands(&mut self, slot: usize, _: Stand) -> bool {
+    fn is_at(&mut self, slot: usize, _: Place) -> bool {
         bits::set(self.placed, slot)
     }
 }

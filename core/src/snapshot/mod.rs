@@ -1,9 +1,9 @@
-//! Saves a world to plain bytes and brings it back, for rollback and for files.
+//! Saves a world to plain bytes and loads it, for rollback and for files.
 //!
-//! A snapshot has what the next step needs and nothing that it can work out: no scratch memory, no lists, no cells and records
-//! of the tree, no boxes of the last step that are still the boxes of this one. What is not there cannot be wrong. It
-//! holds positions, never addresses, so it can be loaded into any world of the same configuration on any machine of the same
-//! byte order.
+//! A snapshot has what the next step needs, and nothing that follows from the rest: no scratch memory, no lists, no
+//! cells and records, no boxes of the last step that are still the same. What is not there cannot be wrong. It holds
+//! positions and no addresses, so any world of the same configuration can load it, on any machine of the same byte
+//! order.
 
 mod image;
 mod replace;
@@ -30,13 +30,13 @@ use transfer::{check_room, transfer};
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct Header {
     magic: u64,
-    /// Bytes behind the header.
+    /// The bytes behind the header.
     len: u64,
     /// Of these bytes.
     checksum: u64,
 }
 
-/// Also tells the version and the byte order.
+/// The version; it also tells the byte order.
 const MAGIC: u64 = 0x7472_6973_6170_0009;
 
 /// Snapshots: plain bytes, for rollback and for files.
@@ -69,7 +69,7 @@ impl<I: Index> World<'_, I> {
         size_of::<Header>() + count.0
     }
 
-    /// Writes a snapshot to the front of `out` and returns its length. The world that is loaded from it goes on as this one,
+    /// Writes a snapshot to the front of `out` and returns its length. A world that loads it goes on like this one,
     /// byte for byte: pairs, their order, events, statistics. O(n + pairs).
     ///
     /// # Errors
@@ -86,29 +86,28 @@ impl<I: Index> World<'_, I> {
         Ok(needed)
     }
 
-    /// Replaces the world by the one that a snapshot was taken of; its last result comes with it. Builds with and without the
-    /// feature `large` read each other's. O(n + pairs).
+    /// Replaces the world by that of a snapshot, with its last result. Builds with and without the feature `large`
+    /// read each other's snapshots. O(n + pairs).
     ///
-    /// Where the configurations are the same, but for the number of workers, the world goes on byte for byte. Else it goes on as
-    /// after [`move_into`](Self::move_into), in the configuration that it has: the same pairs and events, after a step that finds
-    /// all of them anew.
+    /// If the configurations are the same, workers aside, the world goes on byte for byte. Else it goes on as after
+    /// [`move_into`](Self::move_into), in its own configuration: with the same pairs and events, after a step that
+    /// finds all pairs anew.
     ///
-    /// All that can be refused is refused before anything changes, also of bytes that were forged with a right checksum. What is
-    /// loaded is [valid](Self::validate), and its steps find what brute force finds: only what the last result was, what events
-    /// compare the next one with, and the statistics are as the bytes say. So the first step that would keep pairs without
-    /// looking at them, as nothing or little moves, looks once whether they are all, and takes several times as long as one that finds
-    /// them anew.
+    /// Everything is checked before anything changes, also in bytes that were forged with a right checksum. A loaded
+    /// world is [valid](Self::validate), and its steps find what brute force finds. Only the last result, the boxes
+    /// that the next events compare with, and the statistics are as the bytes say. So the first step that would keep
+    /// pairs looks once whether they are all; it takes several times as long as a step that finds them anew.
     ///
     /// # Errors
-    /// [`Error::BadSnapshot`] where the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or [`Error::OtherConfig`] as
-    /// for [`move_into`](Self::move_into). The world stays as it is.
+    /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
+    /// [`Error::OtherConfig`] as for [`move_into`](Self::move_into). The world stays as it is.
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
         let (state, sections) = body.split_at_checked(size_of::<State>()).ok_or(Error::BadSnapshot)?;
         let state: State = bytemuck::try_pod_read_unaligned(state).map_err(|_| Error::BadSnapshot)?;
         let parts = &mut self.parts;
-        // A snapshot says nothing of what depends on the world alone.
+        // Parts that belong to a world alone must be empty.
         if !state.is_portable() {
             return Err(Error::BadSnapshot);
         }
@@ -119,7 +118,7 @@ impl<I: Index> World<'_, I> {
             return Err(Error::BadSnapshot);
         }
         let stored = Stored::cut(&state, &parts.sizes, sections).ok_or(Error::BadSnapshot)?;
-        // Scratch memory, as far as the world is concerned.
+        // The histogram is scratch memory here.
         let placed = &mut *parts.tree.histogram;
         placed.fill(0);
         let mut image = Image { sizes: &parts.sizes, state: &state, stored, placed };
@@ -139,7 +138,7 @@ fn adapted<I: Index>(parts: &mut Parts<'_, I>, state: &State, sections: &[u8]) -
     let sizes = &known.ok_or(Error::BadSnapshot)?;
     numbers(state, sizes).map_err(|_| Error::BadSnapshot)?;
     let stored = Stored::cut(state, sizes, sections).ok_or(Error::BadSnapshot)?;
-    // The tree is not taken along, so it is not checked.
+    // The tree stays behind, so it is not checked.
     let image = Image { sizes, state, stored, placed: &mut [] };
     content_without_tree(&image).map_err(|_| Error::BadSnapshot)?;
     check_room(state, &parts.sizes)?;
@@ -160,14 +159,14 @@ fn opened(snapshot: &[u8]) -> Option<&[u8]> {
     (header.magic == MAGIC && header.checksum == checksum(body)).then_some(body)
 }
 
-/// What sections are given to, one after another.
+/// Takes the sections of a snapshot, one after another.
 trait Sections {
     fn section<T: Pod>(&mut self, items: &[T]);
     /// So many items.
     fn each<T: Pod>(&mut self, count: usize, items: impl Iterator<Item = T>);
 }
 
-/// Adds up their bytes.
+/// Adds up the bytes.
 struct Count(usize);
 
 impl Sections for Count {
@@ -180,7 +179,7 @@ impl Sections for Count {
     }
 }
 
-/// Writes them to bytes of any alignment.
+/// Writes sections to bytes of any alignment.
 struct Write<'o>(&'o mut [u8]);
 
 impl Write<'_> {
@@ -209,7 +208,7 @@ impl Sections for Write<'_> {
     }
 }
 
-/// Gives the sections of a world to `to`, in the order of [`Image`].
+/// Gives the sections of a world to `to`, in the order of [`Stored`].
 fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     let (state, sizes, tree) = (&*parts.state, &parts.sizes, &parts.tree);
     let lengths = Lengths::of(state, sizes);
@@ -249,7 +248,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     let segments = &parts.output.segments;
     to.section([segments.blocks() as u32].span(0, kept(sizes.event_blocks, 1)));
     to.section(segments.ends.span(0, 2 * segments.blocks()));
-    // Of the boxes that the last step reported only those that differ from what it would report now.
+    // Of the boxes that the last step reported, only those that may have changed since.
     let changed = parts.changed.words.span(0, kept(sizes.before, words));
     to.each(bits::count(changed) as usize, bits::ones(changed).map(|slot| parts.boxes.before.at(slot)));
     let former = &parts.former;
@@ -261,7 +260,7 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.each(kept(sizes.former_values, count), former_values);
 }
 
-/// Four sums of products in turn, eight bytes at a time: fast, and any changed byte changes it.
+/// Four chains of multiplications in turn, eight bytes at a time: fast, and any changed byte changes the result.
 fn checksum(bytes: &[u8]) -> u64 {
     const PRIME: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut sums = [1u64, 2, 3, 4];

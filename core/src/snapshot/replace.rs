@@ -1,4 +1,4 @@
-//! Puts what a snapshot has, which was checked, in the place of a world, and works out the rest.
+//! Replaces a world by a checked snapshot, and computes what the snapshot does not have.
 
 use super::image::Stored;
 use crate::access::{Access, bits};
@@ -14,7 +14,7 @@ use crate::step::recount::prove_at_once;
 use crate::tree::cells::divide;
 use crate::tree::{Cell, Frame, Leaf, Record, SUB_LEAVES, Straddler};
 
-/// Replaces a world. Nothing can go wrong any more. What is beyond the slots becomes as new.
+/// Replaces a world. Nothing can fail here. Slots beyond those in use become as new.
 pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored: &Stored<'_, I>) {
     let mut state = *state;
     state.adopt(parts.state);
@@ -47,7 +47,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
         parts.values.former.put(slot, value);
     }
     stored.stripes.copy_to(parts.output.stripes, Default::default());
-    // What stands behind the pairs means nothing.
+    // What is behind the pairs means nothing.
     for (at, pair) in stored.pairs.iter().enumerate() {
         parts.output.pairs.put(at, pair);
     }
@@ -72,7 +72,7 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     }
 }
 
-/// The boxes that the last step reported: those that have not changed since, and the others.
+/// The boxes that the last step reported: those that have not changed since, then the others.
 fn last_boxes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     if parts.boxes.before.is_empty() {
         return;
@@ -85,7 +85,7 @@ fn last_boxes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     }
 }
 
-/// Planes, and what leaves know even where they are not filled.
+/// Planes, and what leaves have even if they are not filled.
 fn planes<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     stored.planes.copy_to(parts.tree.planes, 0);
     parts.tree.leaves.fill(Leaf::default());
@@ -122,7 +122,7 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
         }
         return;
     }
-    // From the back, so that each is read before its place is taken.
+    // From the back, so that each is read before it is overwritten.
     for whole in (0..whole_leaves).rev() {
         let cell = tree.cells.at(whole);
         let cells = tree.cells.span_mut(whole * SUB_LEAVES, SUB_LEAVES);
@@ -134,7 +134,7 @@ fn leaves<I: Index>(parts: &mut Parts<'_, I>, stored: &Stored<'_, I>) {
     }
 }
 
-/// The records of the leaves, the large objects, and who stands where.
+/// The records of leaves, the large objects, homes and places.
 struct Records<'p, 'm, 'b, I> {
     parts: &'p mut Parts<'m, I>,
     stored: &'p Stored<'b, I>,

@@ -1,4 +1,5 @@
-//! Moves a world into another configuration: objects, and what the next step compares its pairs with. The tree stays behind.
+//! Moves a world into another configuration: its objects, and what the next step compares its pairs with. The tree
+//! stays behind.
 
 use crate::access::{Access, bits};
 use crate::config::{Config, Mode};
@@ -14,19 +15,20 @@ use crate::world::World;
 
 /// Growth.
 impl<I: Index> World<'_, I> {
-    /// Moves the world to other memory and another configuration: larger, or smaller where all fits. `slab` is as for
+    /// Moves the world to other memory and another configuration: larger, or smaller if all fits. `slab` is as for
     /// [`new_in`](Self::new_in); what was in it is gone. This world stays as it is. O(bytes of the new slab).
     ///
-    /// Everything goes on: ids, boxes, margins, filters, values, who rests, and the last result, so that the next step tells what is found
-    /// and lost since. After [`Error::PairsFull`] the world can move to where there is room for the pairs, and a step there tells
-    /// the events as if there had been room from the beginning. Only the tree is made anew by the next step in which an object has
-    /// moved, as in the first one of a world.
+    /// Everything goes on: ids, boxes, margins, filters, values, rest, and the last result, so the next step tells
+    /// what is found and lost since. After [`Error::PairsFull`] the world can move to where there is room for the
+    /// pairs; a step there tells events as if there had always been room. Only the tree is built anew, by the next
+    /// step in which an object has moved.
     ///
-    /// Capacities, workers, the margin of new objects and all choices about speed may change; mode, events, filters, values and
-    /// whether there are margins may not.
+    /// Capacities, workers, the margin of new objects and all choices about speed may change. The mode, events,
+    /// filters, values and whether there are margins may not.
     ///
     /// # Errors
-    /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is written then.
+    /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is
+    /// written then.
     ///
     /// ```
     /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
@@ -62,11 +64,11 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Whether there is room for a world; the surplus of its pairs can be found anew.
+/// Checks that there is room for a world, its surplus aside, which can be found anew.
 pub(super) fn check_room(from: &State, sizes: &Sizes) -> Result<(), Error> {
     let check = |field, needed: u64, room: usize| {
         let room = u32::try_from(room).unwrap_or(u32::MAX);
-        // All of them were counted by 32 bits where they are.
+        // All counts fit into 32 bits.
         let needed = u32::try_from(needed).unwrap_or(u32::MAX);
         if needed > room { Err(Error::NoRoom { field, needed, room }) } else { Ok(()) }
     };
@@ -74,9 +76,9 @@ pub(super) fn check_room(from: &State, sizes: &Sizes) -> Result<(), Error> {
     check(Field::Pairs, from.pairs.reported.max(of_the_step_before(from)), sizes.pairs)
 }
 
-/// Pairs that the events of the last step speak of, or those of the next one if that step had no room.
+/// The pairs of the step before: those that the last step lost, or all if it had no room for its pairs.
 fn of_the_step_before(state: &State) -> u64 {
-    // Those that are parked are not in the other buffer.
+    // Parked pairs are not in the other buffer.
     let parked = if state.pairs.complete == 0 {
         u64::from(state.pairs.parked - state.pairs.surplus_parked)
     } else {
@@ -85,7 +87,7 @@ fn of_the_step_before(state: &State) -> u64 {
     previous(state) + parked
 }
 
-/// Moves what is there into an empty world that has room for it.
+/// Moves everything into an empty world with enough room.
 pub(super) fn transfer<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let state = from.state();
     *to.state = to.state.with_objects_of(state);
@@ -106,7 +108,7 @@ pub(super) fn transfer<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) 
     }
 }
 
-/// Everything that stands at a slot.
+/// Everything by slot.
 fn objects<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     let fat = from.state().setup.mode() == Mode::Fat && !to.boxes.fat.is_empty();
     let (mut rank, mut former) = (0, 0);
@@ -156,7 +158,7 @@ fn sets<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
         to.moved.add(index, word(Set::Moved));
         to.filters.changed.add(index, word(Set::Refiltered));
         to.former.reused.add(index, word(Set::Reused));
-        // Where the world does not note which objects moved inside a margin, any object may have.
+        // If the old world does not note which objects moved inside their margins, any object may have.
         let anybody = u32::MAX >> 32usize.saturating_sub(slots - index * 32).min(31);
         let changed = match from.state().objects.moved_inside_margin {
             _ if known => word(Set::Changed),
@@ -181,6 +183,6 @@ fn pairs<I: Index>(from: &impl Content<I>, to: &mut Parts<'_, I>) {
     };
     result.chain(surplus).for_each(|at| put(from.pair(at)));
     to.state.pairs.swept = end as u64;
-    // The next step cannot keep pairs of fat boxes then.
+    // Then the next step cannot keep pairs of fat boxes.
     to.state.pairs.without_surplus |= u8::from(!fits);
 }

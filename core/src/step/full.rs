@@ -48,8 +48,8 @@ pub(super) fn full<I: Index>(
     executor.enter(Stage::Fill);
     let settled =
         settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
-    let stands = settled.is_some_and(|settled| keep::settle(parts, settled, context));
-    let mut counted = if stands { None } else { Some(assign::count(parts, context)) };
+    let leaves_stay = settled.is_some_and(|settled| keep::settle(parts, settled, context));
+    let mut counted = if leaves_stay { None } else { Some(assign::count(parts, context)) };
     if !rebuild && balance::is_out_of_balance(parts) {
         rebuild = true;
         route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };

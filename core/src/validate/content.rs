@@ -1,4 +1,4 @@
-//! What there is to check, wherever it stands: in a world's slab, or in the bytes of a snapshot. The checks are written once, for
+//! Reads what is to be checked, from a slab or from the bytes of a snapshot, so that checks are written once for
 //! both.
 
 use crate::access::{Access, bits};
@@ -12,11 +12,11 @@ use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 
-/// What a snapshot has of a leaf. The rest follows from it.
+/// The numbers of a leaf in a snapshot. The rest follows from them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct LeafCounts {
-    /// Records, and records that would fit; zero where the leaves are not filled.
+    /// Records, and records that fit; zero if the leaves are not filled.
     pub(crate) len: u32,
     pub(crate) room: u32,
     /// See [`Leaf::baseline`](crate::tree::Leaf::baseline).
@@ -36,16 +36,16 @@ pub(crate) enum Set {
     Reused,
 }
 
-/// Where an object stands in the tree.
+/// The place of an object in the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stand {
+pub(crate) enum Place {
     /// A leaf, and the place in it.
     Leaf(usize, usize),
-    /// The place in the list of large objects.
+    /// Its position in the list of large objects.
     Large(usize),
 }
 
-/// See the module. Indices are within what the state says.
+/// See the module. Callers keep indices within what the state says.
 pub(crate) trait Content<I: Index> {
     /// What the world was made for.
     fn sizes(&self) -> &Sizes;
@@ -53,10 +53,10 @@ pub(crate) trait Content<I: Index> {
     fn now(&self, slot: usize) -> KeyBox;
     fn fat(&self, slot: usize) -> KeyBox;
     fn margin(&self, slot: usize) -> f32;
-    /// The box of the last complete step, of an object that may have another one since: the slot, and how many such slots there
-    /// are below it.
+    /// The box of the last complete step, of an object that may have another one now: by its slot, and by how many
+    /// such slots are below it.
     fn before(&self, slot: usize, rank: usize) -> KeyBox;
-    /// The generation of the object that had a reused slot: the slot, and how many such slots there are below it.
+    /// The generation of the former object of a reused slot: by the slot, and by how many such slots are below it.
     fn former(&self, slot: usize, rank: usize) -> u32;
     /// The value of that object.
     fn former_value(&self, slot: usize, rank: usize) -> u64;
@@ -65,27 +65,28 @@ pub(crate) trait Content<I: Index> {
     /// A row of the class matrix.
     fn class(&self, class: usize) -> u32;
     fn generation(&self, slot: usize) -> u32;
-    /// A word of a set. None of a set that the world does not keep.
+    /// A word of a set; `None` if the world does not keep the set.
     fn word(&self, set: Set, index: usize) -> Option<u32>;
     fn stripes(&self) -> Option<StripeStarts>;
     fn plane(&self, node: usize) -> i32;
     fn leaf(&self, index: usize) -> LeafCounts;
-    /// The frame of a leaf of the last full step.
+    /// The frame of a whole leaf.
     fn frame(&self, whole: usize) -> Frame;
     fn bounds(&self, leaf: usize) -> Record;
     fn node(&self, node: usize) -> KeyBox;
-    /// The slot of a record: its position among all records with room, and among all without.
+    /// The slot of a record: by its position in the slab, where leaves have free room, and by its position in a
+    /// snapshot, where they have none.
     fn member(&self, position: usize, packed: usize) -> usize;
     fn large(&self, at: usize) -> usize;
     fn pair(&self, at: usize) -> Pair<I>;
     fn previous(&self, at: usize) -> Pair<I>;
-    /// Into how many segments the last complete result is divided, and where each of them ends.
+    /// How many segments the last complete result has, and where each ends.
     fn segments(&self) -> usize;
     fn segment(&self, at: usize) -> u32;
-    /// Notes where an object stands; false if it stands anywhere else. Asked of every record and large object.
-    fn stands(&mut self, slot: usize, at: Stand) -> bool;
+    /// Notes the place of an object; `false` if it has another place. Called for each record and each large object.
+    fn is_at(&mut self, slot: usize, at: Place) -> bool;
 
-    /// Whether a slot is in a set. False of a set that the world does not keep.
+    /// Whether a slot is in a set. False if the world does not keep the set.
     #[inline(always)]
     fn is_in(&self, set: Set, slot: usize) -> bool {
         self.word(set, slot / 32).is_some_and(|word| word >> (slot % 32) & 1 != 0)
@@ -215,16 +216,16 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
         self.0.output.segments.ends.at(at)
     }
 
-    fn stands(&mut self, slot: usize, at: Stand) -> bool {
+    fn is_at(&mut self, slot: usize, at: Place) -> bool {
         let (home, place) = match at {
-            Stand::Leaf(leaf, place) => (I::from_slot(leaf as u32), place),
-            Stand::Large(place) => (I::LARGE, place),
+            Place::Leaf(leaf, place) => (I::from_slot(leaf as u32), place),
+            Place::Large(place) => (I::LARGE, place),
         };
         self.0.home.at(slot) == home && self.0.place.at(slot).at() == place
     }
 }
 
-/// What a snapshot has of a leaf of a world.
+/// The numbers of a leaf of a world.
 pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
     let leaf = parts.tree.leaves.at(index);
     let filled = parts.state.tree.filled != 0;
@@ -232,7 +233,7 @@ pub(crate) fn leaf<I: Index>(parts: &Parts<'_, I>, index: usize) -> LeafCounts {
     LeafCounts { len, room, baseline: leaf.baseline }
 }
 
-/// How many slots of a set are below a number of slots; all of them, where none may be beyond.
+/// How many slots a set has; none may be beyond `slots`.
 pub(super) fn count<I: Index>(content: &impl Content<I>, set: Set, slots: usize) -> usize {
     (0..bits::words(slots))
         .filter_map(|index| content.word(set, index))

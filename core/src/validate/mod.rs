@@ -1,5 +1,5 @@
-//! Checks every invariant of a world: for tests, for debugging an embedding, and, of the bytes of a snapshot, before it is loaded.
-//! Whatever passes goes on right: the next step finds what brute force finds.
+//! Checks all invariants of a world: in tests, to debug an embedding, and in the bytes of a snapshot before it is
+//! loaded. After a world that passes, the next step finds what brute force finds.
 
 pub(crate) mod content;
 mod numbers;
@@ -15,8 +15,7 @@ use crate::world::World;
 use content::{Content, InSlab};
 use core::fmt;
 
-/// The first broken invariant that [`World::validate`] met. It would be an error of this library, or of whoever wrote to
-/// the slab.
+/// The first broken invariant that [`World::validate`] met: a fault of this library, or something wrote to the slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Invalid {
     what: &'static str,
@@ -38,8 +37,8 @@ fn check(holds: bool, what: &'static str, at: usize) -> Result<(), Invalid> {
 
 /// Tests of an embedding.
 impl<I: Index> World<'_, I> {
-    /// Checks every invariant of the world: slots, boxes, lists, tree and pairs. Never called by a step. O(n log n + pairs), and
-    /// as long again as a step that finds all pairs.
+    /// Checks all invariants of the world: slots, boxes, lists, tree and pairs. Steps never call it. O(n log n +
+    /// pairs), and about as long as a step that finds all pairs.
     ///
     /// # Errors
     /// The first broken one.
@@ -61,7 +60,7 @@ pub(crate) fn content<I: Index>(content: &mut impl Content<I>) -> Result<(), Inv
     pairs::pairs(content)
 }
 
-/// Checks what is left of a world that loses its tree, after the numbers.
+/// The same without the tree.
 pub(crate) fn content_without_tree<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     objects::objects(content)?;
     pairs::pairs(content)

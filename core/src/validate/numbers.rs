@@ -1,4 +1,4 @@
-//! The numbers of the state: each within what the arrays have room for, and together.
+//! Checks the numbers of the state: each is within its array, and they agree.
 
 use super::{Invalid, check};
 use crate::config::Mode;
@@ -7,7 +7,7 @@ use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::State;
 use crate::tree::balance::depth_for;
 
-/// Checks all numbers of a state. What an index is computed from comes first.
+/// Checks all numbers of a state, before any of them is used in an index.
 pub(crate) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     objects(state, sizes)?;
     tree(state, sizes)?;
@@ -25,7 +25,7 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         state.lists.listed as usize,
     )?;
     check(state.lists.axis < 3 && state.lists.stripe_axis < 3, "an axis that there is not", 0)?;
-    // Else they are chosen before they are used.
+    // If not, they are chosen before they are used.
     let chosen = sizes.is_small() && state.lists.scan_in > 0;
     check(!chosen || state.lists.axis != state.lists.stripe_axis, "stripes along the axis of the sweep", 0)?;
     let yes_or_no = [
@@ -57,7 +57,7 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
 fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let full = sizes.depth.saturating_sub(SUB_LEVELS);
     check(state.tree.built as usize <= sizes.tree, "planes for too many objects", state.tree.built as usize)?;
-    // The planes below are not made.
+    // No planes are made below.
     let deepest = if state.tree.built > 0 { depth_for(state.tree.built as usize, sizes.depth) } else { full };
     check(state.tree.depth <= deepest.min(full), "a tree without planes", state.tree.depth as usize)?;
     check(
@@ -67,7 +67,7 @@ fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         state.tree.subdivided as usize,
     )?;
     check(state.tree.filled == 0 || state.tree.built > 0, "filled leaves without planes", 0)?;
-    // So that no sum of squares is too much.
+    // So that no sum of squares can overflow.
     check(state.tree.baseline <= u64::from(state.tree.built).pow(2), "planes that were never so uneven", 0)?;
     check(
         u64::from(state.tree.large_start) + u64::from(state.tree.large) <= sizes.straddlers as u64,
@@ -104,7 +104,7 @@ fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     )?;
     let previous = state.pairs.previous;
     check(state.pairs.lost <= previous, "more pairs are lost than there were", state.pairs.lost as usize)?;
-    // A step that finds all pairs anew adds those that are parked.
+    // A step that finds all pairs anew adds the parked ones.
     let more = if state.pairs.complete != 0 || !events { 0 } else { parked - surplus_parked };
     check(
         previous <= sizes.previous as u64 && previous + more <= sizes.previous as u64,

@@ -1,4 +1,4 @@
-//! Objects: slots, boxes, margins, filters, sets of slots.
+//! Checks objects: slots, boxes, margins, filters, sets of slots.
 
 use super::content::{Content, Set, count};
 use super::{Invalid, check};
@@ -18,7 +18,7 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
         let now = content.now(slot);
         check(content.generation(slot) != 0, "a slot has no generation", slot)?;
         if now.is_empty() {
-            // A box that only looks empty might overlap others.
+            // Any other empty box might overlap something.
             check(now == KeyBox::free(now.next_free()), "a free slot has a box", slot)?;
             check(!content.is_in(Set::Resting, slot), "a free slot rests", slot)?;
             free += 1;
@@ -50,7 +50,7 @@ pub(crate) fn objects<I: Index>(content: &impl Content<I>) -> Result<(), Invalid
     check(stripes.is_none_or(|planes| planes.is_sorted()), "stripes are out of order", 0)
 }
 
-/// Free slots are chained, each once.
+/// The chain of free slots has each of them once, and ends.
 fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid> {
     let used = content.state().objects.slots as usize;
     let mut next = content.state().objects.free as usize;
@@ -60,11 +60,11 @@ fn chain<I: Index>(content: &impl Content<I>, free: usize) -> Result<(), Invalid
         check(bounds.is_empty(), "a living object is in the chain of free slots", next - 1)?;
         next = bounds.next_free() as usize;
     }
-    // Who comes back to a slot never ends.
+    // A chain that comes back to a slot never ends.
     check(next == 0, "the chain of free slots does not end", next)
 }
 
-/// Sets are of slots that there are; and who has moved has changed, as whose filter has changed has moved.
+/// Sets hold only slots that there are. Moved objects have changed, and objects with another filter count as moved.
 fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.objects.slots as usize;
@@ -89,11 +89,15 @@ fn sets<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
         )?;
     }
     let any = |set| count(content, set, slots) > 0;
-    check(state.objects.dirty != 0 || !any(Set::Moved), "objects have moved and nothing is touched", 0)?;
+    check(
+        state.objects.dirty != 0 || !any(Set::Moved),
+        "objects have moved and nothing is noted as changed",
+        0,
+    )?;
     check(state.objects.resting != 0 || !any(Set::Resting), "objects rest that were not put to rest", 0)
 }
 
-/// Who had the slots of new objects: some object, and so not the one that has it now.
+/// A reused slot had an object, and not the one that has it now.
 fn former<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let mut rank = 0;
     for index in 0..bits::words(content.state().objects.slots as usize) {
@@ -108,7 +112,7 @@ fn former<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The boxes that the last complete step reported, of those that may have others.
+/// The boxes of the last complete step, of objects that may have others now.
 fn last_boxes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     if content.sizes().before == 0 {
         return Ok(());

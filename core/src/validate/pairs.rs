@@ -1,4 +1,4 @@
-//! Pairs: those of the last step, those that steps need not look at, those that are compared for the events.
+//! Checks pairs: those of the last step, parked ones, and those that events compare with.
 
 use super::content::{Content, Set};
 use super::{Invalid, check};
@@ -7,8 +7,8 @@ use crate::filter::meet;
 use crate::id::{Index, Pair};
 use crate::memory::state::State;
 
-/// Checks each pair by itself: it is one of two slots in order; neither object is active if it is parked; and if nothing has changed
-/// since, the boxes overlap and the filters agree. O(pairs).
+/// Checks each pair by itself. It has two slots in order. If it is parked, neither object is active. If nothing has
+/// changed since, the boxes overlap and the filters let it through. O(pairs).
 pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let state = content.state();
     let slots = state.objects.slots as usize;
@@ -29,7 +29,7 @@ pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> 
     segments(content)
 }
 
-/// Checks a pair of two objects that have not moved: one of them may have changed inside its margin.
+/// Checks a pair of two objects that have not moved. One may have changed inside its margin.
 fn unmoved<I: Index>(
     content: &impl Content<I>,
     pair: &Pair<I>,
@@ -52,7 +52,7 @@ fn unmoved<I: Index>(
     check(content.sizes().filters == 0 || lets_through(), "a pair that the filters do not let through", at)
 }
 
-/// Checks that the blocks of leaves divide the last result: where each ends, and the last one with it.
+/// Checks that segments divide the last result: each ends where the next one starts, and the last one at its end.
 fn segments<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let (state, segments, mut end) = (content.state(), content.segments(), 0);
     check(segments <= 2 * content.sizes().event_blocks, "segments of leaves that there are not", segments)?;
@@ -69,7 +69,8 @@ fn segments<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     )
 }
 
-/// How many pairs of the step before mean something: those that are lost; after a step without room for its pairs, all.
+/// How many pairs of the step before mean something: those that are lost; if the last step had no room for its pairs,
+/// all.
 pub(crate) fn previous(state: &State) -> u64 {
     if state.pairs.complete != 0 { state.pairs.lost } else { state.pairs.previous }
 }

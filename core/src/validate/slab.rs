@@ -1,4 +1,4 @@
-//! What a slab has and a snapshot has not: lists, and what the tree keeps though it could be worked out.
+//! Checks what a slab has and a snapshot does not: lists, and what follows from the rest.
 
 use super::tree::leaves;
 use super::{Invalid, check};
@@ -17,7 +17,7 @@ use crate::tree::cells::cut;
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Record, first_of_eight, home_of};
 
-/// Checks all of that.
+/// Checks all of it.
 pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     unused(parts)?;
     last_boxes(parts)?;
@@ -29,7 +29,7 @@ pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     kept_pairs(parts)
 }
 
-/// What is beyond the slots is as new.
+/// Slots that were never in use are as new.
 fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.objects.slots as usize;
     for set in [
@@ -56,7 +56,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
 }
 
-/// The box of the last complete step is that of the slot, where neither has changed since.
+/// The box of the last complete step is that of the slot, if it has not changed since.
 fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let reported = parts.boxes.reported(parts.state.setup.mode());
     for (slot, before) in parts.boxes.before.iter().enumerate().take(parts.state.objects.slots as usize) {
@@ -66,10 +66,10 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Slots that are looked for at a time: their bits are on the stack, which is small where all worlds are.
+/// Slots that are looked for at a time. Their bits are on the stack, which is small on a microcontroller.
 const SLOTS_AT_A_TIME: usize = if cfg!(feature = "large") { 1 << 15 } else { 1 << 8 };
 
-/// Each list has every living object once, and the list that a step has swept is in order.
+/// Each list has every living object once, and the list that was swept is in order.
 fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     if parts.state.lists.stale != 0 {
         return Ok(());
@@ -119,7 +119,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Records are those of their boxes, leaf by leaf without gaps; no other object has a place in the tree.
+/// Records are those of their boxes, leaf by leaf without gaps. No other object has a place in the tree.
 fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let sub_levels = parts.state.tree.sub_levels();
     let swept = parts.boxes.swept();
@@ -139,7 +139,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             let home = home_of(parts.tree.planes, parts.state, &bounds.min);
             check(home == index, "an object is not where the planes say", slot)?;
             let mut expected = Scalar.record(&parts.tree.frames.at(index >> sub_levels), bounds, slot as u32);
-            // In a divided leaf a full step has to come anyway before anyone looks at the marks.
+            // Nobody reads the marks in divided leaves: a full step makes them anew.
             expected.tag |= match sub_levels {
                 0 => parts.tree.cells.at(index).classify(Scalar, bounds).marks(),
                 _ => record.tag & Record::STRADDLES,
@@ -158,7 +158,7 @@ fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(homes == placed, "an object has a place in the tree and is not there", homes)
 }
 
-/// The cells are those of the planes. Cut one by one, so that no room is needed.
+/// The cells are those of the planes. Each is cut by itself, so that no memory is needed.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let sub_levels = parts.state.tree.sub_levels();
     let depth = parts.state.tree.depth + sub_levels;
@@ -193,8 +193,8 @@ fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The pairs that the next step would keep are all that there are. Not asked where it looks itself, or where a rule may have
-/// said no.
+/// The pairs that the next step would keep are all that there are. Not checked if the step itself looks, or if a rule
+/// may have refused pairs.
 fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &*parts.state;
     let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0 && state.pairs.unproven == 0;
@@ -212,7 +212,7 @@ fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     !KeyBox::of(parts.boxes.now, slot).is_empty() && !bits::test(parts.moved.words, slot)
 }
 
-/// All overlaps of objects that have not moved.
+/// The sum over all overlaps of objects that have not moved.
 fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
     let (boxes, mut all) = (parts.boxes.swept(), Sum::default());
     let slots = 0..parts.state.objects.slots as usize;
@@ -239,7 +239,7 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
         let (mut all, sub_levels) = (Sum::default(), state.tree.sub_levels());
         for slot in (0..state.objects.slots as usize).filter(|slot| stays(parts, *slot)) {
             let bounds = KeyBox::of(boxes, slot);
-            // No vectors: a closure does not share the instruction set of its function.
+            // No vectors: a closure does not have the instruction set of its function.
             let mut meet = |other: usize| {
                 if other > slot && stays(parts, other) && KeyBox::of(boxes, other).overlaps(bounds) {
                     all.add([slot as u32, other as u32]);

@@ -1,6 +1,6 @@
-//! The tree: each object that has not moved since stands once where the planes say, and the boxes on the way hold it.
+//! Checks the tree: each object that has not moved is once where the planes say, and the boxes of nodes hold it.
 
-use super::content::{Content, LeafCounts, Set, Stand};
+use super::content::{Content, LeafCounts, Place, Set};
 use super::{Invalid, check};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
@@ -12,12 +12,12 @@ use crate::tree::balance::depth_for;
 use crate::tree::cells::divide;
 use crate::tree::{Cell, axis_of, plane};
 
-/// The nodes that have planes, and node zero, which is none.
+/// The number of nodes with planes, plus one for node zero, which there is not.
 pub(crate) fn planes(state: &State, deepest: u32) -> usize {
     if state.tree.built == 0 { 0 } else { 1 << (depth_for(state.tree.built as usize, deepest) + SUB_LEVELS) }
 }
 
-/// The leaves that mean something: also where they are not filled, since they know how even their planes once were.
+/// The number of leaves. They have baselines even if they are not filled.
 pub(crate) fn leaves(state: &State) -> usize {
     if state.tree.built == 0 { 0 } else { 1 << (state.tree.depth + state.tree.sub_levels()) }
 }
@@ -25,7 +25,7 @@ pub(crate) fn leaves(state: &State) -> usize {
 /// Checks the planes and, if leaves are filled, all of them. O(slots + leaves log leaves).
 pub(crate) fn tree<I: Index>(content: &mut impl Content<I>) -> Result<(), Invalid> {
     for node in 1..planes(content.state(), content.sizes().depth) {
-        // Whatever its key, a plane divides space; but only along an axis that there is.
+        // Any key is right for a plane, but not any axis.
         let known = content.plane(node);
         check(plane(axis_of(known), known) == known, "a plane has no axis", node)?;
     }
@@ -60,7 +60,7 @@ fn moved_and_living<I: Index>(content: &impl Content<I>, index: usize) -> usize 
     moved.filter(|bit| !content.now(index * 32 + bit).is_empty()).count()
 }
 
-/// The box of each node is one, and holds those below it: who looks for objects does not look below a box that is not met.
+/// The box of each node is valid and holds those below it, since nothing looks below a box that is not met.
 fn nodes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
     let leaves = 1usize << content.state().tree.depth;
     for node in 1..2 * leaves {
@@ -75,7 +75,7 @@ fn nodes<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
 /// A walk through the filled leaves.
 struct Filled<'c, C> {
     content: &'c mut C,
-    /// Records so far, with room and without.
+    /// Records so far, with the free room of leaves and without.
     position: u64,
     packed: usize,
     /// Living objects so far that have not moved.
@@ -83,7 +83,7 @@ struct Filled<'c, C> {
 }
 
 impl<C> Filled<'_, C> {
-    /// One leaf of the last full step, or its parts.
+    /// Checks one whole leaf and its sub-leaves.
     fn whole<I: Index>(&mut self, whole: usize, depth: u32) -> Result<(), Invalid>
     where
         C: Content<I>,
@@ -103,7 +103,7 @@ impl<C> Filled<'_, C> {
             check(!stays_empty || room == 0, "a part of a whole leaf has room", index)?;
             let cell = if divided { cell_of(self.content, depth + sub_levels, index) } else { cell };
             let end = self.position + u64::from(room);
-            // Casts look at whole groups of records, also of the last leaf's.
+            // Records are read in groups of eight, also behind the last leaf.
             let last = self.content.sizes().records.saturating_sub(EIGHT) as u64;
             check(end <= last, "leaves have more records than there are", index)?;
             let members = self.members(index, len as usize)?;
@@ -114,7 +114,7 @@ impl<C> Filled<'_, C> {
             let inside = cell.holds(&members.around.min) && cell.holds(&members.highest);
             check(inside, "an object is not where the planes say", index)?;
             check(around.contains(&members.around), "the box of a node does not hold a member", node)?;
-            // Lanes only fall as boxes grow, so those of the box around all are the least of all.
+            // Lanes fall as boxes grow, so those of the box around all members are the least.
             let record = Scalar.record(&frame, members.around, 0);
             let bounds = self.content.bounds(index);
             let mut both = bounds;
@@ -124,7 +124,7 @@ impl<C> Filled<'_, C> {
         Ok(())
     }
 
-    /// Looks at the members of a leaf. Who has moved or is no more stands where it was.
+    /// Checks the members of a leaf. Objects that have moved or are gone are still where they were.
     #[inline(always)]
     fn members<I: Index>(&mut self, leaf: usize, len: usize) -> Result<Members, Invalid>
     where
@@ -132,13 +132,13 @@ impl<C> Filled<'_, C> {
     {
         let slots = self.content.state().objects.slots as usize;
         let mut members = Members::NONE;
-        // More than there are slots would be more than the snapshot has.
+        // More members than slots would be more than a snapshot has.
         check(self.packed + len <= slots, "the leaves have more members than there are slots", leaf)?;
         for place in 0..len {
             let slot = self.content.member(self.position as usize + place, self.packed + place);
             check(slot < slots, "a record is of no slot", leaf)?;
-            let stands = self.content.stands(slot, Stand::Leaf(leaf, place));
-            check(stands, "a record is not at its object's place, or not the only one", slot)?;
+            let is_there = self.content.is_at(slot, Place::Leaf(leaf, place));
+            check(is_there, "a record is not at its object's place, or not the only one", slot)?;
             if self.content.is_in(Set::Moved, slot) {
                 continue;
             }
@@ -154,7 +154,7 @@ impl<C> Filled<'_, C> {
         Ok(members)
     }
 
-    /// The large objects.
+    /// Checks the large objects.
     fn large<I: Index>(&mut self) -> Result<(), Invalid>
     where
         C: Content<I>,
@@ -164,8 +164,8 @@ impl<C> Filled<'_, C> {
         for place in 0..count {
             let slot = self.content.large(place);
             check(slot < slots, "a large object is of no slot", place)?;
-            let stands = self.content.stands(slot, Stand::Large(place));
-            check(stands, "a large object is not at its place, or not the only one", slot)?;
+            let is_there = self.content.is_at(slot, Place::Large(place));
+            check(is_there, "a large object is not at its place, or not the only one", slot)?;
             if !self.content.is_in(Set::Moved, slot) {
                 check(!self.content.now(slot).is_empty(), "a large object is none", slot)?;
                 self.current += 1;
@@ -175,11 +175,11 @@ impl<C> Filled<'_, C> {
     }
 }
 
-/// What the members of a leaf come to that have not moved.
+/// The members of a leaf that have not moved.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Members {
     around: KeyBox,
-    /// Of their minima.
+    /// The greatest of their minima.
     highest: [i32; 3],
 }
 
@@ -187,7 +187,7 @@ impl Members {
     const NONE: Self = Self { around: KeyBox::NOTHING, highest: [i32::MIN; 3] };
 }
 
-/// The cell of a leaf at some depth, cut along its path alone, so that no room is needed.
+/// The cell of a leaf at a depth, cut along its path alone, so that no memory is needed.
 fn cell_of<I: Index>(content: &impl Content<I>, depth: u32, leaf: usize) -> Cell {
     let node = (1 << depth) + leaf;
     let mut cell = Cell::ALL;

@@ -1,4 +1,4 @@
-//! All that is in a world, one after another.
+//! Looks up what is in a world: objects, their boxes and margins.
 
 use super::{Step, World};
 use crate::access::Access;
@@ -78,13 +78,13 @@ impl<I: Index> World<'_, I> {
         self.ids().filter_map(|id| Some((id, self.aabb(id)?)))
     }
 
-    /// How far an object may move before it counts as moved; `None` for a stale id, and in a world without margins.
+    /// How far an object may move before it counts as moved. `None` for a stale id, and in a world without margins.
     #[must_use]
     pub fn margin(&self, id: Id) -> Option<f32> {
         self.slot_of(id).ok().and_then(|slot| self.parts.boxes.margins.get(slot).copied())
     }
 
-    /// Whom an object overlaps, as the last step has it. O(pairs): who asks for many should go through
+    /// The objects that an object overlaps in the last result. O(pairs): to ask for many objects, go through
     /// [`pairs`](Self::pairs) once.
     pub fn pairs_of(&self, id: Id) -> impl Iterator<Item = Id> {
         self.pair_ids().filter_map(move |[a, b]| match id {
@@ -94,7 +94,8 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// Removes all objects. Their ids are stale from now on; their pairs are lost at the next step. O(slots that have been in use).
+    /// Removes all objects. Their ids become stale, and their pairs are lost at the next step. O(slots that have been
+    /// in use).
     pub fn clear(&mut self) {
         for slot in 0..self.parts.state.objects.slots {
             if let Some(id) = self.id_at(slot) {

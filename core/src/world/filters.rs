@@ -1,4 +1,4 @@
-//! Whom objects meet: see [`Filter`].
+//! Sets whom objects meet: see [`Filter`].
 
 use super::World;
 use crate::access::Access;
@@ -57,8 +57,8 @@ impl<I: Index> World<'_, I> {
         self.slot_of(id).ok().and_then(|slot| self.parts.filters.of.get(slot).copied())
     }
 
-    /// Whether an object meets what has a filter, by groups and classes: for queries, see [`among`](Self::among). Objects of a world
-    /// without filters have [`Filter::ALL`]. False of a stale id. O(1).
+    /// Whether an object meets whatever has a filter, by groups and classes; for queries, see [`among`](Self::among).
+    /// In a world without filters objects have [`Filter::ALL`]. False for a stale id. O(1).
     #[must_use]
     pub fn meets(&self, id: Id, filter: &Filter) -> bool {
         let classes = &*self.parts.filters.classes;
@@ -67,8 +67,8 @@ impl<I: Index> World<'_, I> {
         self.slot_of(id).is_ok_and(|slot| meet(&of(slot), filter, row))
     }
 
-    /// Sets which classes meet: bit `b` of `meets[a]` says whether `a` meets `b`, and the same for `meets[b]`; both have to
-    /// be set. All classes meet at first. All pairs are looked for anew at the next step. O(n).
+    /// Sets which classes meet. Two classes `a` and `b` meet if bit `b` of `meets[a]` and bit `a` of `meets[b]` are
+    /// set. At first all classes meet. The next step looks for all pairs anew. O(n).
     ///
     /// # Errors
     /// [`Error::NoFilters`].
@@ -85,7 +85,8 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Has the next step ask about all pairs of an object again, for a [`Rule`](crate::Rule) that has changed its mind. O(1).
+    /// Makes the next step ask about all pairs of an object again, after a [`Rule`](crate::Rule) has changed its
+    /// answer. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::NoFilters`].

@@ -6,10 +6,10 @@ use crate::error::Error;
 use crate::id::Index;
 use bytemuck::Zeroable;
 
-/// A world that brings its own memory: for statics, structs and stacks.
+/// Memory for a world, in a static, a struct or on the stack.
 ///
-/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. The
-/// value is all zero until [`init`](Self::init), so a static lands in `.bss`.
+/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. It is all
+/// zero until [`init`](Self::init), so a static is in `.bss`.
 ///
 /// ```
 /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
@@ -53,7 +53,7 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
     /// The world that [`init`](Self::init) made.
     ///
     /// # Errors
-    /// [`Error::NotAWorld`] before that, or where the index width differs.
+    /// [`Error::NotAWorld`] before that, or if the index width differs.
     pub fn world<I: Index>(&mut self) -> Result<World<'_, I>, Error> {
         World::open(&mut self.0)
     }

@@ -1,4 +1,4 @@
-//! Worlds come to be in memory, and are found there again.
+//! Makes worlds in memory, and opens them there again.
 
 use super::World;
 use crate::config::{Capacity, Config};
@@ -28,8 +28,8 @@ use crate::simd::kernels::Kernels;
 /// # Ok::<(), Error>(())
 /// ```
 impl<'m, I: Index> World<'m, I> {
-    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What was
-    /// in the slab does not matter; what is beyond the needed length is not touched. O(bytes).
+    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What
+    /// was in the slab does not matter; bytes beyond the needed length are not touched. O(bytes).
     ///
     /// # Errors
     /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
@@ -54,7 +54,7 @@ impl<'m, I: Index> World<'m, I> {
     /// What the world was made for.
     #[must_use]
     pub fn config(&self) -> Config {
-        // The state of an opened world is known to be good.
+        // Opening a world has checked it.
         self.parts.state.setup.config(size_of::<I>()).unwrap_or(Config::new(Capacity::for_objects(0)))
     }
 }

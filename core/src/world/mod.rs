@@ -49,7 +49,7 @@ use crate::tree::keep;
 
 /// Boxes, and which of them overlap.
 ///
-/// A view of a slab that the caller lends; all state is in the slab, so a world can be dropped and
+/// A view of a slab that the caller lends. All state is in the slab, so a world can be dropped and
 /// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
 ///
 /// Its methods are listed in the order of use: [make](Self::new_in) a world; [insert](Self::insert) objects and give them other boxes,
@@ -69,7 +69,7 @@ impl<I: Index> World<'_, I> {
         let parts = &mut self.parts;
         let shared =
             parts.state.setup.hooks().sharing.fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
-        // A small world shares nothing.
+        // A world without a tree shares nothing.
         let shared = shared && !context.is_small();
         let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
@@ -119,7 +119,8 @@ impl<I: Index> World<'_, I> {
         Self::conclude(parts, &progress, context)
     }
 
-    /// Ingest: the caller's boxes, where there are any, and who moved (paper, section III.B).
+    /// Takes in the caller's boxes, if there are any (paper, section III.B). Returns which were refused, and how many
+    /// objects left their leaf if the intake settles records.
     fn take_in(
         parts: &mut Parts<'_, I>,
         bounds: Option<Boxes<'_>>,
@@ -137,7 +138,7 @@ impl<I: Index> World<'_, I> {
         (first.map(|first| Rejected { first, count: intake.rejected }), settles.then_some(intake.left))
     }
 
-    /// Nothing has changed: the result stays as it is, with nothing found or lost.
+    /// Nothing has changed: the result stays, and nothing is found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
         let leaves = parts.state.leaves();
         let progress = Progress { leaves, ..Progress::default() };
@@ -147,8 +148,8 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.dirty = 0;
     }
 
-    /// Exact test and events, if all pairs are there; else the prefix that fits, and everything stays as it was for
-    /// the step that will be complete.
+    /// Makes the result and the events, if all pairs fit. Else the result has those that fit, and everything else
+    /// stays for the next complete step.
     fn conclude(
         parts: &mut Parts<'_, I>,
         progress: &Progress,
@@ -168,7 +169,7 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.outran = 0;
         parts.filters.changed.clear();
         if parts.state.objects.has_inserted == 0 {
-            // Those are of the step before.
+            // They are of the step before.
             parts.former.reused.clear();
         }
         parts.state.objects.has_inserted = 0;

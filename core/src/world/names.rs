@@ -1,4 +1,4 @@
-//! Pairs by ids, which stay good when slots go to other objects.
+//! Names pairs by ids, which stay right when slots go to other objects.
 
 use super::{Step, World};
 use crate::access::{Access, bits};
@@ -23,18 +23,18 @@ use crate::id::{Id, Index, Pair};
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// [`pairs`](Self::pairs) by id. A pair of which an object has been removed since the step is left out.
+    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }
 
-    /// [`found`](Self::found) by id. A pair of which an object has been removed since the step is left out.
+    /// [`found`](Self::found) by id, without those of objects that were removed since the step.
     pub fn found_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.found())
     }
 
-    /// [`lost`](Self::lost) by the ids of the objects that were the pair, also where they are no more and others have their slots.
-    /// To be asked before an object comes: until then these are the ids that the last two steps knew.
+    /// [`lost`](Self::lost) by the ids of the objects that were the pair, also if they are gone and others have their
+    /// slots. Ask before you insert an object: until then these are the ids of the last two steps.
     pub fn lost_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.lost().iter().filter_map(|pair| {
             let [a, b] = pair.map(|slot| self.former_id(slot.at()));
@@ -49,7 +49,7 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// The object that had a slot in the complete step before the last one, if one had.
+    /// The object that had a slot in the complete step before the last one.
     fn former_id(&self, slot: usize) -> Option<Id> {
         let former = &self.parts.former;
         let is_reused = bits::test(former.reused.words, slot);

@@ -1,4 +1,4 @@
-//! Objects come, get other boxes, and go.
+//! Inserts objects, gives them other boxes, and removes them.
 
 use super::World;
 use crate::access::{Access, bits};
@@ -34,7 +34,7 @@ use crate::objects::margins::margin_length;
 /// # Ok::<(), Error>(())
 /// ```
 impl<'m, I: Index> World<'m, I> {
-    /// Adds an object. In a world that has not lost any, slots are given out in ascending order. O(1).
+    /// Adds an object. Slots are given out in ascending order until an object is removed. O(1).
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].
@@ -54,8 +54,8 @@ impl<'m, I: Index> World<'m, I> {
         Ok(())
     }
 
-    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
-    /// Does nothing in a world without margins. O(1).
+    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
+    /// once. In a world without margins this does nothing. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`], or [`Error::BadMargin`] where `length` is negative or not finite.
@@ -72,7 +72,7 @@ impl<'m, I: Index> World<'m, I> {
         Ok(())
     }
 
-    /// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+    /// Removes an object. Its id becomes stale, and its pairs are lost at the next step. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`].
@@ -82,8 +82,8 @@ impl<'m, I: Index> World<'m, I> {
         Ok(())
     }
 
-    /// Adds objects, all or none; gives their ids in the order of the boxes: `let ids: Vec<Id> = world.insert_many(boxes)?.collect()`.
-    /// Those whose ids are not taken are added, too. O(n).
+    /// Adds objects, all or none. Gives their ids in the order of the boxes: `let ids: Vec<Id> =
+    /// world.insert_many(boxes)?.collect()`. Objects whose ids you do not take are added too. O(n).
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].
@@ -99,7 +99,7 @@ impl<'m, I: Index> World<'m, I> {
     /// Gives objects other boxes, all or none. O(n).
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] where there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
+    /// [`Error::LengthMismatch`] if there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
     #[cfg_attr(debug_assertions, inline(never))]
     pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
         if ids.len() != boxes.len() {
@@ -123,7 +123,7 @@ impl<'m, I: Index> World<'m, I> {
         for id in ids {
             self.slot_of(*id)?;
         }
-        // All of them name living objects, so that only an id that comes twice meets the mark of its first time.
+        // All ids name living objects. So only an id that comes twice meets the mark of its first time.
         const MARK: u32 = 1 << 31;
         let toggle = |world: &mut Self, id: &Id| {
             let generation = world.parts.generations.at(id.slot() as usize);
@@ -159,7 +159,8 @@ impl<'m, I: Index> World<'m, I> {
             parts.state.objects.slots += 1;
         }
         parts.state.objects.live += 1;
-        // After four billion objects in one slot an old id could match again; skipping zero keeps ids non-null.
+        // After four billion objects in one slot an old id could match again. Zero is left out, so ids are never
+        // zero.
         let former = parts.generations.at(at);
         let generation = former.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
@@ -211,7 +212,7 @@ impl<'m, I: Index> World<'m, I> {
     }
 }
 
-/// The ids of new objects: see [`World::insert_many`]. What is left is added when it goes.
+/// The ids of new objects: see [`World::insert_many`]. When it is dropped, it adds the rest.
 pub struct Inserted<'w, 'm, 'b, I: Index = u32> {
     world: &'w mut World<'m, I>,
     boxes: Boxes<'b>,
@@ -224,7 +225,7 @@ impl<I: Index> Iterator for Inserted<'_, '_, '_, I> {
     fn next(&mut self) -> Option<Id> {
         let bounds = self.boxes.get(self.next).as_ref().and_then(KeyBox::from_aabb)?;
         self.next += 1;
-        // There is room.
+        // There is room, as `insert_many` has checked.
         self.world.insert_box(bounds).ok()
     }
 

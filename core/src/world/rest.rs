@@ -1,5 +1,5 @@
-//! Objects that the caller puts to rest and wakes. What a step makes of them is in [`persistent`](crate::pairs::persistent) and
-//! [`ingest`](crate::objects::intake).
+//! Puts objects to rest, and wakes them. Steps then use this in [`persistent`](crate::pairs::persistent) and
+//! [`intake`](crate::objects::intake).
 
 use crate::access::bits;
 use crate::error::Error;
@@ -7,7 +7,7 @@ use crate::id::{Id, Index, Pair};
 use crate::memory::slab::Parts;
 use crate::world::World;
 
-/// Objects that the caller knows to rest, beside those that are seen to.
+/// Objects that the caller knows to rest. Steps find out about others by themselves.
 ///
 /// ```
 /// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
@@ -27,9 +27,9 @@ use crate::world::World;
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Puts objects to rest, all or none: the next step parks their pairs with each other, and steps do not look at
-    /// what the bounds array has for them. An object that gets another box by [`set_aabb`](Self::set_aabb) or
-    /// [`update_many`](Self::update_many) wakes. O(n).
+    /// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps ignore their
+    /// boxes in the caller's array. An object wakes when it gets another box by [`set_aabb`](Self::set_aabb) or
+    /// [`update_many`](Self::update_many). O(n).
     ///
     /// # Errors
     /// [`Error::StaleId`].
@@ -44,7 +44,7 @@ impl<I: Index> World<'_, I> {
             bits::set(resting, slot);
             if !active.is_empty() && bits::test(active, slot) {
                 bits::clear(active, slot);
-                // More than can be, so that the next step looks at its pairs.
+                // No more can be active, so the next step looks at its pairs.
                 state.pairs.active = u32::MAX;
             }
         }
@@ -52,7 +52,7 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Has steps look at the bounds array for objects again, all or none. O(n).
+    /// Wakes objects, all or none: steps take their boxes from the caller's array again. O(n).
     ///
     /// # Errors
     /// [`Error::StaleId`].
@@ -66,8 +66,8 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// The [`pairs`](Self::pairs) of which at least one object is awake: has not been put to rest, or has been woken since. These are
-    /// what a narrow phase has to look at that keeps the contacts of those that rest. O(pairs).
+    /// The [`pairs`](Self::pairs) with at least one awake object: one that was not put to rest, or has been woken
+    /// since. A narrow phase that keeps the contacts of resting objects needs only these. O(pairs).
     pub fn awake_pairs(&self) -> impl Iterator<Item = Pair<I>> {
         let rests = |slot: I| bits::test(self.parts.resting, slot.at());
         self.pairs().iter().copied().filter(move |[a, b]| !rests(*a) || !rests(*b))

@@ -1,4 +1,4 @@
-//! What a step has found.
+//! Gives the result of the last step.
 
 use super::World;
 use crate::access::Access;
@@ -27,25 +27,25 @@ use crate::memory::stats::Stats;
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// The overlapping pairs of the last step, each once, the lower slot first; in no order that means anything, but
-    /// always the same for the same calls. After [`Error::PairsFull`](crate::Error::PairsFull) those that
-    /// fitted.
+    /// The overlapping pairs of the last step, each once, the lower slot first. Their order means nothing, but the
+    /// same calls give the same order. After [`Error::PairsFull`](crate::Error::PairsFull) these are the pairs that
+    /// fit.
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
         let result = self.parts.state.pairs.result();
         self.parts.output.pairs.span(result.start, result.len())
     }
 
-    /// With events: the pairs that the last step has and the complete step before it had not. A pair of other objects in
-    /// the same slots counts as another pair.
+    /// With events: the pairs of the last step that the complete step before it did not have. Other objects in the
+    /// same slots are another pair.
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
         let found = self.parts.state.pairs.found as usize;
         self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
     }
 
-    /// With events: the pairs that the complete step before the last one had and the last one has not. A removed object's
-    /// slot may hold a new one by now.
+    /// With events: the pairs of the complete step before the last one that the last one does not have. The slot of a
+    /// removed object may have a new object by now.
     #[must_use]
     pub fn lost(&self) -> &[Pair<I>] {
         self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
@@ -100,15 +100,15 @@ impl<'w, I: Index> Step<'w, I> {
         self.world.stats()
     }
 
-    /// The objects whose boxes in the bounds array were refused: NaN, or a minimum above its maximum. They have kept
-    /// their last good boxes, and all others are as if nothing had been.
+    /// The objects whose boxes in the caller's array were refused: NaN, or a minimum above its maximum. They keep
+    /// their last good boxes; all other objects are not affected.
     #[must_use]
     pub fn rejected(&self) -> Option<Rejected> {
         self.rejected
     }
 
-    /// How many of the pairs are there only for the margins: their boxes as given do not overlap. Always zero in
-    /// [`Mode::Exact`](crate::Mode::Exact). Counted when it is asked for: O(pairs).
+    /// How many pairs there are only because of margins: their boxes as given do not overlap. Always zero in
+    /// [`Mode::Exact`](crate::Mode::Exact). Each call counts: O(pairs).
     #[must_use]
     pub fn surplus(&self) -> u64 {
         let now = &self.world.parts.boxes.now;

@@ -1,4 +1,4 @@
-//! Moves the origin of a world, so that its boxes are near it, where `f32` is fine.
+//! Moves the origin of a world close to its boxes, where `f32` is precise.
 
 use crate::access::Access;
 use crate::error::Error;
@@ -9,16 +9,16 @@ use crate::world::World;
 
 /// Large scenes.
 impl<I: Index> World<'_, I> {
-    /// Moves the origin to the point `by`: subtracts it from all boxes. From then on boxes are given relative to the new
-    /// origin. The next step finds the pairs in the leaves of a new tree; it takes as long as the first one. O(n).
+    /// Moves the origin to the point `by`: subtracts it from all boxes. Give boxes relative to the new origin from
+    /// then on. The next step builds a new tree, and takes as long as the first one. O(n).
     ///
-    /// Where a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but some may come to overlap.
-    /// Returns the number of objects that this befell. Shifts of which all differences are `f32`s, such as those by
-    /// multiples of the finest step of all coordinates, return zero, and pairs and events are as if nothing had
-    /// happened. Infinite bounds stay infinite, and bounds that leave the range of `f32` become so outwards.
+    /// If a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but boxes may come to
+    /// overlap. Returns the number of objects whose boxes were rounded. It is zero for shifts by multiples of the
+    /// finest step of all coordinates, and then pairs and events are as without a shift. Infinite bounds stay
+    /// infinite, and bounds that leave the range of `f32` become infinite outwards.
     ///
-    /// Fat boxes are shifted as they are, not anchored anew, so that in [`Mode::Fat`](crate::Mode::Fat) a shift alone does not
-    /// change the pairs either, but for fat boxes that are rounded; these are not counted.
+    /// Fat boxes are shifted too, not made anew. So a shift alone does not change the pairs in
+    /// [`Mode::Fat`](crate::Mode::Fat) either, unless fat boxes are rounded; these are not counted.
     ///
     /// To win back precision that boxes have lost far from the origin, give them again from `f64` after the shift:
     ///
@@ -57,12 +57,12 @@ impl<I: Index> World<'_, I> {
             if now.is_empty() {
                 continue;
             }
-            // The boxes of the last complete step are compared with each other alone. They are kept as they are, which
-            // keeps the events exact where boxes are rounded.
+            // The boxes of the last complete step stay unshifted, since they are only compared with each other. So
+            // events are exact even if boxes are rounded.
             parts.objects().touch(slot);
             let (now, exact) = shifted(now, by);
             parts.boxes.now.put(slot, now);
-            // Rounding keeps the order of numbers, so that the fat box still holds the box.
+            // Rounding keeps the order of numbers, so the fat box still holds the box.
             let fat = if parts.boxes.tight { None } else { parts.boxes.fat.get_mut(slot) };
             if let Some(fat) = fat {
                 (*fat, _) = shifted(*fat, by);
@@ -78,7 +78,7 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// The least box that holds a box seen from another origin, and whether it is exactly that box.
+/// The least box that holds a box, relative to another origin; and whether it is exact.
 fn shifted(bounds: KeyBox, by: [f64; 3]) -> (KeyBox, bool) {
     let Aabb { min, max } = bounds.to_aabb();
     let (mut low, mut high) = (min, max);
@@ -87,9 +87,9 @@ fn shifted(bounds: KeyBox, by: [f64; 3]) -> (KeyBox, bool) {
         let (min, max) = (widened(min[k]), widened(max[k]));
         low[k] = round_down(min, by[k]);
         high[k] = round_up(max, by[k]);
-        // Keys, since a host may take two denormals for equal.
+        // By keys, since a host may take two denormals for equal.
         exact &= key(low[k]) == key(round_up(min, by[k])) && key(high[k]) == key(round_down(max, by[k]));
     }
-    // Never NaN, and never out of order, as nothing is infinite in `by`.
+    // Never NaN and never out of order, since `by` is finite.
     (KeyBox::from_aabb(&Aabb::new(low, high)).unwrap_or(bounds), exact)
 }

@@ -1,4 +1,4 @@
-//! How a step is done: by which kernels and which workers, and with which rule.
+//! Starts steps, with kernels, workers and a rule.
 
 use super::{Step, World};
 use crate::error::Error;
@@ -9,9 +9,9 @@ use crate::parallel::context::StepContext;
 use crate::parallel::executor::{Executor, Serial};
 use crate::simd::kernels::Kernels;
 
-/// A step to be done on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by [`step`](Self::step) or
+/// A step on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by [`step`](Self::step) or
 /// [`step_over`](Self::step_over).
-#[must_use = "a step that nobody does"]
+#[must_use = "does nothing until `step` or `step_over`"]
 pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
     world: &'w mut World<'m, I>,
     executor: &'e dyn Executor,
@@ -51,30 +51,30 @@ impl<'m, I: Index> World<'m, I> {
         self.on(&Serial).step()
     }
 
-    /// As [`step`](Self::step), after giving every object the box that stands at its slot in `bounds`, the caller's own
-    /// array: one pass over it, no copy. What stands at the slots of no object does not matter; objects beyond its end
-    /// keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
+    /// As [`step`](Self::step), after giving every object the box at its slot in `bounds`, the caller's own array:
+    /// one pass, no copy. Boxes at slots without an object do not matter. Objects beyond the end of the array keep
+    /// their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
     ///
     /// # Errors
-    /// [`Error::PairsFull`]. It says nothing of refused boxes; a step over the same array tells of them again.
+    /// [`Error::PairsFull`]. It does not tell about refused boxes; another step over the same array does.
     pub fn step_over(&mut self, bounds: Boxes<'_>) -> Result<Step<'_, I>, Error> {
         self.on(&Serial).step_over(bounds)
     }
 
-    /// Steps on the workers of a job system: `world.on(&executor).step()`. The result is the same, byte for byte. As many may work
-    /// at once as [`Config::workers`](crate::Config::workers) says.
+    /// Steps on the workers of a job system: `world.on(&executor).step()`. The result is the same, byte for byte. At
+    /// most [`Config::workers`](crate::Config::workers) work at once.
     pub fn on<'w, 'e>(&'w mut self, executor: &'e dyn Executor) -> Stepper<'w, 'm, 'e, I> {
         Stepper { world: self, executor, rule: None }
     }
 
-    /// Steps with a rule that decides about the pairs that the filters let through: `world.with_rule(&rule).step()`. A world that
-    /// has a rule in one step should have it in all.
+    /// Steps with a rule that decides the pairs that the filters let through: `world.with_rule(&rule).step()`. If a
+    /// world has a rule in one step, it should have the same in all.
     pub fn with_rule<'w, 'e>(&'w mut self, rule: &'e Rule<'e>) -> Stepper<'w, 'm, 'e, I> {
         Stepper { world: self, executor: &Serial, rule: Some(rule) }
     }
 
-    /// Has steps and queries use other kernels than the best ones of this CPU. They differ in speed alone. This is the view's: a
-    /// world that is opened anew uses the best ones.
+    /// Makes steps and queries use other kernels than the best ones of this CPU. Only their speed differs. This
+    /// belongs to the view: a world that is opened again uses the best ones.
     pub fn set_kernels(&mut self, kernels: Kernels) -> &mut Self {
         self.kernels = kernels;
         self

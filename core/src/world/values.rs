@@ -1,4 +1,4 @@
-//! Values of objects, which mean what the caller likes: an entity, an index, a pointer.
+//! Gives objects values for the caller's use: an entity, an index, a pointer.
 
 use super::{Step, World};
 use crate::access::bits;
@@ -31,7 +31,7 @@ use crate::id::{Id, Index};
 /// # Ok::<(), trisap_core::Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Gives an object a value; a new object has 0. It stays through snapshots and [moves](Self::move_into). O(1).
+    /// Gives an object a value; a new object has 0. Snapshots and [moves](Self::move_into) keep it. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::NoValues`].
@@ -41,26 +41,25 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// The value of an object, for instance of one that a query has found; `None` for a stale id, and in a world without values.
-    /// O(1).
+    /// The value of an object. `None` for a stale id, and in a world without values. O(1).
     #[must_use]
     pub fn value(&self, id: Id) -> Option<u64> {
         self.slot_of(id).ok().and_then(|slot| self.parts.values.of.get(slot).copied())
     }
 
-    /// [`pairs`](Self::pairs) by value. A pair of which an object has been removed since the step is left out; in a world without
-    /// values all are.
+    /// [`pairs`](Self::pairs) by value, without those of objects that were removed since the step. None in a world
+    /// without values.
     pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> {
         self.values_of(self.pair_ids())
     }
 
-    /// [`found`](Self::found) by value. A pair of which an object has been removed since the step is left out.
+    /// [`found`](Self::found) by value, without those of objects that were removed since the step.
     pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> {
         self.values_of(self.found_ids())
     }
 
-    /// [`lost`](Self::lost) by the values of the objects that were the pair, also where they are no more and others have their
-    /// slots. To be asked before an object comes, as [`lost_ids`](Self::lost_ids).
+    /// [`lost`](Self::lost) by the values of the objects that were the pair, also if they are gone and others have
+    /// their slots. Ask before you insert an object, as for [`lost_ids`](Self::lost_ids).
     pub fn lost_values(&self) -> impl Iterator<Item = [u64; 2]> {
         self.lost().iter().filter_map(|pair| {
             let [a, b] = pair.map(|slot| self.former_value(slot.at()));
@@ -81,12 +80,12 @@ impl<I: Index> World<'_, I> {
 }
 
 impl<'w, I: Index> Step<'w, I> {
-    /// See [`World::pair_values`]; here nobody is missing.
+    /// See [`World::pair_values`]; here none is missing.
     pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> + use<'w, I> {
         self.world.pair_values()
     }
 
-    /// See [`World::found_values`]; here nobody is missing.
+    /// See [`World::found_values`]; here none is missing.
     pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> + use<'w, I> {
         self.world.found_values()
     }

@@ -1,4 +1,4 @@
-//! The tree to look at: what a debug view draws.
+//! Shows the tree, for debug views.
 
 use crate::access::Access;
 use crate::geometry::aabb::Aabb;
@@ -11,7 +11,7 @@ use crate::world::World;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LeafView {
-    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    /// The part of space whose minimum corners are at home in the leaf; infinite at the rim.
     pub cell: Aabb,
     /// The objects that were in it at the last step.
     pub objects: u32,
@@ -21,9 +21,9 @@ pub struct LeafView {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlaneView {
-    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    /// The axis that it divides: 0 for x, 1 for y, 2 for z.
     pub axis: usize,
-    /// Where it stands on that axis.
+    /// Its place on that axis.
     pub position: f32,
     /// The part of space that it divides; infinite at the rim.
     pub cell: Aabb,
@@ -31,7 +31,7 @@ pub struct PlaneView {
     pub depth: u32,
 }
 
-/// What the tree of the last step looks like; nothing where there is none.
+/// The tree of the last step; nothing if there is none.
 ///
 /// ```
 /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
@@ -63,7 +63,7 @@ impl<I: Index> World<'_, I> {
         let planes = &*self.parts.tree.planes;
         let state = &*self.parts.state;
         let divides = move |node: usize| {
-            // The planes in a leaf that is still whole divide nothing yet.
+            // Planes below a leaf that is not divided yet divide nothing.
             let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.tree.depth);
             let whole = |levels| !state.tree.is_subdivided((node >> levels) - (1 << state.tree.depth));
             key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
@@ -85,7 +85,7 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// The objects that live in the large-object list instead of a leaf. O(large objects).
+    /// The large objects, which are in no leaf. O(large objects).
     pub fn large(&self) -> impl Iterator<Item = Id> + '_ {
         self.large_in_tree().filter_map(|slot| self.id_of(slot))
     }
