@@ -61,7 +61,7 @@
 /// Nothing had moved: the pairs stayed.
 #define TRISAP_PATH_UNCHANGED 0
 
-/// A small world: swept straight from a sorted list.
+/// A world without a tree: its boxes were swept along a sorted list.
 #define TRISAP_PATH_LISTS 1
 
 /// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.
@@ -73,42 +73,43 @@
 /// As full, after new planes for the whole tree.
 #define TRISAP_PATH_REBUILT 4
 
-/// Some have moved, and the others have many pairs: all leaves were filled, and swept for the pairs of the movers alone; the others stay.
+/// Many have moved, but most pairs stay: all leaves were filled and swept for the pairs of moved objects alone, and
+/// the other pairs stay.
 #define TRISAP_PATH_MOVERS_BY_LEAF 5
 
 /// Unchanged: nothing had moved.
 #define TRISAP_REASON_NO_MOVERS 0
 
-/// Lists: the world is for up to 64 objects, or lean: it is swept box by box.
+/// Lists: the world is for up to 64 objects, or lean, and has no tree.
 #define TRISAP_REASON_FEW_OBJECTS 1
 
-/// Movers: few had moved: one object in thirteen, or fewer where objects have many pairs.
+/// Movers: few had moved: one object in 13, or fewer if objects have many pairs.
 #define TRISAP_REASON_FEW_MOVERS 2
 
 /// Full: more had moved.
 #define TRISAP_REASON_MANY_MOVERS 3
 
-/// Movers or full: a test has it so.
+/// Movers or full: a test has fixed it.
 #define TRISAP_REASON_FIXED 4
 
-/// Full or rebuilt: there was no complete step whose leaves could be used again, but the first step of all, one with too
-/// many pairs, or few objects, or a shift of the origin.
+/// Full or rebuilt: there were no leaves of a complete step to use again. So it is in the first step, after one with
+/// too many pairs or few objects, and after a shift of the origin.
 #define TRISAP_REASON_NOTHING_KEPT 5
 
 /// Full or rebuilt: few had moved, but a leaf had no room for one of them.
 #define TRISAP_REASON_NO_ROOM 6
 
-/// Rebuilt: the planes were made for a much smaller or larger number of objects.
+/// Rebuilt: the planes were made for far fewer or far more objects.
 #define TRISAP_REASON_OUTGROWN 7
 
 /// Rebuilt: the leaves had become too uneven.
 #define TRISAP_REASON_OUT_OF_BALANCE 8
 
-/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes, and found
-/// those of the boxes as given besides. With more room steps are cheaper.
+/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,
+/// and also found those of the boxes as given. With more room steps are cheaper.
 #define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
 
-/// A reason that this version of the ABI has no word for.
+/// A reason that this version of the ABI has no name for.
 #define TRISAP_REASON_OTHER UINT32_MAX
 
 /// The classes that there can be.
@@ -117,10 +118,10 @@
 /// All pairs of the last step: for `trisap_world_pair_ids`.
 #define TRISAP_PAIRS_ALL 0
 
-/// With events, those that the last step has and the complete step before it had not: for the same.
+/// With events, pairs of the last step that the complete step before it did not have: for the same.
 #define TRISAP_PAIRS_FOUND 1
 
-/// With events, those that the complete step before the last one had and the last one has not: for the same.
+/// With events, pairs of the complete step before the last one that the last one does not have: for the same.
 #define TRISAP_PAIRS_LOST 2
 
 /// A box: for `trisap_region::kind`.
@@ -129,7 +130,7 @@
 /// A ball: for `trisap_region::kind`.
 #define TRISAP_REGION_SPHERE 1
 
-/// What became of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
+/// The result of a call. After every status but `TRISAP_STATUS_OK` and `TRISAP_STATUS_PAIRS_FULL` the world is as it
 /// was before the call.
 enum trisap_status
 #ifdef __cplusplus
@@ -160,35 +161,35 @@ enum trisap_status
     TRISAP_STATUS_CAPACITY_TOO_LARGE = 9,
     /// A margin is negative, not finite, or its bounds are out of order.
     TRISAP_STATUS_BAD_MARGIN = 10,
-    /// More objects than the capacity. The detail says how many would have to fit. For a world that moves or a snapshot, slots that
-    /// have been in use.
+    /// More objects than the capacity. The detail says how many would have to fit; for a world that moves and for a
+    /// snapshot, slots that have been in use.
     TRISAP_STATUS_OBJECTS_FULL = 11,
     /// A box has NaN in it or a minimum above its maximum. The detail is its position in the batch.
     TRISAP_STATUS_BAD_BOX = 12,
     /// An id names no living object, or comes twice in a batch of removals. The detail is the id.
     TRISAP_STATUS_STALE_ID = 13,
-    /// More pairs than the capacity. The step has happened; the result holds the pairs that fit and the detail says how
-    /// many there are. Found and lost pairs are empty, and the next complete step tells those since the last complete
-    /// one. Of a world that moves or a snapshot nothing has happened.
+    /// More pairs than the capacity. The step has happened, the result holds the pairs that fit, and the detail says
+    /// how many there are. Found and lost pairs are empty; the next complete step tells them relative to the last
+    /// complete one. If a world moves or a snapshot is loaded, nothing has happened.
     TRISAP_STATUS_PAIRS_FULL = 14,
-    /// The memory of the world was written to by others.
+    /// Something else has written to the memory of the world.
     TRISAP_STATUS_CORRUPT = 15,
     /// The world was made without `trisap_config::filters`.
     TRISAP_STATUS_NO_FILTERS = 16,
     /// A class is 32 or more. The detail is the class.
     TRISAP_STATUS_BAD_CLASS = 17,
-    /// A query has NaN, infinities or negative lengths where they make no sense, or is of no known kind. The detail is its
-    /// position in the batch.
+    /// A query has NaN, or an infinity or a negative length where none is allowed, or is of no known kind. The detail
+    /// is its position in the batch.
     TRISAP_STATUS_BAD_QUERY = 18,
     /// More answers than there is room for. The detail says how many there are; the room holds as many as fit.
     TRISAP_STATUS_OUTPUT_FULL = 19,
     /// The bytes are no snapshot of a world of this configuration, or have changed since it was taken.
     TRISAP_STATUS_BAD_SNAPSHOT = 20,
-    /// A part of the shift of the origin is not finite.
+    /// The shift of the origin is not finite.
     TRISAP_STATUS_BAD_SHIFT = 21,
-    /// Refused for a reason that this version of the ABI has no word for.
+    /// Refused for a reason that this version of the ABI has no name for.
     TRISAP_STATUS_OTHER = 22,
-    /// The world or the snapshot differs from the configuration that it is moved to in what cannot change. The detail says in
+    /// The world or the snapshot moves to a configuration that differs in what cannot change. The detail says in
     /// what: 1 mode, 2 whether there are margins, 3 events, 4 filters, 5 the width of slots, 6 values.
     TRISAP_STATUS_OTHER_CONFIG = 23,
     /// The world was made without `trisap_config::values`.
@@ -198,15 +199,15 @@ enum trisap_status
 typedef int32_t trisap_status;
 #endif // __cplusplus
 
-/// A world, in memory that the caller lends. It has no pointers to itself or to anything else: a copy of its memory, at
-/// any other address of the same alignment, can be opened and goes on as the world would have.
+/// A world, in the caller's memory. It holds no pointers: a copy of its memory, at any other address of the same
+/// alignment, can be opened and goes on as the world would have.
 ///
-/// One thread at a time may change it, any number may look at it: functions that take it as `const`. What comes while it is not
-/// allowed is refused as busy. There is nothing to free.
+/// One thread at a time may change it. Any number may look at it: functions that take it as `const`. Other calls are
+/// refused as busy. There is nothing to free.
 typedef struct trisap_world trisap_world;
 
 /// An axis-aligned bounding box, closed on all sides: touching boxes overlap. Any unit of length. Infinite bounds are
-/// welcome; NaN and a minimum above its maximum are refused.
+/// allowed; NaN and a minimum above its maximum are refused.
 typedef struct trisap_aabb {
     /// The lowest corner: x, y, z.
     float min[3];
@@ -218,41 +219,40 @@ typedef struct trisap_aabb {
 typedef struct trisap_config {
     /// The size of this struct in bytes.
     uint32_t struct_size;
-    /// Objects that can live at once. By default the number that the default function was given.
+    /// The most living objects. By default the number that the default function was given.
     uint32_t objects;
-    /// Boxes that may reach beyond the leaf of the tree that they live in; with fewer than a scene needs, steps are
-    /// slower. By default half of `objects`.
+    /// The most boxes that reach beyond their leaf of the tree. If a scene has more, steps are slower. By default
+    /// half of `objects`.
     uint32_t leaf_refs;
-    /// Pairs that a step can return. By default eight an object.
+    /// The most pairs that a step can return. By default eight an object.
     uint32_t pairs;
     /// `TRISAP_MODE_EXACT` (the default) or `TRISAP_MODE_FAT`.
     uint32_t mode;
-    /// 1 if steps tell the found and the lost pairs; costs memory for a second set of pairs and boxes. By default 0.
+    /// 1 if steps tell found and lost pairs; costs memory for a second set of pairs and boxes. By default 0.
     uint32_t events;
     /// 1 if objects have a `trisap_filter`, which says whom they meet; costs 12 bytes an object. By default 0.
     uint32_t filters;
-    /// The most workers that a step may use at once, 1 to 32, the calling thread included; each costs scratch memory.
-    /// By default 1.
+    /// The most workers of a step, 1 to 32, the calling thread included; each costs scratch memory. By default 1.
     uint32_t workers;
-    /// 1 if up to 256 objects are swept box by box, without vectors and their scratch memory: for microcontrollers. Worlds
-    /// for up to 64 objects are anyway. By default 0.
+    /// 1 if a world for up to 256 objects does without a tree, vectors and scratch memory: for microcontrollers.
+    /// Worlds for up to 64 objects always do. By default 0.
     uint32_t lean;
-    /// 1 if boxes get a margin, which they can move in without costing a step more than a glance; pays where many
-    /// objects rest or creep. By default 0.
+    /// 1 if boxes get a margin, inside which they move at hardly any cost for a step; pays where many objects rest or
+    /// move little. By default 0.
     uint32_t has_margin;
-    /// The margin as a share of the object's largest extent. By default 0.
+    /// The margin as a share of the object's largest side. By default 0.
     float margin_per_extent;
     /// Lower bound of the margin, a length. By default 0.
     float margin_min;
     /// Upper bound of the margin, a length. By default the largest float.
     float margin_max;
-    /// 1 if objects have their margin however they move. By default 0: an object that goes farther than its margin from one
-    /// of its boxes to the next has none until it is slower, and one that has become much smaller gets a smaller fat box.
+    /// 1 if objects keep their margin however they move. By default 0: an object that moves by more than its margin
+    /// at once has none until it is slower, and one that has become much smaller gets a smaller fat box.
     uint32_t fixed_margins;
-    /// For the library's own tests: leave it 0, the default. It changes the time of a step and none of its pairs.
+    /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
     uint32_t test_hooks;
-    /// 1 if objects have a value of 64 bits, which means what the caller likes; costs 8 bytes an object, 16 with events. By
-    /// default 0.
+    /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
+    /// 0.
     uint32_t values;
 } trisap_config;
 
@@ -264,15 +264,15 @@ typedef struct trisap_config {
 /// then the program is aborted.
 typedef void (*trisap_report)(void *user, trisap_status status, uint64_t detail, const char *text);
 
-/// Boxes in the caller's memory, wherever they stand: three floats of the minimum and three of the maximum, at fixed
-/// places in items of a fixed size. Filled by `trisap_default_boxes`.
+/// Boxes in the caller's memory. Each item has three floats of the minimum and three of the maximum at fixed places.
+/// Filled by `trisap_default_boxes`.
 typedef struct trisap_boxes {
     /// The size of this struct in bytes.
     uint32_t struct_size;
-    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 where corners are padded to four
+    /// Bytes from an item's minimum to its maximum, at least 12. By default 12; 16 if corners are padded to four
     /// floats.
     uint32_t max_offset;
-    /// The minimum of the first item. No alignment is asked for. May be null where `count` is zero.
+    /// The minimum of the first item. Any alignment is right. May be null if `count` is zero.
     const void *first;
     /// Bytes from the minimum of an item to the minimum of the next one, at least `max_offset` + 12. By default 24.
     size_t stride;
@@ -280,18 +280,18 @@ typedef struct trisap_boxes {
     size_t count;
 } trisap_boxes;
 
-/// Names an object for as long as it lives. Opaque but for its slot; never zero. The id of a removed object stays stale
+/// Names an object while it lives. Opaque except for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
 typedef uint64_t trisap_id;
 
-/// Whom an object meets. Two objects make a pair if each one's group is in the other one's mask, and their classes meet (see
-/// `trisap_world_set_classes`). Filled by `trisap_default_filter`.
+/// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
+/// (see `trisap_world_set_classes`). Filled by `trisap_default_filter`.
 typedef struct trisap_filter {
     /// The groups that the object is in, one bit each. By default all.
     uint32_t group;
     /// The groups that it meets. By default all.
     uint32_t mask;
-    /// Its class, below 32: for instance static, kinematic, dynamic, sensor. By default 0.
+    /// Its class, below 32: static, kinematic, dynamic or sensor, for instance. By default 0.
     uint32_t object_class;
 } trisap_filter;
 
@@ -310,29 +310,29 @@ typedef struct trisap_jobs {
     /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
     /// never called.
     uint32_t worker_count;
-    /// Handed to `fork_join`.
+    /// Passed to `fork_join`.
     void *user;
-    /// Calls `run(task)` `count` times, at once if it can be, and returns when all these calls have returned.
+    /// Calls `run(task)` `count` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `count` is 2 or more, and at most `worker_count` and the world's `workers`. The calling thread is idle until
-    /// `fork_join` returns: have it make one of the calls. `name` is a text for profilers. Where there are only a few
-    /// thousand objects, a step is done before it would be handed out, and never asks.
+    /// `count` is at least 2, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
+    /// thousand objects never call, since a step takes less time than sharing it.
     ///
-    /// Every call of `run` takes blocks of work until none are left, and the step makes a last call itself: fewer
-    /// calls, more calls, late calls, calls one after the other, or none at all give the same result, byte for byte.
+    /// Each call of `run` takes blocks of work until none are left, and the step makes a last call itself. So fewer
+    /// calls, more calls, late calls, calls one after another, or none at all give the same result, byte for byte.
     /// `run` never blocks, locks, allocates or calls back, and needs less than 16 KiB of stack.
     ///
-    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` lies on the
-    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the calling
-    /// thread did before comes before every call, and every call before the return. Must not call into the same world,
-    /// which is refused as busy, and must not throw. May be null only where `worker_count` is 1.
+    /// Must return only when every call of `run` that has begun or may still begin has returned: `task` is on the
+    /// stack of the step. Must order memory as mutexes, joined threads and release-acquire atomics do: what the
+    /// calling thread did before comes before every call, and every call before the return. Must not call into the
+    /// same world, which is refused as busy, and must not throw. May be null only if `worker_count` is 1.
     void (*fork_join)(void *user, void (*run)(void *task), void *task, uint32_t count, const char *name);
 } trisap_jobs;
 
-/// What a step has found. Made by `trisap_default_result`, filled by the step.
+/// The result of a step. Made by `trisap_default_result`, filled by the step.
 ///
-/// The arrays lie in the memory of the world and stay as they are until its next step or `trisap_world_load`: inserting,
-/// updating and removing does not touch them. Never null, also where they are empty.
+/// The arrays are in the memory of the world and stay as they are until its next step or `trisap_world_load`:
+/// inserting, updating and removing do not touch them. Never null, also if they are empty.
 typedef struct trisap_result {
     /// The size of this struct in bytes.
     uint32_t struct_size;
@@ -341,30 +341,31 @@ typedef struct trisap_result {
     uint32_t rejected_count;
     /// The one of them with the lowest slot, or `TRISAP_NULL_ID`.
     trisap_id first_rejected;
-    /// The overlapping pairs, each once, the lower slot first. In no order that means anything, but always the same
-    /// for the same calls.
+    /// The overlapping pairs, each once, the lower slot first. Their order means nothing, but the same calls give the
+    /// same order.
     const struct trisap_pair *pairs;
     /// How many.
     size_t pair_count;
-    /// With events: pairs that this step has and the last complete step had not. A pair of other objects in the same
-    /// slots counts as another pair.
+    /// With events: pairs of this step that the last complete step did not have. Other objects in the same slots are
+    /// another pair.
     const struct trisap_pair *found;
     /// How many.
     size_t found_count;
-    /// With events: pairs that the last complete step had and this one has not. The slot of a removed object may hold
-    /// another one by now.
+    /// With events: pairs of the last complete step that this one does not have. The slot of a removed object may
+    /// have a new object by now.
     const struct trisap_pair *lost;
     /// How many.
     size_t lost_count;
-    /// Pairs that there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
+    /// How many pairs there are: `pair_count`, or more after `TRISAP_STATUS_PAIRS_FULL`.
     uint64_t pairs_needed;
 } trisap_result;
 
-/// A caller's own rule: not 0 if the objects in two slots, the lower one first, make a pair.
+/// A rule of the caller: returns not 0 if the objects in two slots, the lower one first, make a pair.
 ///
-/// Called from any worker, at any time during the step, by several of them at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same as long as neither object was given to `trisap_world_refilter`: pairs of
-/// resting objects are not asked about again. Must not call into the same world, which is refused as busy.
+/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap and that
+/// the filters let through. Has to answer the same until one of the objects is given to `trisap_world_refilter`,
+/// since pairs of resting objects are not asked about again. Must not call into the same world, which is refused as
+/// busy.
 typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
 
 /// Two objects by id.
@@ -383,7 +384,7 @@ typedef struct trisap_value_pair {
     uint64_t b;
 } trisap_value_pair;
 
-/// What a step did and chose. All are counts or follow from counts, so equal calls give equal statistics on any machine.
+/// What a step did and chose. All of it follows from counts, so equal calls give equal statistics on every machine.
 /// Made by `trisap_default_stats`.
 typedef struct trisap_stats {
     /// The size of this struct in bytes.
@@ -392,36 +393,38 @@ typedef struct trisap_stats {
     uint32_t path;
     /// Living objects.
     uint32_t objects;
-    /// Objects that were new or gone, or had left their margin, or, without margins, whose box had changed.
+    /// Objects that were new or gone, or had left their margin (without margins: had another box).
     uint32_t moved;
-    /// Leaves of the tree; 1 where the world is swept from a list.
+    /// Leaves of the tree; 1 in a world without one.
     uint32_t leaves;
-    /// Leaves that had members when all leaves were filled last. Much fewer than there are: the planes do not fit the scene.
+    /// Leaves that had members when all leaves were last filled. If they are far fewer than `leaves`, the planes do
+    /// not fit the scene.
     uint32_t leaves_in_use;
-    /// Members of the fullest leaf then. About 500 is usual; much more: boxes that no plane can part, or a bad tree.
+    /// Members of the fullest leaf then. About 500 is usual. Far more means boxes that no plane can part, or a bad
+    /// tree.
     uint32_t fullest_leaf;
-    /// Large objects, which live in a list of their own: they are far larger than the leaves that they reach.
+    /// Large objects: far larger than the leaves that they reach, they are in a list of their own.
     uint32_t large;
-    /// Objects whose leaf got new planes.
+    /// Objects whose leaves got new planes.
     uint32_t rebalanced;
-    /// 1 if floats are too coarse for some box where it stands: a side of it is below four steps of its coordinate.
-    /// Boxes without any side count where the world has not even steps enough to tell them apart. The boxes may have lost
-    /// their shape before; shift the origin.
+    /// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A
+    /// box without any side counts only if the world has not even steps enough to tell such boxes apart. The boxes
+    /// may have lost their shape before; shift the origin.
     uint32_t coarse_resolution;
     /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
     uint32_t reason;
-    /// 1 if the leaves are the small ones for steps with few movers.
+    /// 1 if leaves are divided into sub-leaves, for steps with few movers.
     uint32_t fine_leaves;
     /// 1 if the work was offered to the workers of the job system.
     uint32_t shared;
-    /// With margins: boxes that were given since the last complete step and lie farther from the object's last box than
-    /// its margin. Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
+    /// With margins: boxes since the last complete step that were farther from the object's last box than its margin.
+    /// Such an object has no margin until it is slower: see `trisap_config::fixed_margins`.
     uint32_t outran;
-    /// Boxes swept in leaves where they are not at home.
+    /// Ghosts: boxes swept in leaves where they are not at home.
     uint64_t copies;
     /// Pairs of boxes that were tested on all axes.
     uint64_t candidates;
-    /// Of these, pairs that two corners on one step of the grid left to the exact test.
+    /// Of these, pairs whose sides share a step of the grid, so that the boxes had to decide.
     uint64_t tied;
     /// Overlapping pairs.
     uint64_t pairs;
@@ -433,12 +436,12 @@ typedef struct trisap_stats {
     uint64_t surplus;
 } trisap_stats;
 
-/// A closed part of space that objects are looked for in: touching counts. Made by `trisap_region_aabb`,
-/// `trisap_region_point` or `trisap_region_sphere`.
+/// A closed part of space to look for objects: touching counts. Made by `trisap_region_aabb`, `trisap_region_point`
+/// or `trisap_region_sphere`.
 typedef struct trisap_region {
     /// One of `TRISAP_REGION_...`.
     uint32_t kind;
-    /// The radius of a ball, zero or more; infinite holds everything.
+    /// The radius of a ball, zero or more. An infinite ball holds everything.
     float radius;
     /// The lowest corner of a box; the centre of a ball.
     float min[3];
@@ -448,18 +451,18 @@ typedef struct trisap_region {
 
 /// A box, or a point, that moves along a line. Made by `trisap_cast_ray` or `trisap_cast_swept`.
 typedef struct trisap_cast {
-    /// Where it starts; a ray starts as a box of one point. Finite.
+    /// Where it starts. For a ray, a box of one point. Finite.
     struct trisap_aabb start;
-    /// Where it moves to in one unit of distance. Finite, of any length; zero tests where it starts.
+    /// How it moves in one unit of distance. Finite, of any length; zero tests the start alone.
     float direction[3];
     /// How far it moves, in units of `direction`. Zero or more; may be infinite.
     float distance;
 } trisap_cast;
 
-/// Which objects may answer a query, as if the others were not there; null stands for all. Called with an object that the query has come
-/// to, and with the query's `user`; not 0 if the object may answer. It has to say the same of the same object. May look at the world, for
-/// instance by `trisap_world_meets`; calls that change it are refused as busy. Batches with a job system call it from several threads at
-/// once.
+/// Which objects may answer a query; null stands for all. Called with an object that the query has found, and with
+/// the query's `user`; returns not 0 if the object may answer. It has to say the same of the same object. It may look
+/// at the world, for instance by `trisap_world_meets`; calls that change it are refused as busy. Batches with a job
+/// system call it from several threads at once.
 typedef uint32_t (*trisap_condition)(void *user, trisap_id id);
 
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
@@ -469,8 +472,8 @@ typedef uint32_t (*trisap_visit_id)(void *user, trisap_id id);
 typedef struct trisap_hit {
     /// The object.
     trisap_id id;
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero where it starts inside. For
-    /// the nearest objects: the distance.
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts inside.
+    /// For the nearest objects: the distance.
     double distance;
 } trisap_hit;
 
@@ -480,7 +483,7 @@ typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
 /// A leaf of the tree.
 typedef struct trisap_leaf {
-    /// The part of space whose minimum corners belong to the leaf; infinite at the rim.
+    /// The part of space whose minimum corners are at home in the leaf; infinite at the rim.
     struct trisap_aabb cell;
     /// The objects that were in it at the last step.
     uint32_t objects;
@@ -490,9 +493,9 @@ typedef struct trisap_leaf {
 typedef struct trisap_plane {
     /// The part of space that it divides; infinite at the rim.
     struct trisap_aabb cell;
-    /// The axis that it stands across: 0 for x, 1 for y, 2 for z.
+    /// The axis that it divides: 0 for x, 1 for y, 2 for z.
     uint32_t axis;
-    /// Where it stands on that axis.
+    /// Its place on that axis.
     float position;
     /// How many planes are above it.
     uint32_t depth;
@@ -505,16 +508,14 @@ typedef struct trisap_plane {
 extern "C" {
 #endif // __cplusplus
 
-/// The ABI version of the linked library. Where it differs from `TRISAP_ABI_VERSION`, call nothing else. O(1).
-TRISAP_NODISCARD
-uint32_t trisap_abi_version(void)
-TRISAP_NOEXCEPT;
+/// The ABI version of the linked library. If it differs from `TRISAP_ABI_VERSION`, call nothing else. O(1).
+TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
 
 /// The version of the linked library, as "1.2.3". O(1).
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. It
-/// changes the speed and nothing else. O(1).
+/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. Only
+/// the speed differs. O(1).
 TRISAP_NODISCARD
 const char *trisap_instruction_set(void)
 TRISAP_NOEXCEPT;
@@ -531,7 +532,7 @@ TRISAP_NOEXCEPT;
 /// Keep `origin` near the objects: far from it precision is lost, never a pair. Add a margin of your own to the `f64`
 /// box, so that the rounding comes after it.
 ///
-/// Where an argument is null, or a number is NaN, the result is a box that every function refuses.
+/// If an argument is null, or a number is NaN, the result is a box that every function refuses.
 TRISAP_NODISCARD
 struct trisap_aabb trisap_aabb_from_f64(const double *min,
                                         const double *max,
@@ -542,8 +543,7 @@ TRISAP_NOEXCEPT;
 /// operations alone, and is exact where 24 significant bits suffice, rounded outward beyond. Both corners are three
 /// numbers. O(1).
 ///
-/// Where an argument is null, or there are more than 126 fraction bits, the result is a box that every function
-/// refuses.
+/// If an argument is null, or there are more than 126 fraction bits, the result is a box that every function refuses.
 TRISAP_NODISCARD
 struct trisap_aabb trisap_aabb_from_fixed(const int32_t *min,
                                           const int32_t *max,
@@ -556,8 +556,8 @@ TRISAP_NODISCARD
 struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
 
-/// Has a function called with every refusal, of all worlds. `user` is handed to it; null ends the reports. Set it
-/// before other threads call trisap. O(1).
+/// Sets a function that is called with every refusal, of all worlds. `user` is passed to it; null ends the reports.
+/// Set it before other threads call trisap. O(1).
 void trisap_set_report(trisap_report report,
                        void *user)
 TRISAP_NOEXCEPT;
@@ -565,18 +565,18 @@ TRISAP_NOEXCEPT;
 /// The bytes of memory that a world of this configuration needs. They grow linearly with objects, leaf references and
 /// pairs. O(1).
 ///
-/// 0 where there can be no such world: `trisap_world_init` says why.
+/// 0 if there can be no such world: `trisap_world_init` says why.
 TRISAP_NODISCARD
 size_t trisap_world_size(const struct trisap_config *config)
 TRISAP_NOEXCEPT;
 
-/// The boundary that the memory of a world starts on: 64 bytes. O(1).
+/// The alignment of the memory of a world: 64 bytes. O(1).
 TRISAP_NODISCARD size_t trisap_world_align(void) TRISAP_NOEXCEPT;
 
 /// Makes an empty world in `memory` and writes where it is, which is `memory` itself, to `world`. O(bytes).
 ///
-/// What was in the memory does not matter, so this clears a world, too. What is beyond `trisap_world_size()` is not
-/// touched. Nothing is allocated, neither here nor later.
+/// What was in the memory does not matter, so this also clears a world. Bytes beyond `trisap_world_size()` are not
+/// touched. Nothing is allocated, now or later.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_INVALID_ARGUMENT`, `TRISAP_STATUS_CAPACITY_TOO_LARGE`,
 /// `TRISAP_STATUS_BAD_MARGIN`. Nothing is written then.
@@ -596,18 +596,18 @@ trisap_status trisap_world_config(const struct trisap_world *world,
                                   struct trisap_config *config)
 TRISAP_NOEXCEPT;
 
-/// A view of boxes that stand one after another. For others, point `first` to the first minimum and set `stride` and
+/// A view of boxes one after another. For others, point `first` to the first minimum and set `stride` and
 /// `max_offset`. O(1).
 TRISAP_NODISCARD
 struct trisap_boxes trisap_default_boxes(const struct trisap_aabb *boxes,
                                          size_t count)
 TRISAP_NOEXCEPT;
 
-/// The index under which an object stands in pairs and in the boxes of `trisap_world_step_over`. O(1).
+/// The index of an object in pairs and in the boxes of `trisap_world_step_over`. O(1).
 TRISAP_NODISCARD uint32_t trisap_id_slot(trisap_id id) TRISAP_NOEXCEPT;
 
-/// Adds an object and writes its id to `id`. In a world that has not lost any object, slots are given out in ascending
-/// order from 0. O(1).
+/// Adds an object and writes its id to `id`. Slots are given out in ascending order from 0 until an object is
+/// removed. O(1).
 ///
 /// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_OBJECTS_FULL`.
 TRISAP_NODISCARD
@@ -625,13 +625,13 @@ trisap_status trisap_world_update(struct trisap_world *world,
                                   const struct trisap_aabb *aabb)
 TRISAP_NOEXCEPT;
 
-/// Removes an object. Its id is stale from now on; its pairs are lost at the next step. O(1).
+/// Removes an object. Its id becomes stale, and its pairs are lost at the next step. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD trisap_status trisap_world_remove(struct trisap_world *world, trisap_id id) TRISAP_NOEXCEPT;
 
-/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved once.
-/// Does nothing in a world without margins. O(1).
+/// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
+/// once. In a world without margins this does nothing. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
 TRISAP_NODISCARD
@@ -727,9 +727,8 @@ trisap_status trisap_world_filter(const struct trisap_world *world,
                                   struct trisap_filter *filter)
 TRISAP_NOEXCEPT;
 
-/// Sets which classes meet, by `TRISAP_CLASSES` numbers: bit `b` of `meets[a]` says whether `a` meets `b`, and bit `a`
-/// of `meets[b]` says so too; both have to be set. All classes meet at first. The next step looks for all pairs anew.
-/// O(n).
+/// Sets which classes meet, by `TRISAP_CLASSES` numbers. Two classes `a` and `b` meet if bit `b` of `meets[a]` and
+/// bit `a` of `meets[b]` are set. At first all classes meet. The next step looks for all pairs anew. O(n).
 ///
 /// Errors: `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
@@ -737,7 +736,7 @@ trisap_status trisap_world_set_classes(struct trisap_world *world,
                                        const uint32_t *meets)
 TRISAP_NOEXCEPT;
 
-/// Has the next step ask about all pairs of an object again, for a `trisap_rule` that has changed its mind. O(1).
+/// Makes the next step ask about all pairs of an object again, after a `trisap_rule` has changed its answer. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_FILTERS`.
 TRISAP_NODISCARD
@@ -745,9 +744,8 @@ trisap_status trisap_world_refilter(struct trisap_world *world,
                                     trisap_id id)
 TRISAP_NOEXCEPT;
 
-/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps do not look at what
-/// the boxes of `trisap_world_step_over` have for them. `trisap_world_update` and `trisap_world_update_many` wake an
-/// object. O(ids).
+/// Puts objects to rest, all or none. The next step parks their pairs with each other, and steps ignore their boxes
+/// in `trisap_world_step_over`. `trisap_world_update` and `trisap_world_update_many` wake an object. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD
@@ -756,7 +754,7 @@ trisap_status trisap_world_set_resting(struct trisap_world *world,
                                        size_t count)
 TRISAP_NOEXCEPT;
 
-/// Has steps look at the boxes of `trisap_world_step_over` for objects again, all or none. O(ids).
+/// Wakes objects, all or none: steps take their boxes from `trisap_world_step_over` again. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 TRISAP_NODISCARD
@@ -765,9 +763,10 @@ trisap_status trisap_world_wake(struct trisap_world *world,
                                 size_t count)
 TRISAP_NOEXCEPT;
 
-/// Writes the pairs of the last step of which at least one object is awake, has not been put to rest or has been woken since, to
-/// `pairs`, which has room for `room` of them, and their number to `count`. These are what a narrow phase has to look at that keeps
-/// the contacts of those that rest. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+/// Writes the pairs of the last step with at least one awake object to `pairs`, which has room for `room` of them,
+/// and their number to `count`. An object is awake if it was not put to rest, or has been woken since. A narrow phase
+/// that keeps the contacts of resting objects needs only these pairs. After `TRISAP_STATUS_OUTPUT_FULL` the room
+/// holds as many as fit. O(pairs).
 TRISAP_NODISCARD
 trisap_status trisap_world_awake_pairs(const struct trisap_world *world,
                                        struct trisap_pair *pairs,
@@ -798,11 +797,11 @@ trisap_status trisap_world_step(struct trisap_world *world,
                                 struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// As `trisap_world_step`, after giving every object the box that stands at its slot in `boxes`, the caller's own
-/// array: one pass over it, no copy, no ids. The fastest way where most objects move.
+/// As `trisap_world_step`, after giving every object the box at its slot in `boxes`, the caller's own array: one
+/// pass, no copy, no ids. The fastest way if most objects move.
 ///
-/// What stands at the slots of no object does not matter. Objects beyond the end of the boxes keep theirs, and so do
-/// those whose new box is refused: see `trisap_result::rejected_count`.
+/// Boxes at slots without an object do not matter. Objects beyond the end of the boxes keep theirs, and so do those
+/// whose new box is refused: see `trisap_result::rejected_count`.
 ///
 /// Errors: those of `trisap_world_step`; `TRISAP_STATUS_INVALID_ARGUMENT` also for a stride or an offset that boxes
 /// cannot have.
@@ -813,8 +812,8 @@ trisap_status trisap_world_step_over(struct trisap_world *world,
                                      struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
-/// As `trisap_world_step_over`, or where `boxes` is null as `trisap_world_step`, with a rule that decides about the
-/// pairs that the filters let through; `user` is handed to it. A world that has a rule in one step should have it in
+/// As `trisap_world_step_over`, or if `boxes` is null as `trisap_world_step`, with a rule that decides the pairs that
+/// the filters let through; `user` is passed to it. If a world has a rule in one step, it should have the same in
 /// all.
 ///
 /// Errors: those of `trisap_world_step_over`, and `TRISAP_STATUS_NO_FILTERS`.
@@ -837,9 +836,9 @@ TRISAP_NOEXCEPT;
 /// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; `what`
 /// is one of `TRISAP_PAIRS_...`. O(pairs).
 ///
-/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have the
-/// ids of the objects that were the pair, also where these are gone and others have their slots. Other pairs of which
-/// an object has been removed since the step are left out.
+/// Ask after a step, before objects come or go. Then the pairs are in the order of `trisap_result`. Lost pairs have
+/// the ids of the objects that were the pair, also if they are gone and others have their slots. Other pairs of
+/// objects that were removed since the step are left out.
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the first one the number is right, and
 /// the room holds as many as fit.
@@ -874,8 +873,8 @@ trisap_status trisap_world_value(const struct trisap_world *world,
                                  uint64_t *value)
 TRISAP_NOEXCEPT;
 
-/// Writes the values of objects to `values`, which has room for `count`: of those whose ids stand `stride` bytes behind each other,
-/// for instance in the hits of a query. After a refusal some may be written. O(n).
+/// Writes the values of `count` objects to `values`. Their ids are `stride` bytes behind each other, as in the hits
+/// of a query. After a refusal some may be written. O(n).
 TRISAP_NODISCARD
 trisap_status trisap_world_values(const struct trisap_world *world,
                                   const trisap_id *ids,
@@ -884,9 +883,9 @@ trisap_status trisap_world_values(const struct trisap_world *world,
                                   uint64_t *values)
 TRISAP_NOEXCEPT;
 
-/// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`: as
-/// `trisap_world_pair_ids` does by id, and to be asked when that is. Pairs that are lost have the values of the objects that were the
-/// pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+/// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`:
+/// as `trisap_world_pair_ids` does by id, and to be called at the same time. Lost pairs have the values of the
+/// objects that were the pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
 TRISAP_NODISCARD
 trisap_status trisap_world_pair_values(const struct trisap_world *world,
                                        uint32_t what,
@@ -904,29 +903,31 @@ trisap_status trisap_world_stats(const struct trisap_world *world,
                                  struct trisap_stats *stats)
 TRISAP_NOEXCEPT;
 
-/// Checks every invariant of the world: for debugging what else writes to its memory. O(n log n + pairs).
+/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs).
 ///
 /// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
-TRISAP_NODISCARD trisap_status trisap_world_validate(const struct trisap_world *world) TRISAP_NOEXCEPT;
+TRISAP_NODISCARD
+trisap_status trisap_world_validate(const struct trisap_world *world)
+TRISAP_NOEXCEPT;
 
-/// 1 if an object meets what has this filter, by groups and classes, else 0; 0 for misuse and stale ids. Objects of a world without
-/// filters are in all groups and meet all. O(1).
+/// 1 if an object meets whatever has this filter, by groups and classes, else 0; 0 for misuse and stale ids. In a
+/// world without filters objects are in all groups and meet all. O(1).
 TRISAP_NODISCARD
 uint32_t trisap_world_meets(const struct trisap_world *world,
                             trisap_id id,
                             const struct trisap_filter *filter)
 TRISAP_NOEXCEPT;
 
-/// A box to look in. Of null, a region that is refused. O(1).
+/// A box to look in. For null a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_aabb(const struct trisap_aabb *aabb) TRISAP_NOEXCEPT;
 
-/// A point to look at, of three numbers. Of null, a region that is refused. O(1).
+/// A point to look at, of three numbers. For null a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_point(const float *position) TRISAP_NOEXCEPT;
 
-/// A ball to look in; its centre is three numbers. Of null, a region that is refused. O(1).
+/// A ball to look in; its centre is three numbers. For null a region that is refused. O(1).
 TRISAP_NODISCARD struct trisap_region trisap_region_sphere(const float *center, float radius) TRISAP_NOEXCEPT;
 
-/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. Of null, a cast that is
+/// A ray: `origin + t * direction` for `t` from zero to `distance`; both are three numbers. For null a cast that is
 /// refused. O(1).
 TRISAP_NODISCARD
 struct trisap_cast trisap_cast_ray(const float *origin,
@@ -934,14 +935,14 @@ struct trisap_cast trisap_cast_ray(const float *origin,
                                    float distance)
 TRISAP_NOEXCEPT;
 
-/// A box that moves by `direction`, which is three numbers. Of null, a cast that is refused. O(1).
+/// A box that moves by `direction`, which is three numbers. For null a cast that is refused. O(1).
 TRISAP_NODISCARD
 struct trisap_cast trisap_cast_swept(const struct trisap_aabb *start,
                                      const float *direction)
 TRISAP_NOEXCEPT;
 
-/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot, and
-/// their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) where
+/// Writes the objects whose boxes overlap a region to `ids`, which has room for `room` of them, by ascending slot,
+/// and their number to `count`. Expected O(log n + *a* log *a* + movers since the last step) for *a* answers; O(n) if
 /// the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`. After the second one the number is right, and `ids`
@@ -956,9 +957,9 @@ trisap_status trisap_world_overlaps(const struct trisap_world *world,
                                     size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it; always in the same order for
-/// the same calls. `user` is handed to the visitor. Expected O(log n + answers + movers since the last step); O(n)
-/// where the last step had no tree.
+/// Visits the objects whose boxes overlap a region, each once, until the visitor ends it. The same calls give the
+/// same order. `user` is passed to the visitor. Expected O(log n + answers + movers since the last step); O(n) if the
+/// last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
@@ -968,9 +969,9 @@ trisap_status trisap_world_visit_overlaps(const struct trisap_world *world,
                                           void *user)
 TRISAP_NOEXCEPT;
 
-/// Writes the first object that a cast meets to `hit`, of several at one distance the one with the lowest slot; where
-/// it meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
-/// where the last step had no tree.
+/// Writes the first object that a cast meets to `hit`; of several at one distance the one with the lowest slot; if it
+/// meets none, `TRISAP_NULL_ID`. Expected O(leaves on the way and their objects + movers since the last step); O(n)
+/// if the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD
@@ -1094,8 +1095,8 @@ trisap_status trisap_world_planes(const struct trisap_world *world,
                                   size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Writes the objects that live in the list of large objects instead of a leaf to `ids`, which has room for `room` of
-/// them, and their number to `count`. O(large objects).
+/// Writes the large objects, which are in no leaf, to `ids`, which has room for `room` of them, and their number to
+/// `count`. O(large objects).
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 TRISAP_NODISCARD
@@ -1105,12 +1106,12 @@ trisap_status trisap_world_large(const struct trisap_world *world,
                                  size_t *count)
 TRISAP_NOEXCEPT;
 
-/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. From then on boxes are given relative
-/// to the new origin. Pairs and events stay right. O(n), and the next step takes as long as the first one.
+/// Moves the origin to a point: subtracts the three numbers `by` from all boxes. Give boxes relative to the new
+/// origin from then on. Pairs and events stay right. O(n), and the next step takes as long as the first one.
 ///
-/// Where a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but some may come to
-/// overlap. `rounded`, which may be null, tells how many objects this befell; shifts by multiples of the finest step of
-/// all coordinates give zero.
+/// If a difference is no `float`, minima are rounded down and maxima up: no pair is lost, but boxes may come to
+/// overlap. `rounded`, which may be null, tells how many objects had their boxes rounded; it is zero for shifts by
+/// multiples of the finest step of all coordinates.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SHIFT`.
 TRISAP_NODISCARD
@@ -1119,15 +1120,15 @@ trisap_status trisap_world_shift_origin(struct trisap_world *world,
                                         uint32_t *rounded)
 TRISAP_NOEXCEPT;
 
-/// The bytes that the world takes of its memory: what a copy for `trisap_world_open` has to copy. 0 for misuse. O(1).
+/// How many bytes of its memory the world takes: a copy for `trisap_world_open` needs these. 0 for misuse. O(1).
 TRISAP_NODISCARD
 size_t trisap_world_bytes(const struct trisap_world *world)
 TRISAP_NOEXCEPT;
 
-/// Finds the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
+/// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For copies within a program, and between programs that run the same version on the same kind of machine. Smaller,
-/// and checked when they come back, are the snapshots of `trisap_world_save`.
+/// For copies within a program, and between programs of the same version on the same kind of machine. The snapshots
+/// of `trisap_world_save` are smaller, and checked when they are loaded.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_NOT_A_WORLD`.
 TRISAP_NODISCARD
@@ -1136,16 +1137,16 @@ trisap_status trisap_world_open(void *memory,
                                 struct trisap_world **world)
 TRISAP_NOEXCEPT;
 
-/// Moves a world to other memory and another configuration: larger, or smaller where all fits. Writes where it is,
-/// which is `memory` itself, to `world`. The world `from` stays as it is, and can be forgotten. O(bytes).
+/// Moves a world to other memory and another configuration: larger, or smaller if all fits. Writes where it is, which
+/// is `memory` itself, to `world`. The world `from` stays as it is and needs nothing more. O(bytes).
 ///
-/// Everything goes on: ids, boxes, margins, filters, who rests, and the last result, so that the next step tells what
-/// is found and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs, and
-/// a step there tells the events as if there had been room from the beginning. Capacities, workers and the margin of
-/// new objects may change; mode, events, filters and whether there are margins may not.
+/// Everything goes on: ids, boxes, margins, filters, rest, and the last result, so the next step tells what is found
+/// and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs; a step
+/// there tells events as if there had always been room. Capacities, workers and the margin of new objects may change.
+/// The mode, events, filters and whether there are margins may not.
 ///
 /// Errors: those of `trisap_world_init`, `TRISAP_STATUS_OTHER_CONFIG`, and `TRISAP_STATUS_OBJECTS_FULL` or
-/// `TRISAP_STATUS_PAIRS_FULL` where the world does not fit; the detail of `from` then says how many would have to.
+/// `TRISAP_STATUS_PAIRS_FULL` if the world does not fit; the detail of `from` then says how much would have to fit.
 /// Nothing has been written to the memory then.
 TRISAP_NODISCARD
 trisap_status trisap_world_move(const struct trisap_world *from,
@@ -1158,11 +1159,11 @@ TRISAP_NOEXCEPT;
 /// The bytes of a snapshot of the world as it is now; 0 for misuse. O(n / 32).
 TRISAP_NODISCARD size_t trisap_world_snapshot_size(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
-/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. No
-/// alignment is asked for. O(n + pairs).
+/// Writes a snapshot of the world to `snapshot`, which has room for `room` bytes, and its length to `bytes`. Any
+/// alignment is right. O(n + pairs).
 ///
-/// A snapshot has no addresses in it and no scratch memory: it is much smaller than the world, and can be loaded into
-/// any world that has room for it, in any program of the same version, on any machine of the same byte order.
+/// A snapshot holds no addresses and no scratch memory. It is much smaller than the world, and any world that has
+/// room can load it, in any program of the same version, on any machine of the same byte order.
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. Only the length is written then.
 TRISAP_NODISCARD
@@ -1172,14 +1173,13 @@ trisap_status trisap_world_save(const struct trisap_world *world,
                                 size_t *bytes)
 TRISAP_NOEXCEPT;
 
-/// Replaces the world by the one that a snapshot was taken of. Where the configurations are the same, but for the
-/// number of workers, the world goes on byte for byte; else it goes on as after `trisap_world_move`, in the
-/// configuration that it has. The result of its last step comes with it: see `trisap_world_result`. What older results
-/// point to has no meaning any more. O(n + pairs).
+/// Replaces the world by that of a snapshot. If the configurations are the same, workers aside, the world goes on
+/// byte for byte. Else it goes on as after `trisap_world_move`, in its own configuration. The result of its last step
+/// comes with it: see `trisap_world_result`. Older results mean nothing any more. O(n + pairs).
 ///
-/// All that can be refused is refused before anything changes, also where bytes were forged with a right checksum. What
-/// is loaded is valid, and its steps find all pairs. The first step that would keep pairs without looking at them looks
-/// once whether they are all, which takes several times as long as to find them anew.
+/// Everything is checked before anything changes, also in bytes that were forged with a right checksum. A loaded
+/// world is valid, and its steps find all pairs. The first step that would keep pairs looks once whether they are
+/// all, which takes several times as long as to find them anew.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
 /// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.

@@ -1,6 +1,5 @@
 //! The keys of boxes, of one or of four at a time, with 256-bit integers of x86-64.
 
-use super::changed_boxes;
 use super::detect::Avx2;
 use crate::geometry::aabb::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
@@ -136,4 +135,15 @@ pub(super) fn encode_four(
         let same = same(simd, a, old_a) | same(simd, b, old_b) << 8 | same(simd, c, old_c) << 16;
         Some(changed_boxes(!same))
     }
+}
+
+/// Which of four boxes have changed, from a bit for each of their 24 keys; bits above these mean nothing.
+#[inline(always)]
+const fn changed_boxes(keys: u32) -> u32 {
+    // The sixth bit of each box, set where any of its six is.
+    const SIXTH: u32 = 0b100000_100000_100000_100000;
+    const FIRST_FIVE: u32 = SIXTH - (SIXTH >> 5);
+    let boxes = (((keys & FIRST_FIVE) + FIRST_FIVE) | keys) & SIXTH;
+    // Those bits, 6 apart, side by side: the product has them at 18, 19, 20 and 21, and no two others in one place.
+    (boxes >> 5).wrapping_mul(1 << 18 | 1 << 13 | 1 << 8 | 1 << 3) >> 18 & 0b1111
 }

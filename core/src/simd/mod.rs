@@ -270,17 +270,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
 pub(crate) const MINIMA: u32 = 0b111;
 pub(crate) const MAXIMA: u32 = 0b111 << 3;
 
-/// Which of four boxes have changed, from a bit for each of their 24 keys; bits above these mean nothing.
-#[inline(always)]
-const fn changed_boxes(keys: u32) -> u32 {
-    // The sixth bit of each box, set where any of its six is.
-    const SIXTH: u32 = 0b100000_100000_100000_100000;
-    const FIRST_FIVE: u32 = SIXTH - (SIXTH >> 5);
-    let boxes = (((keys & FIRST_FIVE) + FIRST_FIVE) | keys) & SIXTH;
-    // Those bits, 6 apart, side by side: the product has them at 18, 19, 20 and 21, and no two others in one place.
-    (boxes >> 5).wrapping_mul(1 << 18 | 1 << 13 | 1 << 8 | 1 << 3) >> 18 & 0b1111
-}
-
 /// The lanes that a row comes from, complemented.
 #[inline(always)]
 const fn row_lanes(axis: usize) -> [usize; 4] {
