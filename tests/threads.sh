@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # ThreadSanitizer over whatever runs on several threads: parts of the core, the executors of the conformance tests, sequences of
 # operations whose twin runs on threads, the pool of the std adapter, and C++ programs with job systems of their own. std is
-# built with it too. Needs clang and a nightly toolchain, whose runtime it is, and the sources of std: those of nightly (`rustup
-# component add --toolchain nightly rust-src`), or Debian's with its compiler (packages rustc-web, cargo-web and rust-web-src). Says
+# built with it too. Needs a nightly toolchain with rust-src (`rustup component add --toolchain nightly rust-src`) and clang; says
 # so and skips all where they are missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,29 +9,17 @@ cd "$(dirname "$0")/.."
 target=x86_64-unknown-linux-gnu
 sysroot="$(rustc +nightly --print sysroot 2>/dev/null || true)"
 runtime="$sysroot/lib/rustlib/$target/lib/librustc-nightly_rt.tsan.a"
-flags=-Zsanitizer=thread
-if ! [ -f "$runtime" ] || ! command -v clang++ >/dev/null; then
-    echo "skipped: ThreadSanitizer needs a nightly toolchain, and clang"
-    exit
-elif [ -d "$sysroot/lib/rustlib/src/rust/library/std" ]; then
-    cargo=(cargo +nightly)
-elif [ -d /usr/lib/rustlib/src/rust/library/std ] && [ -x /usr/bin/rustc ]; then
-    # Debian's compiler has no runtime of its own.
-    cargo=(/usr/bin/cargo)
-    export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
-    flags+=" -Zexternal-clangrt -Clink-arg=-Wl,--whole-archive -Clink-arg=$runtime -Clink-arg=-Wl,--no-whole-archive"
-    flags+=" -Clink-arg=-lm -Clink-arg=-lpthread -Clink-arg=-ldl -Clink-arg=-lc"
-else
-    echo "skipped: ThreadSanitizer needs the sources of std: rust-src of nightly, or Debian's rust-web-src, rustc-web and cargo-web"
+if ! [ -d "$sysroot/lib/rustlib/src/rust/library/std" ] || ! [ -f "$runtime" ] || ! command -v clang++ >/dev/null; then
+    echo "skipped: ThreadSanitizer needs a nightly toolchain with rust-src, and clang"
     exit
 fi
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/threads"
-export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="$flags"
+export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-Zsanitizer=thread"
 export TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS-}"
 on() {
     local command=$1
     shift
-    "${cargo[@]}" "$command" --quiet -Zbuild-std --target "$target" --config profile.dev.package.std.opt-level=2 \
+    cargo +nightly "$command" --quiet -Zbuild-std --target "$target" --config profile.dev.package.std.opt-level=2 \
         --config profile.dev.package.core.opt-level=2 --config profile.dev.package.alloc.opt-level=2 "$@"
 }
 # A race that there is on purpose: where it is not seen, nothing below says anything.
