@@ -477,8 +477,8 @@ typedef struct trisap_hit {
     double distance;
 } trisap_hit;
 
-/// Called with a hit; returns how far to look on: infinity to see everything, the hit's distance to see only what is not farther,
-/// less than zero to stop. Calls that change the same world are refused as busy.
+/// Called with a hit. Returns how far to look on: infinity to see all, the hit's distance to see only what is not
+/// farther, less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
 /// A leaf of the tree.

@@ -267,8 +267,8 @@ pub unsafe extern "C" fn trisap_world_hits(
     unsafe { look(world, ask) }
 }
 
-/// Called with a hit; returns how far to look on: infinity to see everything, the hit's distance to see only what is not farther,
-/// less than zero to stop. Calls that change the same world are refused as busy.
+/// Called with a hit. Returns how far to look on: infinity to see all, the hit's distance to see only what is not
+/// farther, less than zero to stop. Calls that change the same world are refused as busy.
 pub type trisap_visit_hit = Option<unsafe extern "C" fn(user: *mut c_void, hit: trisap_hit) -> f64>;
 
 /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. `user` is handed to

@@ -147,14 +147,15 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.names.key(id)
     }
 
-    /// The world itself, to look at: results, batches, and visitors of queries, to which [`key`](Self::key) tells who an id is. Any
-    /// number of threads may at once.
+    /// The world, to look at: results, batches, and visitors of queries. [`key`](Self::key) gives the key of an id. Any
+    /// number of threads may look at once.
     #[must_use]
     pub fn as_world(&self) -> &World<'_> {
         self.owned.as_world()
     }
 
-    /// The world itself, to change what is not here: margins, classes, values. Who removes or inserts objects there leaves the keys wrong.
+    /// The world, to change what is not here: margins, classes, values. Do not remove or insert objects there: keys
+    /// would be wrong.
     #[must_use]
     pub fn world(&mut self) -> World<'_> {
         self.owned.world()
@@ -302,7 +303,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(())
     }
 
-    /// All that there is, for a way back: boxes, keys, and what the next events are compared with.
+    /// Everything, to go back to later: boxes, keys, and what the next events are compared with.
     #[must_use]
     pub fn save(&self) -> Snapshot<K> {
         let world = self.as_world();

@@ -16,9 +16,10 @@ pub struct Among<'w, 'm, C, I: Index = u32> {
 
 /// Queries about some of the objects alone.
 impl<'m, I: Index> World<'m, I> {
-    /// Asks queries as if only objects were there that fulfil a condition: without one's own, by filters
-    /// ([`meets`](Self::meets)), by what they are. The condition is asked of objects that the query has come to, in any order, and has
-    /// to answer the same for the same object. Visitors ([`visit_overlaps`](Self::visit_overlaps), [`visit_hits`](Self::visit_hits),
+    /// Asks queries as if there were only the objects for which a condition holds: without one's own, by filters
+    /// ([`meets`](Self::meets)), by what they are. The condition is asked in any order, only about objects that the
+    /// query has found. It has to answer the same for the same object. Visitors
+    /// ([`visit_overlaps`](Self::visit_overlaps), [`visit_hits`](Self::visit_hits),
     /// [`visit_nearest`](Self::visit_nearest)) need no condition, as they can refuse what they see.
     ///
     /// ```

@@ -38,8 +38,9 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(hits.into_iter().flatten().filter_map(|hit| self.named(hit)).collect())
     }
 
-    /// Asks queries as if only boxes were there whose keys fulfil a condition: without one's own, by filters, by what they are. The
-    /// condition is asked of boxes that the query has come to, in any order, and has to answer the same for the same key.
+    /// Asks queries as if there were only the boxes for whose keys a condition holds: without one's own, by filters, by
+    /// what they are. The condition is asked in any order, only about boxes that the query has found. It has to answer
+    /// the same for the same key.
     ///
     /// ```
     /// use trisap::{Aabb, BroadPhase, Cast, Config, Filter};
@@ -69,8 +70,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     }
 }
 
-/// Queries that only boxes whose keys fulfil a condition can answer: made by [`BroadPhase::among`].
-#[must_use = "a query that nobody asks"]
+/// Queries that only boxes with a condition can answer: made by [`BroadPhase::among`].
+#[must_use = "does nothing until a query is asked"]
 pub struct AmongKeys<'b, K, C> {
     broad_phase: &'b BroadPhase<K>,
     condition: C,
