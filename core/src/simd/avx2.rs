@@ -158,11 +158,8 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> __m256i {
         let keys: &[i32; 6] = bytemuck::cast_ref(bounds);
-        // SAFETY: `self` proves AVX2; 16 and then 8 of the 24 bytes are read.
-        unsafe {
-            let first = _mm_loadu_si128(keys.as_ptr().cast());
-            _mm256_set_m128i(_mm_loadl_epi64(keys.as_ptr().add(4).cast()), first)
-        }
+        // SAFETY: `self` proves AVX2; the mask keeps the read inside the 24 bytes.
+        unsafe { _mm256_maskload_epi32(keys.as_ptr(), _mm256_setr_epi32(-1, -1, -1, -1, -1, -1, 0, 0)) }
     }
 
     #[inline(always)]
@@ -428,9 +425,8 @@ impl Simd for Avx2 {
         unsafe {
             let at = _mm256_sub_ps(floats(self, keys), _mm256_loadu_ps(frame.origin.as_ptr()));
             let at = _mm256_mul_ps(at, _mm256_loadu_ps(frame.scale.as_ptr()));
-            // NaN falls to the second operand: zero.
-            let at = _mm256_min_ps(_mm256_max_ps(at, _mm256_setzero_ps()), _mm256_set1_ps(GRID_MAX));
-            let at = _mm256_cvttps_epi32(at);
+            // NaN falls to the second operand and becomes the lowest integer; what is below zero is packed as zero.
+            let at = _mm256_cvttps_epi32(_mm256_min_ps(_mm256_set1_ps(GRID_MAX), at));
             let lanes = _mm_packus_epi32(_mm256_castsi256_si128(at), _mm256_extracti128_si256::<1>(at));
             let lanes = _mm_xor_si128(lanes, _mm_setr_epi16(0, 0, 0, -1, -1, -1, 0, 0));
             bytemuck::cast(_mm_insert_epi32::<3>(lanes, tag as i32))
