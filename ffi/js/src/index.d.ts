@@ -100,7 +100,7 @@ export interface Stats {
  *
  * Arrays that a world hands out as properties are views of its memory: they cost nothing, and hold until the memory grows
  * or, of pairs, until the next step. `insertMany`, `removeMany`, `setValues`, `values`, `pairValues`, `setResting`, `wake`,
- * `overlaps`, `nearest`, `save` and `load` may grow it. Then old views have no elements any more, and the properties give new ones.
+ * `overlaps`, `nearest`, `visitNearest`, `save` and `load` may grow it. Then old views have no elements any more, and the properties give new ones.
  */
 export class World {
   private constructor();
@@ -169,6 +169,12 @@ export class World {
   firstHit(ray: Ray): Hit | null;
   /** The nearest objects, the nearest first. */
   nearest(position: Point, count: number): Hit[];
+  /**
+   * Visits the objects whose boxes are at most so far from a point, each once, the nearest first. The visitor says how far to look
+   * on: nothing or infinity to refuse an object and look as far as before, a number to see only what is not farther, less than zero
+   * to stop. It must not change the world.
+   */
+  visitNearest(position: Point, visit: (hit: Hit) => number | void, distance?: number): void;
   /** Subtracts a point from all boxes. How many of them had to be rounded outward. */
   shiftOrigin(by: readonly [number, number, number]): number;
   /** A snapshot: bytes that any world of the same configuration can load. */

@@ -32,6 +32,10 @@ const RESULT_PAIRS = 16;
 const RESULT_FOUND = 24;
 const RESULT_LOST = 32;
 
+/** The nearest objects that a visit asks for first, and how many times as many it asks for each further time. */
+const FEW = 8;
+const MORE = 8;
+
 /** What `trisap_world_pair_values` is asked for. */
 const PAIRS = { pairs: 0, found: 1, lost: 2 };
 
@@ -265,16 +269,30 @@ export class World {
   }
 
   nearest(position, count) {
-    const { calls, structs } = this.#memory;
     if (!Number.isInteger(count) || count < 0) {
       throw new errors.InvalidArgumentError("count", `is a whole number, not ${count}`);
     }
-    this.#point(structs + ARGUMENT, position);
-    const room = Math.min(count, this.size);
-    const at = this.#memory.temporary(16 * room);
-    this.#check(calls.trisap_world_nearest(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT), "nearest");
-    const told = this.#memory.view.getUint32(structs + OUT, true);
-    return Array.from({ length: told }, (_, i) => this.#hit(at + 16 * i));
+    return this.#nearest(position, count, 0, "nearest");
+  }
+
+  visitNearest(position, visit, distance = Infinity) {
+    if (typeof distance !== "number" || !(distance >= 0)) {
+      throw new errors.BadQueryError(`visitNearest: the distance is zero or more, not ${distance}`);
+    }
+    // A module imports nothing, so it cannot call back: more and more of the nearest objects, of which the first are known.
+    for (let [seen, count] = [0, FEW]; ; [seen, count] = [count, MORE * count]) {
+      const hits = this.#nearest(position, count, seen, "visitNearest");
+      for (const hit of hits) {
+        if (hit.distance > distance) {
+          return;
+        }
+        const far = visit(hit);
+        distance = far < distance ? far : distance;
+      }
+      if (hits.length < count - seen) {
+        return;
+      }
+    }
   }
 
   shiftOrigin(by) {
@@ -383,6 +401,17 @@ export class World {
     }
     this.#point(at + 24, direction);
     this.#memory.view.setFloat32(at + 36, distance, true);
+  }
+
+  /** The nearest objects but for the first ones. */
+  #nearest(position, count, skipped, place) {
+    const { calls, structs } = this.#memory;
+    this.#point(structs + ARGUMENT, position);
+    const room = Math.min(count, this.size);
+    const at = this.#memory.temporary(16 * room);
+    this.#check(calls.trisap_world_nearest(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT), place);
+    const told = this.#memory.view.getUint32(structs + OUT, true);
+    return Array.from({ length: Math.max(told - skipped, 0) }, (_, i) => this.#hit(at + 16 * (skipped + i)));
   }
 
   #hit(at) {

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { createWorld, slotOf } from "trisap";
+import { BadQueryError, createWorld, InvalidArgumentError, slotOf } from "trisap";
 import { bruteForce, move, random, scatter, texts } from "./brute.js";
 
 async function scene(extra = {}) {
@@ -43,6 +43,61 @@ test("a ray meets the first object", async () => {
   assert.equal(world.firstHit({ ...ray, distance: 1 }), null);
   assert.deepEqual(world.firstHit({ box: [-1, 0, 0, 0, 1, 1], direction: [1, 0, 0] }), { id: near, distance: 4 });
   assert.deepEqual(world.nearest([7, 0.5, 0.5], 5), [{ id: far, distance: 1 }, { id: near, distance: 2 }]);
+});
+
+test("a visit sees the nearest objects first, each once, as far as its visitor says", async () => {
+  const { world, boxes, ids } = await scene();
+  const point = [4, 5, 6];
+  const gap = (slot) => {
+    const sides = [0, 1, 2].map((axis) =>
+      Math.max(boxes[6 * slot + axis] - point[axis], point[axis] - boxes[6 * slot + 3 + axis], 0));
+    return Math.hypot(...sides);
+  };
+  const near = (a, b) => Math.abs(a - b) <= 1e-12 * (1 + b);
+  const all = Array.from(ids, (id) => ({ id, distance: gap(slotOf(id)) }))
+    .sort((a, b) => a.distance - b.distance || slotOf(a.id) - slotOf(b.id));
+  const seen = (answer, distance) => {
+    const hits = [];
+    world.visitNearest(point, (hit) => (hits.push(hit), answer?.(hit, hits.length)), distance);
+    return hits;
+  };
+  // All of them: more than are asked for at first, or at the second time.
+  const whole = seen();
+  assert.equal(whole.length, 500);
+  assert.equal(new Set(whole.map(({ id }) => id)).size, 500);
+  assert.ok(whole.every((hit, i) => near(hit.distance, all[i].distance) && near(hit.distance, gap(slotOf(hit.id)))));
+  assert.deepEqual(whole, world.nearest(point, 500));
+  assert.deepEqual(seen(() => Infinity), whole);
+  // As far as a distance, and not beyond; those of that distance are seen.
+  const some = whole.filter((hit) => hit.distance <= whole[99].distance);
+  assert.deepEqual(seen(undefined, whole[99].distance), some);
+  // A visitor ends it, or brings it nearer, but never farther.
+  for (const last of [1, 7, 8, 9, 64, 65, 500]) {
+    assert.equal(seen((_, count) => (count === last ? -1 : Infinity)).length, last);
+  }
+  assert.deepEqual(seen((hit, count) => (count === 3 ? whole[99].distance : 1e9)), some);
+  // The nearest shape is not that of the nearest box.
+  const shape = (id) => gap(slotOf(id)) + (slotOf(id) * 7919 % 13) / 4;
+  let best = null;
+  let visits = 0;
+  world.visitNearest(point, ({ id }) => {
+    visits++;
+    if (slotOf(id) % 2 === 0) {
+      return;
+    }
+    best = best === null || shape(id) < shape(best) ? id : best;
+    return shape(best);
+  });
+  const odd = Array.from(ids).filter((id) => slotOf(id) % 2 === 1);
+  assert.equal(best, odd.reduce((a, b) => (shape(b) < shape(a) ? b : a)));
+  assert.ok(visits < 500, "it does not see all");
+  // An empty world, and what is refused.
+  (await createWorld({ objects: 2 })).visitNearest(point, () => assert.fail("there is no object"));
+  for (const distance of [NaN, -1, null, "1"]) {
+    assert.throws(() => seen(undefined, distance), BadQueryError);
+  }
+  assert.throws(() => world.visitNearest([NaN, 0, 0], () => {}), BadQueryError);
+  assert.throws(() => world.visitNearest([0, 0], () => {}), InvalidArgumentError);
 });
 
 test("a snapshot brings everything back, also in another world", async () => {

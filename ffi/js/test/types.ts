@@ -11,6 +11,8 @@ world.boxes[6 * slotOf(id)] = 2;
 const { pairs, found, lost }: { pairs: Uint32Array; found: Uint32Array; lost: Uint32Array } = world.step();
 const regions: Region[] = [{ min: [0, 0, 0], max: [1, 1, 1] }, { center: [0, 0, 0], radius: 1 }];
 const hit: Hit | null = world.firstHit({ origin: [0, 0, 0], direction: [1, 0, 0] });
+world.visitNearest([0, 0, 0], (near: Hit) => near.distance, 10);
+world.visitNearest([0, 0, 0], (near) => console.log(near.id));
 const filter: Filter = { group: 1 };
 const stats: Stats = world.stats();
 world.setValue(id, 7n);
