@@ -229,7 +229,7 @@ const PADDED: usize = 16;
 
 /// Four boxes in the caller's memory.
 #[derive(Clone, Copy)]
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "other vectors take boxes one by one"))]
+#[allow(dead_code, reason = "scalar code takes boxes one by one")]
 pub(crate) enum Four<'a> {
     /// One after another.
     Packed(&'a [u8; 8 * CORNER]),

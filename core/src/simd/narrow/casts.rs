@@ -1,6 +1,6 @@
 //! Where a cast meets nodes and records, in 128-bit vectors.
 
-use super::keys::{Keys, floats};
+use super::keys::Keys;
 use super::vectors::Vectors;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Walk};
@@ -11,7 +11,7 @@ use crate::simd::EIGHT;
 #[inline(always)]
 pub(super) fn enter<V: Vectors>(v: V, walk: &Walk, node: &KeyBox, until: f32) -> f32 {
     let keys = Keys::load(v, node);
-    let (low, high) = (floats(v, keys.first), floats(v, keys.maxima(v)));
+    let (low, high) = (v.floats(keys.first), v.floats(keys.maxima(v)));
     let back = v.load(bytemuck::cast_ref(&walk.back));
     let (first, last) = (v.load(bytemuck::cast_ref(&walk.first)), v.load(bytemuck::cast_ref(&walk.last)));
     let (come, leave) = (v.load(bytemuck::cast_ref(&walk.come)), v.load(bytemuck::cast_ref(&walk.leave)));

@@ -8,9 +8,6 @@ use crate::simd::{Simd, Tested};
 /// The bytes of a record with the halves of its six lanes swapped, and no tag.
 const HALVES: [u8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
 
-/// The six lanes of a record, without its tag.
-const LANES: [u32; 4] = [u32::MAX, u32::MAX, u32::MAX, 0];
-
 /// For each mask of four words: the places of those that it keeps, in order.
 const KEPT: [[u8; 16]; 16] = {
     let mut table = [[0; 16]; 16];
@@ -38,12 +35,6 @@ const KEPT: [[u8; 16]; 16] = {
 #[inline(always)]
 pub(super) fn limit<V: Vectors>(v: V, record: V::Vector) -> V::Vector {
     v.xor(v.shuffle(record, v.load(&HALVES)), v.splat(u32::MAX))
-}
-
-/// Whether lanes are equal, those of the tags aside.
-#[inline(always)]
-pub(super) fn has_ties<V: Vectors>(v: V, equal: V::Vector) -> bool {
-    v.any(v.and(equal, v.words(LANES)))
 }
 
 /// As [`Simd::four`].
@@ -152,7 +143,8 @@ fn keep<V: Vectors, I: Index>(
 ) -> Option<usize> {
     let [a, b, c, d] = records;
     let ties = v.or(v.or(v.equal16(a, p), v.equal16(b, q)), v.or(v.equal16(c, r), v.equal16(d, s)));
-    if has_ties(v, ties) {
+    // Those of the tags do not count.
+    if v.any_of_three(ties) {
         return None;
     }
     let (first, second) = (v.excess16(a, p), v.excess16(b, q));
@@ -161,11 +153,11 @@ fn keep<V: Vectors, I: Index>(
     let apart = v.join16(v.join16(first, second), v.join16(third, fourth));
     let tags = tags(v, records);
     let shared = v.and(v.and(tags, others), v.splat(Record::MARKS));
-    let kept = v.bits4(v.equal32(v.or(apart, shared), v.splat(0))) & 15;
+    let (kept, count) = v.counted4(v.equal32(v.or(apart, shared), v.splat(0)));
     let slots = v.splat(Record::SLOT);
     let (tags, others) = (v.and(tags, slots), v.and(others, slots));
     let (lower, upper) = (v.least32(tags, others), v.most32(tags, others));
-    let places = v.load(&KEPT[kept as usize]);
+    let places = v.load(&KEPT[kept as usize & 15]);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(pairs);
     if size_of::<I>() == 2 {
         let packed = v.shuffle(v.or(lower, v.raised32(upper)), places);
@@ -175,5 +167,5 @@ fn keep<V: Vectors, I: Index>(
         v.store(bytes.first_chunk_mut()?, v.zip_first32(lower, upper));
         v.store(bytes.last_chunk_mut()?, v.zip_last32(lower, upper));
     }
-    Some(kept.count_ones() as usize)
+    Some(count as usize)
 }

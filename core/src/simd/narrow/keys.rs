@@ -2,16 +2,10 @@
 
 use super::vectors::{NO_BYTE, Vectors};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
-use crate::geometry::record::{Frame, GRID_MAX, Record};
+use crate::geometry::record::{Frame, Record};
 
-/// The lanes of three axes.
-const FIRST_THREE: [u32; 4] = [u32::MAX, u32::MAX, u32::MAX, 0];
-
-/// The places of the second to the fourth word, the last one twice.
-const FROM_SECOND: [u8; 16] = [4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 12, 13, 14, 15];
-
-/// The places of the first three words, the last one twice.
-const FROM_FIRST: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 8, 9, 10, 11];
+/// The places of the second to the fourth word, then of the first one.
+pub(super) const FROM_SECOND: [u8; 16] = [4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3];
 
 /// The places of six lanes of 16 bits among the four and four of [`Keys`].
 const SIX_LANES: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
@@ -39,21 +33,6 @@ fn six(row: &[f32; 8]) -> &[f32; 6] {
     row.first_chunk().unwrap_or(&[0.0; 6])
 }
 
-/// The floats of four keys.
-#[inline(always)]
-pub(super) fn floats<V: Vectors>(v: V, keys: V::Vector) -> V::Vector {
-    v.or(v.magnitude32(keys), v.and(keys, v.splat(1 << 31)))
-}
-
-/// The keys of four floats.
-#[inline(always)]
-fn keys<V: Vectors>(v: V, bits: V::Vector) -> V::Vector {
-    let negative = v.above32(v.splat(0), bits);
-    // The magnitude with the sign, which turns -0.0 into zero.
-    let magnitude = v.and(bits, v.splat(i32::MAX as u32));
-    v.minus32(v.xor(magnitude, negative), negative)
-}
-
 impl<V: Vectors> Keys<V> {
     #[inline(always)]
     pub(super) fn load(v: V, bounds: &KeyBox) -> Self {
@@ -74,7 +53,7 @@ impl<V: Vectors> Keys<V> {
         bytemuck::cast(words)
     }
 
-    /// The maxima on the three axes, the last one twice.
+    /// The maxima on the three axes, then the minimum on the third one.
     #[inline(always)]
     pub(super) fn maxima(self, v: V) -> V::Vector {
         v.shuffle(self.last, v.load(&FROM_SECOND))
@@ -85,20 +64,20 @@ impl<V: Vectors> Keys<V> {
     pub(super) fn encode(v: V, min: &[u8; 12], max: &[u8; 12]) -> Option<Self> {
         let [a, b, c]: [u32; 3] = bytemuck::cast(*min);
         let [d, e, f]: [u32; 3] = bytemuck::cast(*max);
-        let found = Self { first: keys(v, v.words([a, b, c, d])), last: keys(v, v.words([c, d, e, f])) };
-        let (minima, maxima) = (v.shuffle(found.first, v.load(&FROM_FIRST)), found.maxima(v));
+        let found = Self { first: v.keys(v.words([a, b, c, d])), last: v.keys(v.words([c, d, e, f])) };
+        let (minima, maxima) = (found.first, found.maxima(v));
         // Minima must be from -infinity to the maxima, maxima up to +infinity.
         let below = v.above32(v.splat(NEGATIVE_INFINITY as u32), minima);
         let above = v.above32(maxima, v.splat(POSITIVE_INFINITY as u32));
         let bad = v.or(v.above32(minima, maxima), v.or(below, above));
-        if v.any(bad) { None } else { Some(found) }
+        if v.any_of_three(bad) { None } else { Some(found) }
     }
 
     /// As [`KeyBox::overlaps`].
     #[inline(always)]
     pub(super) fn overlap(self, v: V, other: Self) -> bool {
         let apart = v.or(v.above32(self.first, other.maxima(v)), v.above32(other.first, self.maxima(v)));
-        !v.any(v.and(apart, v.words(FIRST_THREE)))
+        !v.any_of_three(apart)
     }
 
     /// As [`KeyBox::is_narrow`].
@@ -106,26 +85,22 @@ impl<V: Vectors> Keys<V> {
     pub(super) fn is_narrow(self, v: V) -> bool {
         let apart = v.minus32(self.maxima(v), self.first);
         let few = v.equal32(apart, v.least32(apart, v.splat(3)));
-        v.any(v.and(few, v.words(FIRST_THREE)))
+        v.any_of_three(few)
     }
 
     /// As [`Simd::record`](crate::simd::Simd::record).
     #[inline(always)]
     pub(super) fn record(self, v: V, frame: &Frame, tag: u32) -> Record {
         let (origins, scales) = (ends(six(&frame.origin)), ends(six(&frame.scale)));
-        let mut steps = [self.first, self.last];
-        for (half, keys) in steps.iter_mut().enumerate() {
-            let at = v.subtract(floats(v, *keys), v.load(origins[half]));
-            let at = v.multiply(at, v.load(scales[half]));
-            // NaN falls to the second operand: zero.
-            let at = v.minimum(v.maximum(at, v.splat(0)), v.splat(GRID_MAX.to_bits()));
-            *keys = v.whole(at);
+        let mut at = [self.first, self.last];
+        for (half, at) in at.iter_mut().enumerate() {
+            *at = v.multiply(v.subtract(v.floats(*at), v.load(origins[half])), v.load(scales[half]));
         }
-        let [first, last] = steps;
-        let lanes = v.shuffle(v.lower_halves(first, last), v.load(&SIX_LANES));
+        let lanes = v.shuffle(v.steps16(at[0], at[1]), v.load(&SIX_LANES));
         let mut bytes = [0; 16];
         // Maxima are complemented.
-        v.store(&mut bytes, v.xor(lanes, v.words([0, 0xffff_0000, u32::MAX, tag])));
+        let lanes = v.xor(lanes, v.words([0, 0xffff_0000, u32::MAX, 0]));
+        v.store(&mut bytes, v.with_fourth(lanes, tag));
         bytemuck::cast(bytes)
     }
 }

@@ -2,7 +2,8 @@
 
 use super::keys::Keys;
 use super::vectors::Vectors;
-use super::{casts, fours};
+use super::{casts, encode, fours};
+use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -22,10 +23,7 @@ const fn below(count: usize) -> u64 {
 /// Which of 16 rows have no byte below the query's, as a mask.
 #[inline(always)]
 fn inside<V: Vectors>(v: V, [a, b, c, d]: &[[u8; 16]; 4], query: V::Vector) -> V::Vector {
-    // How much the query's bytes exceed a row's: zero where none does.
-    let (a, b) = (v.excess8(query, v.load(a)), v.excess8(query, v.load(b)));
-    let (c, d) = (v.excess8(query, v.load(c)), v.excess8(query, v.load(d)));
-    v.equal8(v.join8(v.join16(a, b), v.join16(c, d)), v.splat(0))
+    v.reached([v.load(a), v.load(b), v.load(c), v.load(d)], query)
 }
 
 /// The places of the high bytes of four lanes, four times.
@@ -40,6 +38,8 @@ impl<V: Vectors> Simd for Narrow<V> {
     type Axis = [V::Vector; 2];
 
     type Query = V::Vector;
+
+    const ENCODES_FOUR: bool = true;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -62,9 +62,14 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
+    fn encode_four(self, boxes: Four<'_>, old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
+        encode::encode_four(self.0, boxes, old, new)
+    }
+
+    #[inline(always)]
     fn above(self, a: Keys<V>, b: Keys<V>) -> u32 {
         let v = self.0;
-        v.bits4(v.above32(a.first, b.first)) | v.bits4(v.above32(a.last, b.last)) << 2
+        v.bits6([v.above32(a.first, b.first), v.above32(a.last, b.last)])
     }
 
     #[inline(always)]
@@ -158,7 +163,7 @@ impl<V: Vectors> Simd for Narrow<V> {
         let v = self.0;
         let a = v.load(bytemuck::cast_ref(a));
         let limit = fours::limit(v, v.load(bytemuck::cast_ref(b)));
-        Contact { touches: !v.any(v.excess16(a, limit)), tied: fours::has_ties(v, v.equal16(a, limit)) }
+        Contact { touches: !v.any(v.excess16(a, limit)), tied: v.any_of_three(v.equal16(a, limit)) }
     }
 
     #[inline(always)]

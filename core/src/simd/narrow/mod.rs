@@ -9,6 +9,7 @@
 //! three files of instruction sets; that was not tried.
 
 mod casts;
+mod encode;
 mod fours;
 mod keys;
 mod level;

@@ -39,6 +39,9 @@ macro_rules! guaranteed {
 /// A bit for each byte of eight, in each half.
 const BIT: [u8; 16] = [1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128];
 
+/// A bit for each of six lanes, by their places in two vectors that share two of them.
+const BIT_OF_SIX: [u8; 16] = [1, 0, 2, 0, 4, 0, 8, 0, 0, 0, 0, 0, 16, 0, 32, 0];
+
 impl Vectors for Neon {
     const NAME: &'static str = "neon";
 
@@ -81,6 +84,12 @@ impl Vectors for Neon {
     }
 
     #[inline(always)]
+    fn with_fourth(self, a: uint8x16_t, word: u32) -> uint8x16_t {
+        // SAFETY: as in `guaranteed`.
+        unsafe { vreinterpretq_u8_u32(vsetq_lane_u32::<3>(word, words(a))) }
+    }
+
+    #[inline(always)]
     fn any(self, a: uint8x16_t) -> bool {
         // SAFETY: as in `guaranteed`.
         unsafe {
@@ -102,13 +111,15 @@ impl Vectors for Neon {
         excess16(a, b) = vreinterpretq_u8_u16(vqsubq_u16(shorts(a), shorts(b)));
         join8(a, b) = vpmaxq_u8(a, b);
         join16(a, b) = vreinterpretq_u8_u16(vpmaxq_u16(shorts(a), shorts(b)));
-        lower_halves(a, b) = vreinterpretq_u8_u16(vuzp1q_u16(shorts(a), shorts(b)));
         zip_first16(a, b) = vreinterpretq_u8_u16(vzip1q_u16(shorts(a), shorts(b)));
         zip_last16(a, b) = vreinterpretq_u8_u16(vzip2q_u16(shorts(a), shorts(b)));
         zip_first32(a, b) = vreinterpretq_u8_u32(vzip1q_u32(words(a), words(b)));
         zip_last32(a, b) = vreinterpretq_u8_u32(vzip2q_u32(words(a), words(b)));
         zip_first64(a, b) = vreinterpretq_u8_u64(vzip1q_u64(longs(a), longs(b)));
         zip_last64(a, b) = vreinterpretq_u8_u64(vzip2q_u64(longs(a), longs(b)));
+        from_fourth(a, b) = vextq_u8::<12>(a, b);
+        from_third(a, b) = vextq_u8::<8>(a, b);
+        three_and_last(a, b) = vreinterpretq_u8_u32(vcopyq_laneq_u32::<3, 3>(words(a), words(b)));
         above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
         lower32(a, b) = vreinterpretq_u8_s32(vminq_s32(signed(a), signed(b)));
         upper32(a, b) = vreinterpretq_u8_s32(vmaxq_s32(signed(a), signed(b)));
@@ -124,13 +135,53 @@ impl Vectors for Neon {
         maximum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcgtq_f32(floats(a), floats(b))), a, b);
         minimum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcltq_f32(floats(a), floats(b))), a, b);
         at_most(a, b) = vreinterpretq_u8_u32(vcleq_f32(floats(a), floats(b)));
-        whole(a) = vreinterpretq_u8_u32(vcvtq_u32_f32(floats(a)));
+        // Both saturate, and NaN gives zero.
+        steps16(a, b) = vreinterpretq_u8_u16(vqmovn_high_u32(vqmovn_u32(vcvtq_u32_f32(floats(a))), vcvtq_u32_f32(floats(b))));
+    }
+
+    #[inline(always)]
+    fn any_of_three(self, a: uint8x16_t) -> bool {
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            // Half as wide: saturation keeps every number above zero.
+            let halves = vget_lane_u64::<0>(vreinterpret_u64_u16(vqmovn_u32(words(a))));
+            halves & 0xffff_ffff_ffff != 0
+        }
+    }
+
+    #[inline(always)]
+    fn reached(self, [a, b, c, d]: [uint8x16_t; 4], query: uint8x16_t) -> uint8x16_t {
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            // The least of each four bytes of masks.
+            let first = vpminq_u8(vcgeq_u8(a, query), vcgeq_u8(b, query));
+            let last = vpminq_u8(vcgeq_u8(c, query), vcgeq_u8(d, query));
+            vpminq_u8(first, last)
+        }
     }
 
     #[inline(always)]
     fn bits4(self, mask: uint8x16_t) -> u32 {
         // SAFETY: as in `guaranteed`.
         unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
+    }
+
+    #[inline(always)]
+    fn counted4(self, mask: uint8x16_t) -> (u32, u32) {
+        // The count stands above the bits.
+        let bit = self.words([1 | 1 << 8, 2 | 1 << 8, 4 | 1 << 8, 8 | 1 << 8]);
+        // SAFETY: as in `guaranteed`.
+        let sum = unsafe { vaddvq_u32(words(self.and(mask, bit))) };
+        (sum & 0b1111, sum >> 8)
+    }
+
+    #[inline(always)]
+    fn bits6(self, [first, last]: [uint8x16_t; 2]) -> u32 {
+        // SAFETY: as in `guaranteed`.
+        unsafe {
+            let masks = vreinterpretq_u8_u16(vuzp1q_u16(shorts(first), shorts(last)));
+            u32::from(vaddvq_u16(shorts(self.and(masks, self.load(&BIT_OF_SIX)))))
+        }
     }
 
     #[inline(always)]
@@ -142,12 +193,15 @@ impl Vectors for Neon {
         }
     }
 
+    // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that no two bits are in one
+    // place, and make three operations of each sum.
+
     #[inline(always)]
     fn bits32(self, [a, b]: [uint8x16_t; 2]) -> u32 {
         // SAFETY: as in `guaranteed`.
         unsafe {
             let bit = self.load(&BIT);
-            let sums = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
+            let sums = vpaddq_u8(vminq_u8(a, bit), vminq_u8(b, bit));
             let sums = vpaddq_u8(sums, sums);
             vgetq_lane_u32::<0>(words(vpaddq_u8(sums, sums)))
         }
@@ -158,8 +212,8 @@ impl Vectors for Neon {
         // SAFETY: as in `guaranteed`.
         unsafe {
             let bit = self.load(&BIT);
-            let first = vpaddq_u8(vandq_u8(a, bit), vandq_u8(b, bit));
-            let last = vpaddq_u8(vandq_u8(c, bit), vandq_u8(d, bit));
+            let first = vpaddq_u8(vminq_u8(a, bit), vminq_u8(b, bit));
+            let last = vpaddq_u8(vminq_u8(c, bit), vminq_u8(d, bit));
             let sums = vpaddq_u8(first, last);
             vgetq_lane_u64::<0>(longs(vpaddq_u8(sums, sums)))
         }

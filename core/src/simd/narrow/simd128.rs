@@ -48,6 +48,11 @@ impl Vectors for Simd128 {
     }
 
     #[inline(always)]
+    fn with_fourth(self, a: v128, word: u32) -> v128 {
+        u32x4_replace_lane::<3>(a, word)
+    }
+
+    #[inline(always)]
     fn any(self, a: v128) -> bool {
         v128_any_true(a)
     }
@@ -66,13 +71,15 @@ impl Vectors for Simd128 {
         // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = i8x16_narrow_i16x8(a, b);
         join16(a, b) = i16x8_narrow_i32x4(a, b);
-        lower_halves(a, b) = u16x8_narrow_i32x4(a, b);
         zip_first16(a, b) = u16x8_shuffle::<0, 8, 1, 9, 2, 10, 3, 11>(a, b);
         zip_last16(a, b) = u16x8_shuffle::<4, 12, 5, 13, 6, 14, 7, 15>(a, b);
         zip_first32(a, b) = u32x4_shuffle::<0, 4, 1, 5>(a, b);
         zip_last32(a, b) = u32x4_shuffle::<2, 6, 3, 7>(a, b);
         zip_first64(a, b) = u64x2_shuffle::<0, 2>(a, b);
         zip_last64(a, b) = u64x2_shuffle::<1, 3>(a, b);
+        from_fourth(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
+        from_third(a, b) = u64x2_shuffle::<1, 2>(a, b);
+        three_and_last(a, b) = u32x4_shuffle::<0, 1, 2, 7>(a, b);
         above32(a, b) = i32x4_gt(a, b);
         lower32(a, b) = i32x4_min(a, b);
         upper32(a, b) = i32x4_max(a, b);
@@ -88,7 +95,8 @@ impl Vectors for Simd128 {
         maximum(a, b) = f32x4_pmax(b, a);
         minimum(a, b) = f32x4_pmin(b, a);
         at_most(a, b) = f32x4_le(a, b);
-        whole(a) = i32x4_trunc_sat_f32x4(a);
+        // Both saturate, and NaN gives zero.
+        steps16(a, b) = u16x8_narrow_i32x4(i32x4_trunc_sat_f32x4(a), i32x4_trunc_sat_f32x4(b));
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! 128-bit integers of x86: SSE4.1 with POPCNT. Nehalem, Bulldozer, Jaguar and later.
 
 use super::vectors::{Vectors, operations};
+use crate::geometry::record::GRID_MAX;
 use crate::simd::Phase;
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -83,6 +84,12 @@ impl Vectors for Sse41 {
     }
 
     #[inline(always)]
+    fn with_fourth(self, a: __m128i, word: u32) -> __m128i {
+        // SAFETY: `self` proves SSE4.1.
+        unsafe { _mm_insert_epi32::<3>(a, word as i32) }
+    }
+
+    #[inline(always)]
     fn any(self, a: __m128i) -> bool {
         // SAFETY: `self` proves SSE4.1.
         unsafe { _mm_testz_si128(a, a) == 0 }
@@ -102,13 +109,15 @@ impl Vectors for Sse41 {
         // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = _mm_packs_epi16(a, b);
         join16(a, b) = _mm_packs_epi32(a, b);
-        lower_halves(a, b) = _mm_packus_epi32(a, b);
         zip_first16(a, b) = _mm_unpacklo_epi16(a, b);
         zip_last16(a, b) = _mm_unpackhi_epi16(a, b);
         zip_first32(a, b) = _mm_unpacklo_epi32(a, b);
         zip_last32(a, b) = _mm_unpackhi_epi32(a, b);
         zip_first64(a, b) = _mm_unpacklo_epi64(a, b);
         zip_last64(a, b) = _mm_unpackhi_epi64(a, b);
+        from_fourth(a, b) = _mm_alignr_epi8::<12>(b, a);
+        from_third(a, b) = _mm_alignr_epi8::<8>(b, a);
+        three_and_last(a, b) = _mm_blend_epi16::<0b1100_0000>(a, b);
         above32(a, b) = _mm_cmpgt_epi32(a, b);
         lower32(a, b) = _mm_min_epi32(a, b);
         upper32(a, b) = _mm_max_epi32(a, b);
@@ -116,6 +125,8 @@ impl Vectors for Sse41 {
         most32(a, b) = _mm_max_epu32(a, b);
         minus32(a, b) = _mm_sub_epi32(a, b);
         magnitude32(a) = _mm_abs_epi32(a);
+        // The magnitude with the sign, which turns -0.0 into zero.
+        keys(a) = _mm_sign_epi32(_mm_and_si128(a, _mm_set1_epi32(i32::MAX)), a);
         raised32(a) = _mm_slli_epi32::<16>(a);
         add(a, b) = _mm_castps_si128(_mm_add_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         subtract(a, b) = _mm_castps_si128(_mm_sub_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
@@ -123,7 +134,12 @@ impl Vectors for Sse41 {
         maximum(a, b) = _mm_castps_si128(_mm_max_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         minimum(a, b) = _mm_castps_si128(_mm_min_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         at_most(a, b) = _mm_castps_si128(_mm_cmple_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
-        whole(a) = _mm_cvttps_epi32(_mm_castsi128_ps(a));
+        // NaN stays, as the second operand. Of it and of what is too low the conversion makes the least number, of which the packing
+        // makes zero, as of all below zero.
+        steps16(a, b) = _mm_packus_epi32(
+            _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(a))),
+            _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(b)))
+        );
     }
 
     #[inline(always)]

@@ -35,6 +35,8 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn splat(self, word: u32) -> Self::Vector;
     /// The first word.
     fn first(self, a: Self::Vector) -> u32;
+    /// The first three words, then another one.
+    fn with_fourth(self, a: Self::Vector, word: u32) -> Self::Vector;
 
     fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -43,6 +45,11 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn select(self, mask: Self::Vector, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether a bit is set.
     fn any(self, a: Self::Vector) -> bool;
+    /// Whether a bit is set in the first three words.
+    #[inline(always)]
+    fn any_of_three(self, a: Self::Vector) -> bool {
+        self.any(self.and(a, self.words([u32::MAX, u32::MAX, u32::MAX, 0])))
+    }
     /// The bytes at these places; zero for the place [`NO_BYTE`].
     fn shuffle(self, a: Self::Vector, places: Self::Vector) -> Self::Vector;
 
@@ -56,8 +63,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn join8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
     fn join16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The lower halves of lanes of 32 bits, whose upper halves are zero.
-    fn lower_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
     /// Lanes of the first halves, one of `a` and one of `b` in turn.
     fn zip_first16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -67,6 +72,12 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn zip_last32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_first64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_last64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The last word of `a`, then the first three of `b`.
+    fn from_fourth(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The last two words of `a`, then the first two of `b`.
+    fn from_third(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The first three words of `a`, then the last one of `b`.
+    fn three_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
     /// Whether `a` is above `b`, with signs.
     fn above32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -81,6 +92,19 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn minus32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The absolute value; the least number stays.
     fn magnitude32(self, a: Self::Vector) -> Self::Vector;
+    /// The keys of `f32`: see [`key`](crate::geometry::key::key).
+    #[inline(always)]
+    fn keys(self, a: Self::Vector) -> Self::Vector {
+        let negative = self.above32(self.splat(0), a);
+        // The magnitude with the sign, which turns -0.0 into zero.
+        let magnitude = self.and(a, self.splat(i32::MAX as u32));
+        self.minus32(self.xor(magnitude, negative), negative)
+    }
+    /// The `f32` of keys.
+    #[inline(always)]
+    fn floats(self, a: Self::Vector) -> Self::Vector {
+        self.or(self.magnitude32(a), self.and(a, self.splat(1 << 31)))
+    }
     /// Shifts the lower halves up, above zeros.
     fn raised32(self, a: Self::Vector) -> Self::Vector;
 
@@ -94,11 +118,32 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn minimum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether `a` is at most `b`.
     fn at_most(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The whole part of a number from 0 to 65,535.
-    fn whole(self, a: Self::Vector) -> Self::Vector;
+    /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives zero, what is above 65,535
+    /// that.
+    fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    /// A mask of 16 bytes, one for each four of four vectors: whether none of them is below that of the query.
+    #[inline(always)]
+    fn reached(self, [a, b, c, d]: [Self::Vector; 4], query: Self::Vector) -> Self::Vector {
+        // How much the query's bytes exceed the others: zero where none does.
+        let (a, b) = (self.excess8(query, a), self.excess8(query, b));
+        let (c, d) = (self.excess8(query, c), self.excess8(query, d));
+        self.equal8(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))
+    }
 
     /// A bit for each lane of a mask of 32 bits.
     fn bits4(self, mask: Self::Vector) -> u32;
+    /// The same, and how many bits are set.
+    #[inline(always)]
+    fn counted4(self, mask: Self::Vector) -> (u32, u32) {
+        let bits = self.bits4(mask);
+        (bits, bits.count_ones())
+    }
+    /// A bit for each of six lanes of 32 bits in two masks: the first four and the last four, of which two are in both.
+    #[inline(always)]
+    fn bits6(self, [first, last]: [Self::Vector; 2]) -> u32 {
+        self.bits4(first) | self.bits4(last) << 2
+    }
     /// A bit for each lane of a mask of 8 bits.
     fn bits16(self, mask: Self::Vector) -> u32;
     /// The same of two masks.
