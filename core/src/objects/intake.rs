@@ -208,7 +208,12 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let mut items = bounds.items_from(first + word * 32);
     let (mut resting, mut four_changed) = (resting, 0);
     if S::ENCODES_FOUR && !fat.exist() {
-        let (taken, others) = take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting);
+        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network.
+        let (taken, others) = if cfg!(target_family = "wasm") {
+            simd.call(Fours { bounds, items, now, before, kept, resting })
+        } else {
+            take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting)
+        };
         if taken == u32::MAX >> unused {
             return objects.note(word, others, 0);
         }
@@ -245,6 +250,26 @@ fn take_in<S: Simd, const EVENTS: bool>(
     }
     let changed = changed.checked_shr(unused as u32).unwrap_or_default() | four_changed;
     objects.note(word, changed, contained)
+}
+
+/// [`take_in_fours`] as a phase, with events or without.
+struct Fours<'f, 'b> {
+    bounds: &'f Boxes<'b>,
+    items: &'b [u8],
+    now: &'f mut [KeyBox],
+    before: &'f mut [KeyBox],
+    kept: u32,
+    resting: u32,
+}
+
+impl Phase for Fours<'_, '_> {
+    type Output = (u32, u32);
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> (u32, u32) {
+        let Self { bounds, items, now, before, kept, resting } = self;
+        take_in_fours::<S, true>(simd, bounds, items, now, before, kept, resting)
+    }
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns
