@@ -520,3 +520,31 @@ fn leaves_are_divided_step_by_step() {
         }
     }
 }
+
+/// Of two that are so far away that their distances are one number, `nearest` tells the nearer one first, by the squares; a visitor
+/// is told the same distance of both.
+#[test]
+fn distances_that_round_to_one_number() {
+    const FAR: f32 = 33_554_432.0;
+    let point = |y: f32| Aabb::new([FAR, y, 0.0], [FAR, y, 0.0]);
+    for (setup, count) in
+        Setup::each(&[Jobs::Serial]).into_iter().flat_map(|setup| [(setup, 2), (setup, 900)])
+    {
+        let config = Config::new(ample(count, 10 * count));
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let mut boxes = vec![point(0.5), point(0.0)];
+        boxes.extend((2..count).map(|k| scenes::at([2.0 * FAR + 64.0 * k as f32, 0.0, 0.0], [8.0; 3])));
+        world.insert_many(&boxes);
+        world.step(setup);
+        let (asked, model) = world.parts_mut();
+        let mut hits = [None; 2];
+        assert_eq!(asked.nearest([0.0; 3], &mut hits), Ok(2));
+        assert_eq!(
+            hits.map(|hit| hit.map(|hit| (hit.id.slot(), hit.distance))),
+            [1, 0].map(|slot| Some((slot, f64::from(FAR))))
+        );
+        ask_nearest(asked, model, [0.0; 3], 2, setup);
+        ask_nearest(asked, model, [0.0; 3], 1, setup);
+    }
+}
