@@ -54,6 +54,8 @@ pub struct Checked<'m, I: Index = u32> {
     world: World<'m, I>,
     model: Model,
     config: Config,
+    /// Whether calls between steps are followed by a check, too.
+    each_call: bool,
 }
 
 impl<'m, I: Index> Checked<'m, I> {
@@ -66,9 +68,17 @@ impl<'m, I: Index> Checked<'m, I> {
     /// Follows a world that the model has followed up to here.
     pub fn resume(world: World<'m, I>, model: Model) -> Self {
         let config = world.config();
-        let checked = Self { world, model, config };
+        let checked = Self { world, model, config, each_call: true };
         checked.check();
         checked
+    }
+
+    /// Does what other setups do, too: all calls are checked on the reference, and on the others only steps. Calls between steps
+    /// use no kernels and no job system, and the check behind a step sees what they have done.
+    #[must_use]
+    pub fn like_the_reference(mut self, setup: Setup) -> Self {
+        self.each_call = setup.is_reference();
+        self
     }
 
     /// Gives the model back, to follow the world again when it has been reopened.
@@ -129,11 +139,17 @@ impl<'m, I: Index> Checked<'m, I> {
         }
     }
 
+    fn check_call(&self) {
+        if self.each_call {
+            self.check();
+        }
+    }
+
     /// Inserts one object.
     pub fn insert(&mut self, aabb: Aabb) -> Id {
         let id = self.world.insert(aabb).expect("room and a good box");
         self.model.insert(id, aabb);
-        self.check();
+        self.check_call();
         id
     }
 
@@ -146,7 +162,7 @@ impl<'m, I: Index> Checked<'m, I> {
         for (id, aabb) in ids.iter().zip(boxes) {
             self.model.insert(*id, *aabb);
         }
-        self.check();
+        self.check_call();
         ids
     }
 
@@ -154,7 +170,7 @@ impl<'m, I: Index> Checked<'m, I> {
     pub fn set(&mut self, id: Id, aabb: Aabb) {
         self.world.set_aabb(id, aabb).expect("a living object and a good box");
         self.model.set(id, aabb);
-        self.check();
+        self.check_call();
     }
 
     /// Moves several objects in one call.
@@ -163,27 +179,27 @@ impl<'m, I: Index> Checked<'m, I> {
         for (id, aabb) in ids.iter().zip(boxes) {
             self.model.set(*id, *aabb);
         }
-        self.check();
+        self.check_call();
     }
 
     /// Gives an object a margin of its own.
     pub fn set_margin(&mut self, id: Id, length: f32) {
         self.world.set_margin(id, length).expect("a living object and a good margin");
-        self.check();
+        self.check_call();
     }
 
     /// Sets whom an object meets.
     pub fn set_filter(&mut self, id: Id, filter: Filter) {
         self.world.set_filter(id, filter).expect("a living object and a good class");
         self.model.set_filter(id, filter);
-        self.check();
+        self.check_call();
     }
 
     /// Sets which classes meet.
     pub fn set_classes(&mut self, meets: &[u32; 32]) {
         self.world.set_classes(meets).expect("a world with filters");
         self.model.set_classes(meets);
-        self.check();
+        self.check_call();
     }
 
     /// From now on, steps have a rule.
@@ -195,21 +211,21 @@ impl<'m, I: Index> Checked<'m, I> {
     pub fn refilter(&mut self, id: Id, opinion: u32) {
         self.world.refilter(id).expect("a living object in a world with filters");
         self.model.set_opinion(id, opinion);
-        self.check();
+        self.check_call();
     }
 
     /// Puts objects to rest.
     pub fn set_resting(&mut self, ids: &[Id]) {
         self.world.set_resting(ids).expect("living objects");
         ids.iter().for_each(|id| self.model.set_resting(*id, true));
-        self.check();
+        self.check_call();
     }
 
     /// Wakes objects.
     pub fn wake(&mut self, ids: &[Id]) {
         self.world.wake(ids).expect("living objects");
         ids.iter().for_each(|id| self.model.set_resting(*id, false));
-        self.check();
+        self.check_call();
     }
 
     /// A snapshot of the world, and the model as it is now.
@@ -226,14 +242,14 @@ impl<'m, I: Index> Checked<'m, I> {
     pub fn load(&mut self, (bytes, model): &Saved) {
         self.world.load(bytes).expect("a good snapshot");
         self.model = model.clone();
-        self.check();
+        self.check_call();
     }
 
     /// Removes one object.
     pub fn remove(&mut self, id: Id) {
         self.world.remove(id).expect("a living object");
         self.model.remove(id);
-        self.check();
+        self.check_call();
     }
 
     /// Removes several objects in one call.
@@ -242,7 +258,7 @@ impl<'m, I: Index> Checked<'m, I> {
         for id in ids {
             self.model.remove(*id);
         }
-        self.check();
+        self.check_call();
     }
 
     /// Makes a call that must fail, and sees that it changed nothing.

@@ -64,6 +64,12 @@ impl Setup {
     /// What all others are compared with.
     pub const REFERENCE: Self = Self { kernels: Kernels::SCALAR, jobs: Jobs::Serial };
 
+    /// Whether it is that one.
+    #[must_use]
+    pub fn is_reference(&self) -> bool {
+        self.kernels.name() == Self::REFERENCE.kernels.name() && self.jobs == Self::REFERENCE.jobs
+    }
+
     /// Every kernel of this machine with each of the job systems.
     pub fn each(jobs: &[Jobs]) -> Vec<Self> {
         Kernels::all().flat_map(|kernels| jobs.iter().map(move |&jobs| Self { kernels, jobs })).collect()

@@ -33,7 +33,7 @@ fn live<I: Index>(config: Config, count: usize, ruled: bool, setup: Setup) {
     let capacity = ample(count + 10, 30 * count);
     let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
-    let mut world = Checked::<I>::new(slab.world(&config));
+    let mut world = Checked::<I>::new(slab.world(&config)).like_the_reference(setup);
     let rng = &mut Rng::new(count as u64 + u64::from(ruled));
     if ruled {
         world.rule();

@@ -79,7 +79,7 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
     let capacity = ample(count + 20, 40 * count);
     let config = setup.configure(config.with_capacity(capacity));
     let mut slab = Slab::new::<I>(&config);
-    let mut world = Checked::<I>::new(slab.world(&config));
+    let mut world = Checked::<I>::new(slab.world(&config)).like_the_reference(setup);
     let rng = &mut Rng::new(count as u64);
     world.insert_many(&crowd(count, 4));
     world.step(setup);
@@ -170,7 +170,7 @@ fn trees_that_grow_askew_while_it_is_calm() {
             let count = 2000;
             let config = setup.configure(config.with_capacity(ample(count, 200 * count)));
             let mut slab = Slab::new::<u32>(&config);
-            let mut world = Checked::<u32>::new(slab.world(&config));
+            let mut world = Checked::<u32>::new(slab.world(&config)).like_the_reference(setup);
             let ids = world.insert_many(&scenes::uniform(count, 6));
             world.step(setup);
             let rng = &mut Rng::new(1);
@@ -208,7 +208,7 @@ fn a_full_buffer_in_a_calm_time() {
                 let capacity = ample(count, pairs.min(count * count / 4));
                 let config = setup.configure(config.with_capacity(capacity));
                 let mut slab = Slab::new::<u32>(&config);
-                let mut world = Checked::<u32>::new(slab.world(&config));
+                let mut world = Checked::<u32>::new(slab.world(&config)).like_the_reference(setup);
                 let ids = world.insert_many(&boxes);
                 let rng = &mut Rng::new(3);
                 for calm in 0..5 {
