@@ -33,28 +33,33 @@ pub fn configs() -> [(&'static str, Config); 3] {
     [("exact", plain), ("margin", margin), ("fat", margin.with_mode(Mode::Fat))]
 }
 
-/// The pairs, the found and the lost of all frames, in their order.
+/// Tells the pairs, the found and the lost of all frames, in their order.
 ///
 /// # Panics
 /// If the recording does not fit.
-#[must_use]
-pub fn hash<I: Index>(recording: &Recording, config: Config, setup: Setup) -> u64 {
+pub fn play<I: Index>(recording: &Recording, config: Config, setup: Setup, mut tell: impl FnMut(&[Pair<I>])) {
     let objects = recording.objects();
     let config = setup.configure(config.with_capacity(ample(objects, 40 * objects)));
     let mut slab = Slab::new::<I>(&config);
     let mut world: World<'_, I> = slab.world(&config);
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
-    let mut fnv = Fnv(0xcbf2_9ce4_8422_2325);
     for frame in &recording.frames {
         let step = world
             .set_kernels(setup.kernels)
             .on(&setup.jobs)
             .step_over(Boxes::padded(frame))
             .expect("room for all");
-        fnv.pairs(step.pairs());
-        fnv.pairs(step.found());
-        fnv.pairs(step.lost());
+        tell(step.pairs());
+        tell(step.found());
+        tell(step.lost());
     }
+}
+
+/// One number for all of it.
+#[must_use]
+pub fn hash<I: Index>(recording: &Recording, config: Config, setup: Setup) -> u64 {
+    let mut fnv = Fnv(0xcbf2_9ce4_8422_2325);
+    play::<I>(recording, config, setup, |pairs| fnv.pairs(pairs));
     fnv.0
 }
 
