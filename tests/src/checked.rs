@@ -349,7 +349,7 @@ impl<'m, I: Index> Checked<'m, I> {
         match self.config.mode {
             Mode::Exact => assert_same(&pairs, exact, self.model.boxes()),
             Mode::Fat => {
-                let missing = exact.iter().find(|pair| pairs.binary_search(pair).is_err());
+                let missing = first_absent(exact, &pairs);
                 assert_eq!(missing, None, "every overlap is among the fat pairs");
                 let barred = pairs.iter().find(|pair| !self.model.meet(**pair));
                 assert_eq!(barred, None, "no pair that a filter holds back");
@@ -409,11 +409,20 @@ impl<'m, I: Index> Checked<'m, I> {
         }
         assert!(prefix.windows(2).all(|two| two[0] != two[1]), "no pair is told twice");
         if self.config.mode == Mode::Exact {
-            let wrong = prefix.iter().find(|pair| exact.binary_search(pair).is_err());
+            let wrong = first_absent(&prefix, exact);
             assert_eq!(wrong, None, "every pair of the prefix is an overlap");
         }
         assert!(self.world.found().is_empty() && self.world.lost().is_empty(), "no events without all pairs");
     }
+}
+
+/// The first pair of an ascending list that another one does not have.
+fn first_absent<'p>(pairs: &'p [SlotPair], others: &[SlotPair]) -> Option<&'p SlotPair> {
+    let mut rest = others.iter().peekable();
+    pairs.iter().find(|pair| {
+        while rest.next_if(|other| other < pair).is_some() {}
+        rest.peek() != Some(pair)
+    })
 }
 
 /// Compares two ascending lists of pairs, and shows the boxes of the first difference.
@@ -438,4 +447,22 @@ pub fn assert_same(pairs: &[SlotPair], expected: &[SlotPair], boxes: &[Option<Aa
 #[must_use]
 pub fn expected(boxes: &[Aabb]) -> Vec<SlotPair> {
     oracle::overlaps(&oracle::all_live(boxes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_absent;
+
+    #[test]
+    fn what_another_list_lacks_is_found_wherever_it_stands() {
+        let all = [[0, 1], [0, 2], [1, 2], [2, 9]];
+        assert_eq!(first_absent(&all, &all), None);
+        assert_eq!(first_absent(&[], &all), None);
+        for (at, pair) in all.iter().enumerate() {
+            let less: Vec<_> = all.iter().copied().filter(|other| other != pair).collect();
+            assert_eq!(first_absent(&all, &less), Some(pair), "{at}");
+            assert_eq!(first_absent(&less, &all), None);
+            assert_eq!(first_absent(&all[at..], &all[..at]), Some(pair));
+        }
+    }
 }

@@ -211,7 +211,13 @@ impl Model {
     #[must_use]
     pub fn pairs(&self) -> Vec<SlotPair> {
         let mut pairs = oracle::overlaps(&self.boxes);
-        pairs.retain(|pair| self.meet(*pair));
+        // Where nobody has said anything of anybody all meet.
+        if self.classes.is_some()
+            || self.has_rule()
+            || self.filters.iter().any(|filter| *filter != Filter::ALL)
+        {
+            pairs.retain(|pair| self.meet(*pair));
+        }
         pairs
     }
 
