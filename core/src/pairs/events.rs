@@ -12,7 +12,7 @@ use crate::id::{Index, Pair};
 use crate::memory::prefetch::EVENT_BOXES_NEAR;
 use crate::memory::slab::{BoxParts, Parts, Segments};
 use crate::memory::state::{PairState, State};
-use crate::pairs::partition::{Apart, Ended, PartitionBlock, ahead};
+use crate::pairs::partition::{Apart, Ended, ToFront, by_fours, later, prefetch_four, prefetch_pair};
 use crate::parallel::block_queue::{BlockQueue, Chunks, Mirrored};
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd};
@@ -51,9 +51,9 @@ impl<'b> Boxes<'b> {
     fn lost<I: Index>(&self, pairs: &mut [Pair<I>]) -> u32 {
         let Self { kernels, now, before, has_inserted } = *self;
         let count = if has_inserted {
-            kernels.run(PartitionBlock { pairs, test: Ended { now, before } })
+            kernels.run(ToFront { pairs, test: Ended { now, before } })
         } else {
-            kernels.run(PartitionBlock { pairs, test: Apart(now) })
+            kernels.run(ToFront { pairs, test: Apart(now) })
         };
         count as u32
     }
@@ -72,13 +72,24 @@ impl<I: Index> Phase for Divide<'_, I> {
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, room, before } = self;
         let (mut persisting, mut end) = (0, room.len());
-        let later = pairs.get(ahead(before, pairs.len())..).unwrap_or_default();
-        for (pair, later) in pairs.iter().zip(later) {
-            simd.prefetch(before, later[0].at());
-            simd.prefetch(before, later[1].at());
-            place(simd, pair, before, room, &mut persisting, &mut end);
+        let (fours, mut rest) = by_fours::<S, I>(pairs);
+        let later = later::<S, I>(before, pairs);
+        for (index, four) in fours.iter().enumerate() {
+            prefetch_four(simd, before, later, 4 * index);
+            let gap = room.get_mut(persisting..end).unwrap_or_default();
+            if gap.len() < 8 {
+                // The last pairs, where they just fit.
+                rest = pairs.get(4 * index..).unwrap_or_default();
+                break;
+            }
+            let stay = simd.overlaps(before, four);
+            simd.part(four, stay, gap);
+            let staying = (stay & 0b1111).count_ones() as usize;
+            persisting += staying;
+            end -= 4 - staying;
         }
-        for pair in pairs.get(later.len()..).unwrap_or_default() {
+        for (index, pair) in (pairs.len() - rest.len()..).zip(rest) {
+            prefetch_pair(simd, before, later, index);
             place(simd, pair, before, room, &mut persisting, &mut end);
         }
         persisting

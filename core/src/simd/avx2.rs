@@ -2,6 +2,7 @@
 
 use super::detect::Avx2;
 use super::encode;
+use super::four_pairs;
 use super::fours::{self, HALVES};
 use super::lengths;
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
@@ -143,6 +144,7 @@ impl Simd for Avx2 {
     type Query = __m256i;
 
     const ENCODES_FOUR: bool = true;
+    const TESTS_FOUR_PAIRS: bool = true;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -201,6 +203,16 @@ impl Simd for Avx2 {
             let apart = _mm256_cmpgt_epi32(minima, maxima);
             _mm256_testz_si256(apart, apart) != 0
         }
+    }
+
+    #[inline(always)]
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
+        four_pairs::overlaps(self, boxes, pairs)
+    }
+
+    #[inline(always)]
+    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
+        four_pairs::part(self, pairs, stay, gap);
     }
 
     #[inline(always)]

@@ -55,6 +55,7 @@ impl Simd for Avx512 {
     type Query = __m512i;
 
     const ENCODES_FOUR: bool = true;
+    const TESTS_FOUR_PAIRS: bool = true;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -95,6 +96,16 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
         self.0.overlap(a, b)
+    }
+
+    #[inline(always)]
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
+        self.0.overlaps(boxes, pairs)
+    }
+
+    #[inline(always)]
+    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
+        self.0.part(pairs, stay, gap);
     }
 
     #[inline(always)]
