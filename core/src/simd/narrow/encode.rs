@@ -36,7 +36,7 @@ fn packed<V: Vectors>(v: V, [min, max, next_min, next_max]: &[[u8; 16]; 4]) -> [
     let (min, max, next_min, next_max) = (v.load(min), v.load(max), v.load(next_min), v.load(next_max));
     let max = v.shuffle(max, v.load(&FIRST_BEHIND));
     let third = v.shuffle(next_min, v.splat(0x0b0a_0908));
-    [v.three_and_last(min, max), v.zip_first64(max, next_min), v.from_fourth(third, next_max)]
+    [v.three_and_last(min, max), v.zip_first64(max, next_min), v.fourth_on(third, next_max)]
 }
 
 /// As [`Simd::encode_four`](crate::simd::Simd::encode_four).
@@ -54,10 +54,9 @@ pub(super) fn encode_four<V: Vectors>(
     let (old_a, old_b, old_c) = (v.load(&old[0]), v.load(&old[1]), v.load(&old[2]));
     let (old_d, old_e, old_f) = (v.load(&old[3]), v.load(&old[4]), v.load(&old[5]));
     // The minima of each box and, behind them, another key of a box; the maxima likewise.
-    let minima = [a, v.from_third(b, c), d, v.from_third(e, f)];
+    let minima = [a, v.third_on(b, c), d, v.third_on(e, f)];
     let from_second = v.load(&FROM_SECOND);
-    let maxima =
-        [v.from_fourth(a, b), v.shuffle(c, from_second), v.from_fourth(d, e), v.shuffle(f, from_second)];
+    let maxima = [v.fourth_on(a, b), v.shuffle(c, from_second), v.fourth_on(d, e), v.shuffle(f, from_second)];
     // Minima must be from -infinity to the maxima, maxima up to +infinity.
     let mut apart = v.above32(minima[0], maxima[0]);
     let (mut lowest, mut highest) = (minima[0], maxima[0]);

@@ -117,8 +117,8 @@ impl Vectors for Neon {
         zip_last32(a, b) = vreinterpretq_u8_u32(vzip2q_u32(words(a), words(b)));
         zip_first64(a, b) = vreinterpretq_u8_u64(vzip1q_u64(longs(a), longs(b)));
         zip_last64(a, b) = vreinterpretq_u8_u64(vzip2q_u64(longs(a), longs(b)));
-        from_fourth(a, b) = vextq_u8::<12>(a, b);
-        from_third(a, b) = vextq_u8::<8>(a, b);
+        fourth_on(a, b) = vextq_u8::<12>(a, b);
+        third_on(a, b) = vextq_u8::<8>(a, b);
         three_and_last(a, b) = vreinterpretq_u8_u32(vcopyq_laneq_u32::<3, 3>(words(a), words(b)));
         above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
         lower32(a, b) = vreinterpretq_u8_s32(vminq_s32(signed(a), signed(b)));

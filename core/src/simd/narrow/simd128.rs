@@ -77,8 +77,8 @@ impl Vectors for Simd128 {
         zip_last32(a, b) = u32x4_shuffle::<2, 6, 3, 7>(a, b);
         zip_first64(a, b) = u64x2_shuffle::<0, 2>(a, b);
         zip_last64(a, b) = u64x2_shuffle::<1, 3>(a, b);
-        from_fourth(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
-        from_third(a, b) = u64x2_shuffle::<1, 2>(a, b);
+        fourth_on(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
+        third_on(a, b) = u64x2_shuffle::<1, 2>(a, b);
         three_and_last(a, b) = u32x4_shuffle::<0, 1, 2, 7>(a, b);
         above32(a, b) = i32x4_gt(a, b);
         lower32(a, b) = i32x4_min(a, b);

@@ -115,8 +115,8 @@ impl Vectors for Sse41 {
         zip_last32(a, b) = _mm_unpackhi_epi32(a, b);
         zip_first64(a, b) = _mm_unpacklo_epi64(a, b);
         zip_last64(a, b) = _mm_unpackhi_epi64(a, b);
-        from_fourth(a, b) = _mm_alignr_epi8::<12>(b, a);
-        from_third(a, b) = _mm_alignr_epi8::<8>(b, a);
+        fourth_on(a, b) = _mm_alignr_epi8::<12>(b, a);
+        third_on(a, b) = _mm_alignr_epi8::<8>(b, a);
         three_and_last(a, b) = _mm_blend_epi16::<0b1100_0000>(a, b);
         above32(a, b) = _mm_cmpgt_epi32(a, b);
         lower32(a, b) = _mm_min_epi32(a, b);

@@ -73,9 +73,9 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn zip_first64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_last64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The last word of `a`, then the first three of `b`.
-    fn from_fourth(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn fourth_on(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The last two words of `a`, then the first two of `b`.
-    fn from_third(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn third_on(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The first three words of `a`, then the last one of `b`.
     fn three_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
