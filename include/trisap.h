@@ -1023,8 +1023,8 @@ TRISAP_NOEXCEPT;
 
 /// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the
 /// nearest first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are
-/// no more objects. Expected O(log n + room log room + movers since the last step); O(n log room) where the last step
-/// had no tree.
+/// no more objects. Squares of distances are compared, and two of them can have the same root. Expected O(log n +
+/// room log room + movers since the last step); O(n log room) where the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD

@@ -65,7 +65,8 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
-    /// ones by ascending slot. Returns how many there are: less than `out` takes only if there are no more objects.
+    /// ones by ascending slot. Squares of distances are compared, and two of them can have the same root. Returns how many there are:
+    /// less than `out` takes only if there are no more objects.
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
