@@ -1,15 +1,16 @@
 //! Snapshots that were forged with a right checksum: refused with the world as it was, or loaded, valid, and as right as brute
 //! force from then on.
 
-use trisap_core::{Config, Error, Index, Kernels};
-use trisap_tests::effort;
+use trisap_core::{Boxes, Config, Error, Index, Kernels, Margin};
+use trisap_tests::checked::Outcome;
 use trisap_tests::forging::{HEADER, STATE, forge, get, go_on, put, seal};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::model::Model;
 use trisap_tests::queries::Questions;
-use trisap_tests::scenes::Rng;
+use trisap_tests::scenes::{self, Rng};
 use trisap_tests::worlds::{Setup, Slab, ample};
+use trisap_tests::{effort, sorted};
 
 // Where numbers of the state stand.
 const LIVE: usize = HEADER + 224;
@@ -302,6 +303,50 @@ fn pairs_that_are_not_all_are_found_anew() {
         let forgeries: [Forgery<'_>; 2] = [("a pair less", &less), ("a pair twice", &twice)];
         let names = loaded(snapshot, &forgeries, setup);
         assert_eq!(names, ["a pair less", "a pair twice"]);
+    }
+}
+
+/// A mark of a changed object does not excuse a wrong division into reported and surplus pairs, where the next step divides none.
+#[test]
+fn a_forged_mark_hides_no_wrong_division() {
+    let margin = Margin { per_extent: 0.0, min: 0.2, max: 0.2 };
+    let config = Config::new(ample(3, 8)).with_margin(margin).with_events();
+    for setup in setups() {
+        let config = setup.configure(config);
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        // The first two overlap; the last two do with their margins alone.
+        let row = [0.0, 0.5, 1.7].map(|x| scenes::at([x, 0.0, 0.0], [1.0; 3]));
+        world.insert_many(Boxes::new(&row)).expect("room");
+        let outcome = world
+            .set_kernels(setup.kernels)
+            .on(&setup.jobs)
+            .step()
+            .map(|step| Outcome::of(&step))
+            .expect("room");
+        assert_eq!(sorted(&outcome.pairs), [[0, 1]]);
+        let snapshot = saved(&world);
+        // Boxes, fat boxes, margins, generations, and the sets of moved and of resting objects come before the set of changed
+        // ones; behind the pairs there is one word, the set of reused slots.
+        let changed = HEADER + STATE + 3 * (24 + 24 + 4 + 4) + 4 + 4;
+        let end = snapshot.len() - 4;
+        let pairs = end - 2 * 8;
+        assert_eq!([get(&snapshot, changed), get(&snapshot, pairs), get(&snapshot, pairs + 8)], [0, 0, 1]);
+        assert_eq!((get(&snapshot, REPORTED), snapshot[MOVED_INSIDE_MARGIN]), (1, 0));
+        // The second object is marked; a changed object has a former box.
+        let mut marked = snapshot.clone();
+        put(&mut marked, changed, 0b10);
+        let former = HEADER + STATE + 24;
+        marked.splice(end..end, snapshot[former..former + 24].iter().copied());
+        let mut exchanged = marked.clone();
+        exchanged[pairs..end].rotate_left(8);
+        for forged in [&mut marked, &mut exchanged] {
+            seal(forged);
+        }
+        assert_eq!(world.load(&exchanged), Err(Error::BadSnapshot));
+        assert!(saved(&world) == snapshot, "the world has changed");
+        assert_eq!(world.load(&marked), Ok(()), "the mark alone does no harm");
+        go_on(&mut world, &mut Rng::new(1), setup, "marked");
     }
 }
 
