@@ -9,7 +9,7 @@ use crate::simd::{Simd, Tested};
 const HALVES: [u8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
 
 /// For each mask of four words: the places of those that it keeps, in order.
-const KEPT: [[u8; 16]; 16] = {
+pub(super) const KEPT: [[u8; 16]; 16] = {
     let mut table = [[0; 16]; 16];
     let mut mask = 0;
     while mask < 16 {

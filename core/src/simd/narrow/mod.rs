@@ -10,6 +10,7 @@
 
 mod casts;
 mod encode;
+mod four_pairs;
 mod fours;
 mod keys;
 mod level;
