@@ -3,10 +3,8 @@
 
 /// Worlds of up to this many boxes have them in the cache: no boxes of pairs are prefetched.
 pub(crate) const BOXES_NEAR: usize = 4096;
-/// The same where four pairs are tested at a time, which waits less for the boxes.
-pub(crate) const BOXES_OF_FOURS_NEAR: usize = 32_768;
-/// Pairs ahead whose boxes are prefetched.
-pub(crate) const PAIRS_AHEAD: usize = 24;
+/// The same where some pairs are tested at once, which waits less for the boxes.
+pub(crate) const BOXES_OF_SOME_NEAR: usize = 32_768;
 /// Worlds of up to this many boxes prefetch none of a leaf before its sweep, for the events that are told after it.
 pub(crate) const EVENT_BOXES_NEAR: usize = 16_384;
 

@@ -1,8 +1,8 @@
 //! Tells found and lost pairs block by block of leaves, in steps that sweep all leaves, while the boxes are in the
 //! cache.
 //!
-//! The pairs of a block of leaves are divided at once: persisting ones go to one end of a buffer, found ones to the
-//! other. Then the pairs that the last complete result has near these leaves are tested against the new boxes. Any
+//! The pairs of a block of leaves are divided at once: persisting ones go to the front of a buffer, found ones to its
+//! end. Then the pairs that the last complete result has near these leaves are tested against the new boxes. Any
 //! division of that result would give the same events; the division by leaves has the boxes in the cache.
 
 use crate::access::Access;
@@ -12,10 +12,9 @@ use crate::id::{Index, Pair};
 use crate::memory::prefetch::EVENT_BOXES_NEAR;
 use crate::memory::slab::{BoxParts, Parts, Segments};
 use crate::memory::state::{PairState, State};
-use crate::pairs::partition::{Apart, Ended, ToFront, by_fours, later, prefetch_four, prefetch_pair};
+use crate::pairs::partition::{Apart, Ended, ToFront};
 use crate::parallel::block_queue::{BlockQueue, Chunks, Mirrored};
 use crate::simd::kernels::Kernels;
-use crate::simd::{Phase, Simd};
 
 /// The boxes that tell found and lost pairs.
 #[derive(Clone, Copy)]
@@ -40,11 +39,9 @@ impl<'b> Boxes<'b> {
         if self.now.len() > EVENT_BOXES_NEAR { [self.before, self.now] } else { [&[], &[]] }
     }
 
-    /// Divides pairs: persisting ones go to the front of `room`, found ones to its end, backwards. `room` holds at
-    /// least all of them. Returns how many persist.
-    #[inline]
-    pub(crate) fn divide<I: Index>(&self, pairs: &[Pair<I>], room: &mut [Pair<I>]) -> usize {
-        self.kernels.run(Divide { pairs, room, before: self.before })
+    /// Brings the found pairs among some new ones to the front. Returns how many there are.
+    pub(crate) fn found<I: Index>(&self, pairs: &mut [Pair<I>]) -> usize {
+        self.kernels.run(ToFront { pairs, test: Apart(self.before) })
     }
 
     /// Brings the lost pairs among some pairs of the last result to the front. Returns how many there are.
@@ -57,61 +54,6 @@ impl<'b> Boxes<'b> {
         };
         count as u32
     }
-}
-
-struct Divide<'d, I> {
-    pairs: &'d [Pair<I>],
-    room: &'d mut [Pair<I>],
-    before: &'d [KeyBox],
-}
-
-impl<I: Index> Phase for Divide<'_, I> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { pairs, room, before } = self;
-        let (mut persisting, mut end) = (0, room.len());
-        let (fours, mut rest) = by_fours::<S, I>(pairs);
-        let later = later::<S, I>(before, pairs);
-        for (index, four) in fours.iter().enumerate() {
-            prefetch_four(simd, before, later, 4 * index);
-            let gap = room.get_mut(persisting..end).unwrap_or_default();
-            if gap.len() < 8 {
-                // The last pairs, where they just fit.
-                rest = pairs.get(4 * index..).unwrap_or_default();
-                break;
-            }
-            let stay = simd.overlaps(before, four);
-            simd.part(four, stay, gap);
-            let staying = (stay & 0b1111).count_ones() as usize;
-            persisting += staying;
-            end -= 4 - staying;
-        }
-        for (index, pair) in (pairs.len() - rest.len()..).zip(rest) {
-            prefetch_pair(simd, before, later, index);
-            place(simd, pair, before, room, &mut persisting, &mut end);
-        }
-        persisting
-    }
-}
-
-/// Puts a pair behind the persisting ones, or before the found ones.
-#[inline(always)]
-fn place<S: Simd, I: Index>(
-    simd: S,
-    pair: &Pair<I>,
-    before: &[KeyBox],
-    room: &mut [Pair<I>],
-    persisting: &mut usize,
-    end: &mut usize,
-) {
-    let stays = simd.overlap(KeyBox::of(before, pair[0].at()), KeyBox::of(before, pair[1].at()));
-    // Always written to both ends: there is no branch to predict.
-    room.put(*persisting, *pair);
-    room.put(end.wrapping_sub(1), *pair);
-    *persisting += usize::from(stays);
-    *end -= usize::from(!stays);
 }
 
 /// Divides the last result among so many blocks of leaves. Returns `false` if this step has to look at all pairs in

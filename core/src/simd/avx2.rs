@@ -2,9 +2,9 @@
 
 use super::detect::Avx2;
 use super::encode;
-use super::four_pairs;
 use super::fours::{self, HALVES};
 use super::lengths;
+use super::overlaps;
 use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
@@ -144,7 +144,7 @@ impl Simd for Avx2 {
     type Query = __m256i;
 
     const ENCODES_FOUR: bool = true;
-    const TESTS_FOUR_PAIRS: bool = true;
+    const TESTS_SOME_PAIRS: bool = true;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -206,13 +206,8 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
-        four_pairs::overlaps(self, boxes, pairs)
-    }
-
-    #[inline(always)]
-    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
-        four_pairs::part(self, pairs, stay, gap);
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+        overlaps::overlaps(self, boxes, pairs)
     }
 
     #[inline(always)]

@@ -55,7 +55,7 @@ impl Simd for Avx512 {
     type Query = __m512i;
 
     const ENCODES_FOUR: bool = true;
-    const TESTS_FOUR_PAIRS: bool = true;
+    const TESTS_SOME_PAIRS: bool = true;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -99,13 +99,8 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
         self.0.overlaps(boxes, pairs)
-    }
-
-    #[inline(always)]
-    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
-        self.0.part(pairs, stay, gap);
     }
 
     #[inline(always)]

@@ -15,8 +15,6 @@ pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod encode;
 #[cfg(target_arch = "x86_64")]
-mod four_pairs;
-#[cfg(target_arch = "x86_64")]
 mod fours;
 pub(crate) mod kernels;
 #[cfg(target_arch = "x86_64")]
@@ -36,6 +34,8 @@ mod narrow;
 )))]
 #[path = "absent.rs"]
 mod narrow;
+#[cfg(target_arch = "x86_64")]
+mod overlaps;
 pub(crate) mod scalar;
 #[cfg(test)]
 mod tests;
@@ -106,11 +106,11 @@ impl Tested {
 
 /// As [`Simd::overlaps`], one pair after another.
 #[inline(always)]
-fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
+fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
     let mut bits = 0;
     for (bit, pair) in pairs.iter().enumerate() {
         let overlap = simd.overlap(KeyBox::of(boxes, pair[0].at()), KeyBox::of(boxes, pair[1].at()));
-        bits |= u32::from(overlap) << bit;
+        bits |= u64::from(overlap) << bit;
     }
     bits
 }
@@ -129,8 +129,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether it encodes four boxes at a time: see [`encode_four`](Self::encode_four).
     const ENCODES_FOUR: bool = false;
 
-    /// Whether it tests four pairs at once: see [`overlaps`](Self::overlaps).
-    const TESTS_FOUR_PAIRS: bool = false;
+    /// Whether it tests some pairs at once: see [`overlaps`](Self::overlaps).
+    const TESTS_SOME_PAIRS: bool = false;
 
     /// Runs a phase compiled for this level, as a call: what it needs takes no registers from its caller's loops.
     fn call<P: Phase>(self, phase: P) -> P::Output;
@@ -157,25 +157,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
-    /// Which of four pairs of slots have overlapping boxes: a bit each.
+    /// Which of at most 64 pairs of slots have overlapping boxes: a bit each.
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
         each_overlap(self, boxes, pairs)
-    }
-
-    /// Writes those of four pairs whose bits are set to the start of a gap, in order, and the others to its end, backwards. The
-    /// gap has room for eight; what is written beside them means nothing.
-    #[inline(always)]
-    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
-        let (mut start, mut end) = (0, gap.len());
-        for (bit, pair) in pairs.iter().enumerate() {
-            let stays = stay >> bit & 1;
-            // Always written to both ends: there is no branch to predict.
-            gap.put(start, *pair);
-            gap.put(end.wrapping_sub(1), *pair);
-            start += stays as usize;
-            end -= 1 - stays as usize;
-        }
     }
 
     /// Prefetches an item.

@@ -27,8 +27,8 @@ use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Writes pairs in their final order, but found ones from the end of the buffer, backwards. Goes on counting when it
-/// is full.
+/// Writes pairs in their final order, but found ones from the end of the buffer on, those of each call before the last
+/// ones. Goes on counting when it is full.
 struct Ordered<'o, I> {
     pairs: &'o mut [Pair<I>],
     /// Pairs taken, whether there was room or not.
@@ -44,10 +44,13 @@ impl<I: Index> Sink<I> for Ordered<'_, I> {
         if let Some(boxes) = self.boxes {
             let [persisting, found] = &mut self.counts;
             let room = self.pairs.get_mut(*persisting..self.pairs.len() - *found).unwrap_or_default();
-            let fitting = pairs.len().min(room.len());
-            let stay = boxes.divide(pairs.span(0, fitting), room);
-            *persisting += stay;
-            *found += fitting - stay;
+            let pairs = pairs.span_mut(0, pairs.len().min(room.len()));
+            let come = boxes.found(pairs);
+            let (come, stay) = pairs.split_at(come);
+            room.copy_in(stay);
+            room.span_mut(room.len() - come.len(), come.len()).copy_in(come);
+            *persisting += stay.len();
+            *found += come.len();
         } else {
             let start = usize::try_from(self.count).unwrap_or(usize::MAX);
             if let Some(room) = self.pairs.get_mut(start..) {
@@ -300,7 +303,7 @@ fn insertion_sort(chunks: &mut [[u32; 3]]) {
     }
 }
 
-/// Writes the pairs of one block to as many chunks as they need; in each, found pairs from its end, backwards.
+/// Writes the pairs of one block to as many chunks as they need; in each, found pairs stand at its end.
 struct Staged<'s, 'o, I> {
     chunks: &'s BlockQueue<StagedChunks<'o, I>>,
     full: &'s AtomicBool,
@@ -314,8 +317,11 @@ struct Staged<'s, 'o, I> {
 
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
-        let mut pairs = &*pairs;
-        while !pairs.is_empty() {
+        let come = self.boxes.map_or(0, |boxes| boxes.found(pairs));
+        let (mut come, mut stay) = pairs.split_at(come);
+        self.counts[0] += stay.len() as u32;
+        self.counts[1] += come.len() as u32;
+        while !(stay.is_empty() && come.is_empty()) {
             let Some((room, [entry])) = &mut self.chunk else {
                 let Some((index, (room, entry))) = self.chunks.claim() else {
                     return self.full.store(true, Relaxed);
@@ -324,25 +330,19 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
                 self.chunk = Some((room, entry));
                 continue;
             };
-            let [stay, come] = two_counts(entry[2]);
-            let free = room.len() - stay - come;
-            let (now, later) = pairs.split_at(pairs.len().min(free));
-            let room = room.span_mut(stay, free);
-            let stay = match self.boxes {
-                Some(boxes) => boxes.divide(now, room),
-                None => {
-                    room.copy_in(now);
-                    now.len()
-                }
-            };
-            let come = now.len() - stay;
-            entry[2] += (stay | come << 16) as u32;
-            self.counts[0] += stay as u32;
-            self.counts[1] += come as u32;
-            pairs = later;
-            if now.len() == free {
+            let [before, behind] = two_counts(entry[2]);
+            let free = room.len() - before - behind;
+            let room = room.span_mut(before, free);
+            let (now, later) = stay.split_at(stay.len().min(free));
+            // The last of them first, since those of the next chunk will stand before these.
+            let (earlier, last) = come.split_at(come.len().saturating_sub(free - now.len()));
+            room.copy_in(now);
+            room.span_mut(free - last.len(), last.len()).copy_in(last);
+            entry[2] += (now.len() | last.len() << 16) as u32;
+            if now.len() + last.len() == free {
                 self.chunk = None;
             }
+            (stay, come) = (later, earlier);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::keys::Keys;
 use super::vectors::Vectors;
-use super::{casts, encode, four_pairs, fours};
+use super::{casts, encode, fours, overlaps};
 use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
@@ -41,7 +41,7 @@ impl<V: Vectors> Simd for Narrow<V> {
 
     const ENCODES_FOUR: bool = true;
 
-    const TESTS_FOUR_PAIRS: bool = V::TESTS_FOUR_PAIRS;
+    const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
 
     #[inline(always)]
     fn call<P: Phase>(self, phase: P) -> P::Output {
@@ -80,13 +80,8 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 4]) -> u32 {
-        four_pairs::overlaps(self.0, self, boxes, pairs)
-    }
-
-    #[inline(always)]
-    fn part<I: Index>(self, pairs: &[Pair<I>; 4], stay: u32, gap: &mut [Pair<I>]) {
-        four_pairs::part(self.0, pairs, stay, gap);
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+        overlaps::overlaps(self.0, self, boxes, pairs)
     }
 
     #[inline(always)]

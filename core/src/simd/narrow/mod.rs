@@ -10,12 +10,12 @@
 
 mod casts;
 mod encode;
-mod four_pairs;
 mod fours;
 mod keys;
 mod level;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+mod overlaps;
 #[cfg(target_arch = "wasm32")]
 mod simd128;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -17,8 +17,8 @@ pub(crate) trait Vectors: Copy + Send + Sync {
         Self::GUARANTEED
     }
 
-    /// Whether events test four pairs at once. It takes more code.
-    const TESTS_FOUR_PAIRS: bool = true;
+    /// Whether pairs are tested four at a time. It takes more code.
+    const TESTS_SOME_PAIRS: bool = true;
 
     /// 16 bytes in a register, the first one lowest.
     type Vector: Copy;
