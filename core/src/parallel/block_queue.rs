@@ -156,11 +156,6 @@ impl<P: Parted> BlockQueue<P> {
         Self { parts, count, next: AtomicU32::new(0) }
     }
 
-    /// How many parts there are.
-    pub(crate) const fn count(&self) -> usize {
-        self.count as usize
-    }
-
     /// How many parts have been claimed so far.
     pub(crate) fn claimed(&self) -> usize {
         self.next.load(Relaxed).min(self.count) as usize
@@ -188,6 +183,57 @@ fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     #[cfg(not(target_has_atomic = "32"))]
     next.store(index + 1, Relaxed);
     (index < count).then_some(index as usize)
+}
+
+/// The most shares of a queue; if there are more workers, some begin in the same one.
+const SHARES: usize = 8;
+
+/// A queue of parts in as many shares as there are workers. Each claims the parts of one share first, in ascending order, and
+/// then those that the others have left. So a worker mostly gets the same parts in each stage and step, and has them in its cache.
+pub(crate) struct SharedOut<P> {
+    parts: P,
+    count: u32,
+    shares: u32,
+    /// How many parts of each share have been claimed.
+    next: [AtomicU32; SHARES],
+    arrived: AtomicU32,
+}
+
+impl<P: Parted> SharedOut<P> {
+    pub(crate) fn new(parts: P, workers: usize) -> Self {
+        // Callers have far fewer blocks than this.
+        let count = parts.count().min(u32::MAX as usize / 2 / SHARES) as u32;
+        let shares = workers.clamp(1, SHARES) as u32;
+        let next = core::array::from_fn(|_| AtomicU32::new(0));
+        Self { parts, count, shares, next, arrived: AtomicU32::new(0) }
+    }
+
+    /// How many parts there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    /// The share that one more worker begins with. The calling thread is the first one, as a rule.
+    pub(crate) fn arrive(&self) -> usize {
+        claim_index(&self.arrived, u32::MAX).unwrap_or_default() % self.shares as usize
+    }
+
+    /// The next part of a share, or of the one after it that has some left, and its index; `None` after the last one. Goes on with
+    /// that share.
+    pub(crate) fn claim(&self, share: &mut usize) -> Option<(usize, P::Part)> {
+        for _ in 0..self.shares {
+            // Without overflow: see `new`.
+            let start = |share: u32| share * self.count / self.shares;
+            let (from, to) = (start(*share as u32), start(*share as u32 + 1));
+            if let Some(index) = self.next.get(*share).and_then(|next| claim_index(next, to - from)) {
+                let index = from as usize + index;
+                // SAFETY: the shares are disjoint and end at `count`, and `claim_index` returns each index of a share once.
+                return Some((index, unsafe { self.parts.part(index) }));
+            }
+            *share = (*share + 1) % self.shares as usize;
+        }
+        None
+    }
 }
 
 /// Indices that are claimed in ascending order, each once.
@@ -283,6 +329,30 @@ mod tests {
         assert!(queue.claim().is_none());
         assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
         assert_eq!(b, [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn every_part_of_all_shares_is_claimed_once() {
+        for (workers, len) in [(0, 7), (1, 7), (2, 7), (3, 2), (3, 10), (9, 20), (2, 0)] {
+            let mut items = [0u8; 20];
+            let queue = SharedOut::new(Chunks::new(&mut items[..len], 1), workers);
+            let mut shares = [(); 3].map(|()| queue.arrive());
+            let mut order = std::vec::Vec::new();
+            'all: loop {
+                for share in &mut shares {
+                    let Some((index, item)) = queue.claim(share) else { break 'all };
+                    item.iter_mut().for_each(|item| *item += 1);
+                    order.push(index);
+                }
+            }
+            assert_eq!(order.len(), len);
+            assert!(items[..len].iter().all(|item| *item == 1));
+            match (workers, len) {
+                (2, 7) => assert_eq!(order, [0, 3, 1, 2, 4, 5, 6]),
+                (1, _) => assert!(order.is_sorted()),
+                _ => {}
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What all phases of a step are given: kernels, executor, rule, and how many may work.
 
-use super::block_queue::{BlockQueue, Parted};
+use super::block_queue::{Parted, SharedOut};
 use super::executor::{self, Executor};
 use crate::filter::Rule;
 use crate::simd::kernels::Kernels;
@@ -20,9 +20,11 @@ pub(crate) struct StepContext<'e> {
 impl StepContext<'_> {
     /// Works on each part once. Workers share the parts if there are enough.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
-        let queue = BlockQueue::new(parts);
-        executor::run(self.executor, self.workers, queue.count(), &|| {
-            while let Some((index, part)) = queue.claim() {
+        let workers = (self.executor.workers() as usize).min(self.workers);
+        let queue = SharedOut::new(parts, workers);
+        executor::run(self.executor, workers, queue.count(), &|| {
+            let mut share = queue.arrive();
+            while let Some((index, part)) = queue.claim(&mut share) {
                 work(index, part);
             }
         });

@@ -1,12 +1,12 @@
 //! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought the others to their
-//! records, and those that left are moved one by one.
+//! records, and those that left are moved.
 //!
 //! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
 //! objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
 
 use super::are_few;
 use super::enclose::{enclose, list_straddlers, number_straddlers};
-use super::relocate::Relocate;
+use super::migrate::migrate;
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -27,11 +27,11 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
     known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
 }
 
-/// Moves the records of those that have left their leaf, or were changed one by one. Returns whether all leaves are filled then;
+/// Moves the records of those that have left their leaf, or were changed by themselves. Returns whether all leaves are filled then;
 /// else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, depth) = (parts.state.objects.live, parts.state.tree.depth);
-    if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
+    if left > live / LEAVERS_SHARE || !migrate(parts, left as usize, context) {
         return false;
     }
     let large = parts.state.tree.large;

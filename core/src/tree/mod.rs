@@ -21,6 +21,7 @@ pub(crate) mod cells;
 pub(crate) mod enclose;
 pub(crate) mod keep;
 pub(crate) mod limits;
+pub(crate) mod migrate;
 pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;

@@ -110,7 +110,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
 }
 
 /// Takes an object out of its leaf or out of the large objects. The last one there takes its place.
-fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
+pub(super) fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     let home = parts.home.at(slot);
     parts.home.put(slot, I::NONE);
     let place = parts.place.at(slot).at();

@@ -6,7 +6,7 @@
 /// Makes `core` mean this crate in the included files, and so `core::sync::atomic` mean loom's.
 extern crate self as core;
 #[doc(hidden)]
-pub use std::{cell, marker, mem, slice};
+pub use std::{array, cell, marker, mem, slice};
 #[doc(hidden)]
 pub mod hint {
     pub use loom::hint::spin_loop;
@@ -23,7 +23,7 @@ mod block_queue;
 #[path = "../../../core/src/parallel/offer.rs"]
 mod offer;
 
-use block_queue::{BlockQueue, Chunks, Indices, Pool};
+use block_queue::{BlockQueue, Chunks, Indices, Pool, SharedOut};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use offer::Offer;
@@ -78,6 +78,26 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
     }
     assert_eq!(claims.claimed(), blocks);
+}
+
+/// Every part of all shares is claimed once, by one, also by workers that begin in one share.
+fn every_part_of_all_shares_is_claimed_once(width: usize, shares: usize, parts: usize) {
+    let claims = leak(SharedOut::new(Chunks::new(items(parts), 1), shares));
+    let job = leak(move || {
+        let mut claimed: Vec<(usize, Part)> = Vec::new();
+        let mut share = claims.arrive();
+        while let Some((index, part)) = claims.claim(&mut share) {
+            add(&part[0], index as u32 + 1);
+            claimed.push((index, part));
+        }
+        claimed
+    });
+    let mut results = fork_join(width, job);
+    assert!(results.pop().is_some_and(|last| last.is_empty()), "nothing is left for the last call");
+    let mut all: Vec<_> = results.into_iter().flatten().collect();
+    all.sort_unstable_by_key(|&(index, _)| index);
+    assert_eq!(all.len(), parts);
+    assert!(all.iter().enumerate().all(|(at, (index, part))| *index == at && part[0].get() == at as u32 + 1));
 }
 
 /// Loom's cells, to be reached by several threads.
@@ -193,6 +213,8 @@ fn main() {
     model("2 workers claim 3 blocks", None, || every_block_is_claimed_once(2, 3));
     model("3 workers claim 2 blocks", None, || every_block_is_claimed_once(3, 2));
     model("4 workers claim 4 blocks", Some(2), || every_block_is_claimed_once(4, 4));
+    model("2 workers share out 3 parts", None, || every_part_of_all_shares_is_claimed_once(2, 2, 3));
+    model("3 workers share out 3 parts", Some(2), || every_part_of_all_shares_is_claimed_once(3, 2, 3));
     model("1 thread comes to 1 job", None, || an_offer_ends_when_all_who_came_have_left(1, 1));
     model("1 thread comes to 2 jobs", None, || an_offer_ends_when_all_who_came_have_left(1, 2));
     model("2 threads come to 1 job", Some(3), || an_offer_ends_when_all_who_came_have_left(2, 1));
