@@ -46,7 +46,7 @@ pub(crate) const PAIR_BLOCKS: usize = 32;
 /// The fewest pairs in such a block.
 pub(crate) const PAIRS_PER_BLOCK: usize = 8192;
 /// Pairs that are tested before the first of them changes its place: a bit each in one word.
-pub(crate) const PAIRS_TOGETHER: usize = 64;
+pub(crate) const PAIRS_TOGETHER: usize = usize::BITS as usize;
 /// So many of them change places, if so many pass, without a branch that asks how many do.
 pub(crate) const PLACES_UNASKED: usize = 4;
 /// Pairs that a worker of a shared sweep writes to one chunk.

@@ -9,6 +9,7 @@ use crate::pairs::persistent::is_clear_of;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::{Phase, Simd};
+use core::cell::Cell;
 
 /// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then pairs
 /// on the wrong side of the border change places.
@@ -51,9 +52,24 @@ impl<I: Index, T: Test<I>> Phase for ToFront<'_, I, T> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> usize {
         let Self { pairs, test } = self;
+        if cfg!(any(not(feature = "large"), target_family = "wasm")) {
+            // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
+            let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
+            for pair in cells {
+                let next = pair.get();
+                if test.holds(simd, &next) {
+                    if let Some(first) = cells.get(front) {
+                        pair.set(first.get());
+                        first.set(next);
+                    }
+                    front += 1;
+                }
+            }
+            return front;
+        }
         let boxes = test.boxes();
         let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
-        let far = cfg!(feature = "large") && boxes.len() > near;
+        let far = boxes.len() > near;
         let (mut front, mut start) = (0, 0);
         while start < pairs.len() {
             let end = pairs.len().min(start + PAIRS_TOGETHER);
@@ -96,20 +112,20 @@ pub(crate) trait Test<I>: Copy + Sync {
 
     fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
 
-    /// Which of at most 64 pairs pass: a bit each.
+    /// Which of at most [`PAIRS_TOGETHER`] pairs pass: a bit each.
     #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> u64 {
+    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
         let mut bits = 0;
         for (bit, pair) in pairs.iter().enumerate() {
-            bits |= u64::from(self.holds(simd, pair)) << bit;
+            bits |= usize::from(self.holds(simd, pair)) << bit;
         }
         bits
     }
 }
 
-/// A bit for each of 1 to 64 pairs.
-const fn all<I>(pairs: &[Pair<I>]) -> u64 {
-    u64::MAX >> (64 - pairs.len() as u32)
+/// A bit for each of at least one pair.
+const fn all<I>(pairs: &[Pair<I>]) -> usize {
+    usize::MAX >> (PAIRS_TOGETHER - pairs.len())
 }
 
 /// Passes if the boxes overlap.
@@ -128,7 +144,7 @@ impl<I: Index> Test<I> for Overlap<'_> {
     }
 
     #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> u64 {
+    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
         simd.overlaps(self.0, pairs)
     }
 }
@@ -149,7 +165,7 @@ impl<I: Index> Test<I> for Apart<'_> {
     }
 
     #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> u64 {
+    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
         all(pairs) & !simd.overlaps(self.0, pairs)
     }
 }
@@ -173,7 +189,7 @@ impl<I: Index> Test<I> for Ended<'_> {
     }
 
     #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> u64 {
+    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
         all(pairs) & !(simd.overlaps(self.now, pairs) & simd.overlaps(self.before, pairs))
     }
 }

@@ -4,6 +4,7 @@
 //! from counts alone.
 
 use core::marker::PhantomData;
+use core::num::NonZeroU32;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Slices that fall into disjoint parts.
@@ -185,52 +186,70 @@ fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     (index < count).then_some(index as usize)
 }
 
-/// The most shares of a queue; if there are more workers, some begin in the same one.
-const SHARES: usize = 8;
-
 /// A queue of parts in as many shares as there are workers. Each claims the parts of one share first, in ascending order, and
 /// then those that the others have left. So a worker mostly gets the same parts in each stage and step, and has them in its cache.
 pub(crate) struct SharedOut<P> {
     parts: P,
-    count: u32,
-    shares: u32,
-    /// How many parts of each share have been claimed.
-    next: [AtomicU32; SHARES],
-    arrived: AtomicU32,
+    shares: Shares,
 }
 
 impl<P: Parted> SharedOut<P> {
     pub(crate) fn new(parts: P, workers: usize) -> Self {
-        // Callers have far fewer blocks than this.
-        let count = parts.count().min(u32::MAX as usize / 2 / SHARES) as u32;
-        let shares = workers.clamp(1, SHARES) as u32;
-        let next = core::array::from_fn(|_| AtomicU32::new(0));
-        Self { parts, count, shares, next, arrived: AtomicU32::new(0) }
+        let shares = Shares::new(parts.count(), workers);
+        Self { parts, shares }
     }
 
     /// How many parts there are.
     pub(crate) const fn count(&self) -> usize {
-        self.count as usize
+        self.shares.count as usize
     }
 
     /// The share that one more worker begins with. The calling thread is the first one, as a rule.
-    pub(crate) fn arrive(&self) -> usize {
-        claim_index(&self.arrived, u32::MAX).unwrap_or_default() % self.shares as usize
+    pub(crate) fn arrive(&self) -> u32 {
+        claim_index(&self.shares.arrived, u32::MAX).unwrap_or_default() as u32 % self.shares.shares
     }
 
     /// The next part of a share, or of the one after it that has some left, and its index; `None` after the last one. Goes on with
     /// that share.
-    pub(crate) fn claim(&self, share: &mut usize) -> Option<(usize, P::Part)> {
-        for _ in 0..self.shares {
+    pub(crate) fn claim(&self, share: &mut u32) -> Option<(usize, P::Part)> {
+        let index = self.shares.claim(share)?;
+        // SAFETY: `claim` returns each index below `count` once.
+        Some((index, unsafe { self.parts.part(index) }))
+    }
+}
+
+/// The most shares; if there are more workers, some begin in the same one.
+const SHARES: usize = 8;
+
+/// The indices of a [`SharedOut`].
+struct Shares {
+    count: u32,
+    shares: NonZeroU32,
+    /// How many indices of each share have been claimed.
+    next: [AtomicU32; SHARES],
+    arrived: AtomicU32,
+}
+
+impl Shares {
+    fn new(count: usize, workers: usize) -> Self {
+        // Callers have far fewer blocks than this.
+        let count = count.min(u32::MAX as usize / 2 / SHARES) as u32;
+        let shares = NonZeroU32::new(workers.min(SHARES) as u32).unwrap_or(NonZeroU32::MIN);
+        let next = core::array::from_fn(|_| AtomicU32::new(0));
+        Self { count, shares, next, arrived: AtomicU32::new(0) }
+    }
+
+    /// The shares are disjoint and end at `count`, and `claim_index` returns each index of one once.
+    fn claim(&self, share: &mut u32) -> Option<usize> {
+        for _ in 0..self.shares.get() {
             // Without overflow: see `new`.
             let start = |share: u32| share * self.count / self.shares;
-            let (from, to) = (start(*share as u32), start(*share as u32 + 1));
-            if let Some(index) = self.next.get(*share).and_then(|next| claim_index(next, to - from)) {
-                let index = from as usize + index;
-                // SAFETY: the shares are disjoint and end at `count`, and `claim_index` returns each index of a share once.
-                return Some((index, unsafe { self.parts.part(index) }));
+            let (from, to) = (start(*share), start(*share + 1));
+            if let Some(index) = self.next.get(*share as usize).and_then(|next| claim_index(next, to - from))
+            {
+                return Some(from as usize + index);
             }
-            *share = (*share + 1) % self.shares as usize;
+            *share = (*share + 1) % self.shares;
         }
         None
     }

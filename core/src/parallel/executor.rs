@@ -51,7 +51,8 @@ use core::cell::Cell;
 /// If `fork_join` unwinds, so does the step, and the world is then half way through it: make it anew with
 /// [`World::new_in`](crate::World::new_in). Memory stays sound.
 ///
-/// Targets without 32-bit atomic exchange (`thumbv6m`) never call `fork_join`: steps are serial there.
+/// Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which has no threads, never call
+/// `fork_join`: steps are serial there.
 ///
 /// ```
 /// use trisap_core::Executor;
@@ -154,12 +155,16 @@ impl Executor for OneStep<'_> {
     }
 }
 
+/// Whether a job can have two calls at once. A claim is exclusive only if the counter has atomic addition, and WebAssembly has threads only
+/// where it has atomics: a module for the web is loaded over a network, and needs no code for them.
+pub(crate) const THREADS: bool =
+    cfg!(all(target_has_atomic = "32", any(not(target_family = "wasm"), target_feature = "atomics")));
+
 /// Runs `job` to its end. Other threads help if the executor, the areas of scratch memory and the blocks of work
 /// allow it.
 pub(crate) fn run(executor: &dyn Executor, scratches: usize, blocks: usize, job: &(dyn Fn() + Sync)) {
     let width = (executor.workers() as usize).min(scratches).min(blocks);
-    // A claim is exclusive only if the counter has atomic addition.
-    if cfg!(target_has_atomic = "32") && width > 1 {
+    if THREADS && width > 1 {
         executor.fork_join(width as u32, job);
     }
     job();

@@ -9,6 +9,7 @@ use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::geometry::line::{Line, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
+use crate::memory::limits::PAIRS_TOGETHER;
 use crate::query::Cast;
 use crate::simd::kernels::Kernels;
 
@@ -194,8 +195,8 @@ fn overlaps<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
     boxes[random.below(99)] = KeyBox::EMPTY;
     // The last one is rarely asked for.
     let most = 98 + usize::from(random.below(8) == 0);
-    let pairs = [(); 64].map(|()| [(); 2].map(|()| I::from_slot(random.below(most) as u32)));
-    let pairs = &pairs[..random.below(65)];
+    let pairs = [(); PAIRS_TOGETHER].map(|()| [(); 2].map(|()| I::from_slot(random.below(most) as u32)));
+    let pairs = &pairs[..random.below(PAIRS_TOGETHER + 1)];
     let overlaps = simd.overlaps(&boxes, pairs);
     rounds.check([("overlaps", overlaps == Scalar.overlaps(&boxes, pairs))]);
 }

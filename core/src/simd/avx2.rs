@@ -206,7 +206,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
         overlaps::overlaps(self, boxes, pairs)
     }
 

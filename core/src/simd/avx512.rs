@@ -99,7 +99,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
         self.0.overlaps(boxes, pairs)
     }
 

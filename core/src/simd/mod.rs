@@ -106,11 +106,11 @@ impl Tested {
 
 /// As [`Simd::overlaps`], one pair after another.
 #[inline(always)]
-fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
     let mut bits = 0;
     for (bit, pair) in pairs.iter().enumerate() {
         let overlap = simd.overlap(KeyBox::of(boxes, pair[0].at()), KeyBox::of(boxes, pair[1].at()));
-        bits |= u64::from(overlap) << bit;
+        bits |= usize::from(overlap) << bit;
     }
     bits
 }
@@ -157,9 +157,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::overlaps`].
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
 
-    /// Which of at most 64 pairs of slots have overlapping boxes: a bit each.
+    /// Which of some pairs of slots have overlapping boxes: a bit each of at most [`PAIRS_TOGETHER`].
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
         each_overlap(self, boxes, pairs)
     }
 

@@ -8,7 +8,7 @@ use core::arch::x86_64::*;
 
 /// As [`Simd::overlaps`](super::Simd::overlaps).
 #[inline(always)]
-pub(super) fn overlaps<I: Index>(simd: Avx2, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+pub(super) fn overlaps<I: Index>(simd: Avx2, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
     let (eights, rest) = pairs.as_chunks();
     // Boxes are read with the eight bytes behind them, which the last one has not. Asked once for all pairs, since a
     // branch for each eight takes half as long again as the tests.
@@ -18,7 +18,7 @@ pub(super) fn overlaps<I: Index>(simd: Avx2, boxes: &[KeyBox], pairs: &[Pair<I>]
     let mut bits = 0;
     for (index, eight) in eights.iter().enumerate() {
         // SAFETY: all slots are below the last one.
-        bits |= u64::from(unsafe { eight_overlap(simd, boxes, eight) }) << (8 * index);
+        bits |= usize::from(unsafe { eight_overlap(simd, boxes, eight) }) << (8 * index);
     }
     if rest.is_empty() { bits } else { bits | each_overlap(simd, boxes, rest) << (8 * eights.len()) }
 }

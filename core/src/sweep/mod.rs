@@ -46,7 +46,7 @@ impl<I: Index> Sink<I> for Ordered<'_, I> {
             let room = self.pairs.get_mut(*persisting..self.pairs.len() - *found).unwrap_or_default();
             let pairs = pairs.span_mut(0, pairs.len().min(room.len()));
             let come = boxes.found(pairs);
-            let (come, stay) = pairs.split_at(come);
+            let (come, stay) = pairs.split_at_checked(come).unwrap_or_default();
             room.copy_in(stay);
             room.span_mut(room.len() - come.len(), come.len()).copy_in(come);
             *persisting += stay.len();
@@ -155,7 +155,8 @@ impl<'o, I: Index> Collector<'o, I> {
         };
         let countable = self.pairs.len() <= i32::MAX as usize;
         let shared = executor.workers() > 1 && blocks > 1 && countable && !self.staged.is_empty();
-        let count = if shared { self.in_parallel(executor, from, blocks, work) } else { None };
+        let count =
+            if executor::THREADS && shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
             let (boxes, queue) = Self::queue(&mut self.events, blocks);
             let mut sink = Ordered { pairs: self.pairs, count: from, boxes, counts: [0; 2] };
@@ -318,7 +319,7 @@ struct Staged<'s, 'o, I> {
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
         let come = self.boxes.map_or(0, |boxes| boxes.found(pairs));
-        let (mut come, mut stay) = pairs.split_at(come);
+        let (mut come, mut stay) = pairs.split_at_checked(come).unwrap_or_default();
         self.counts[0] += stay.len() as u32;
         self.counts[1] += come.len() as u32;
         while !(stay.is_empty() && come.is_empty()) {

@@ -6,7 +6,7 @@
 /// Makes `core` mean this crate in the included files, and so `core::sync::atomic` mean loom's.
 extern crate self as core;
 #[doc(hidden)]
-pub use std::{array, cell, marker, mem, slice};
+pub use std::{array, cell, marker, mem, num, slice};
 #[doc(hidden)]
 pub mod hint {
     pub use loom::hint::spin_loop;

@@ -80,7 +80,7 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> u64 {
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
         overlaps::overlaps(self.0, self, boxes, pairs)
     }
 

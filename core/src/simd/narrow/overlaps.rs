@@ -12,7 +12,7 @@ pub(super) fn overlaps<V: Vectors, S: Simd, I: Index>(
     simd: S,
     boxes: &[KeyBox],
     pairs: &[Pair<I>],
-) -> u64 {
+) -> usize {
     let (fours, rest) = pairs.as_chunks();
     // Boxes are read with the word behind them, which the last one has not. Asked once for all pairs.
     let Some(most) = boxes.len().checked_sub(2).filter(|most| !any_above(v, fours, *most)) else {
@@ -22,7 +22,7 @@ pub(super) fn overlaps<V: Vectors, S: Simd, I: Index>(
     let mut bits = 0;
     for (index, four) in fours.iter().enumerate() {
         // SAFETY: behind the box of each slot there is another one.
-        bits |= u64::from(unsafe { four_overlap(v, boxes, four) }) << (4 * index);
+        bits |= (unsafe { four_overlap(v, boxes, four) } as usize) << (4 * index);
     }
     if rest.is_empty() { bits } else { bits | each_overlap(simd, boxes, rest) << (4 * fours.len()) }
 }
