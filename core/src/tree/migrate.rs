@@ -32,15 +32,26 @@ pub(crate) fn migrate<I: Index>(parts: &mut Parts<'_, I>, count: usize, context:
     left == 0 || context.kernels.run(Relocate(parts, left))
 }
 
+/// Works on blocks of objects and of their new leaves.
+fn each_block<I: Index>(
+    slots: &[I],
+    targets: &mut [I],
+    context: StepContext<'_>,
+    work: impl Fn(&[I], &mut [I]) + Sync,
+) {
+    let blocks = Chunks::new(targets.span_mut(0, slots.len()), LEAVERS_PER_BLOCK);
+    context.each(blocks, |block, targets| {
+        work(slots.span(block * LEAVERS_PER_BLOCK, targets.len()), targets);
+    });
+}
+
 /// Writes the new leaf of each object to the third of the sorted lists; [`Index::LARGE`] if it is to be moved by itself.
 fn find_targets<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepContext<'_>) {
     let [_, slots, targets] = &mut parts.order;
     let slots = slots.span(0, count);
     let (boxes, home, place) = (parts.boxes.swept(), &*parts.home, &*parts.place);
     let (planes, depth, cells) = (&*parts.tree.planes, parts.state.tree.depth, &*parts.tree.cells);
-    let blocks = Chunks::new(targets.span_mut(0, count), LEAVERS_PER_BLOCK);
-    context.each(blocks, |block, targets| {
-        let slots = slots.span(block * LEAVERS_PER_BLOCK, targets.len());
+    each_block(slots, targets, context, |slots, targets| {
         context.kernels.run(FindTargets { slots, targets, boxes, home, place, planes, depth, cells });
     });
 }
@@ -121,9 +132,7 @@ fn write_records<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: Step
     let (boxes, place) = (parts.boxes.swept(), &*parts.place);
     let (cells, frames, leaves) = (&*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let records = Shared::new(parts.tree.records);
-    let blocks = Chunks::new(targets.span_mut(0, count), LEAVERS_PER_BLOCK);
-    context.each(blocks, |block, targets| {
-        let slots = slots.span(block * LEAVERS_PER_BLOCK, targets.len());
+    each_block(slots, targets, context, |slots, targets| {
         context.kernels.run(WriteRecords { slots, targets, boxes, place, cells, frames, leaves, records });
     });
 }
