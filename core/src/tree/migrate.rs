@@ -1,8 +1,8 @@
 //! Moves the records of all objects that have left their leaf at once: finds their new leaves, takes them out of the old ones, gives
 //! them places in the new ones, and writes their records there.
 //!
-//! Workers share what looks at boxes. What changes leaves is done alone: it is short, and two workers would wait for each
-//! other's cache lines.
+//! Workers share what looks at boxes. What changes leaves is done alone: it is short, and to share the leaves between two workers
+//! gained nothing.
 
 use super::relocate::{Relocate, withdraw};
 use super::{Cell, Frame, Leaf, Record, leaf_of};
