@@ -514,8 +514,8 @@ TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
 /// The version of the linked library, as "1.2.3". O(1).
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", "avx512", or "other" for one of 128 bits. Only
-/// the speed differs. O(1).
+/// The instruction set that steps use on this CPU: "scalar", "avx2", or "other" for one of 128 bits. Only the speed
+/// differs. O(1).
 TRISAP_NODISCARD
 const char *trisap_instruction_set(void)
 TRISAP_NOEXCEPT;

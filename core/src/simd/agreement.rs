@@ -17,7 +17,7 @@ impl Kernels {
     /// Names the operations whose result differs from the scalar one, once for each time in so many rounds.
     #[doc(hidden)]
     pub fn disagreements(self, seed: u64, rounds: u32, tell: &mut dyn FnMut(&'static str)) {
-        self.run_wide(Rounds { random: Random(seed), rounds, tell });
+        self.run(Rounds { random: Random(seed), rounds, tell });
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Phase, narrow, scalar::Scalar};
 #[allow(unused_imports, reason = "not for scalar code alone")]
 use super::Simd;
 #[cfg(target_arch = "x86_64")]
-use super::{avx512::Avx512, detect::Avx2};
+use super::detect::Avx2;
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
 /// levels give the same bytes; only their speed differs.
@@ -18,8 +18,6 @@ enum Level {
     Narrow(narrow::Level),
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
-    #[cfg(target_arch = "x86_64")]
-    Avx512(Avx512),
 }
 
 /// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed vectors
@@ -56,14 +54,9 @@ impl Kernels {
         best
     };
 
-    /// The best level of this CPU. Asks the CPU once and remembers. AVX-512 counts from its second generation on
-    /// (with VBMI2: Ice Lake, Zen 4). On the first one AVX2 was measured to be faster.
+    /// The best level of this CPU. Asks the CPU once and remembers.
     #[must_use]
     pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(level) = Self::avx512().filter(|_| Avx512::pays()) {
-            return level;
-        }
         Self::avx2().or_else(Self::narrow).unwrap_or(Self::BASELINE)
     }
 
@@ -83,18 +76,9 @@ impl Kernels {
         return None;
     }
 
-    /// AVX-512 of x86-64 with the parts F, BW, DQ and VL, where this CPU has it: Skylake-X, Zen 4 and later.
-    #[must_use]
-    pub fn avx512() -> Option<Self> {
-        #[cfg(target_arch = "x86_64")]
-        return Avx512::detect().map(|token| Self(Level::Avx512(token)));
-        #[cfg(not(target_arch = "x86_64"))]
-        return None;
-    }
-
     /// Every level of this CPU, the plainest first.
     pub fn all() -> impl Iterator<Item = Self> {
-        [PLAIN.then_some(Self::SCALAR), Self::narrow(), Self::avx2(), Self::avx512()].into_iter().flatten()
+        [PLAIN.then_some(Self::SCALAR), Self::narrow(), Self::avx2()].into_iter().flatten()
     }
 
     /// The name of the level, as for the option `--kernels` of the program `trisap`.
@@ -105,8 +89,6 @@ impl Kernels {
             Level::Narrow(_) => narrow::Level::NAME,
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(_) => "avx2",
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(_) => "avx512",
         }
     }
 
@@ -125,8 +107,7 @@ impl Kernels {
         }
     }
 
-    /// Runs a phase compiled for this level. AVX-512 runs it compiled for AVX2: wide registers pay only where many
-    /// rows are compared.
+    /// Runs a phase compiled for this level.
     #[inline]
     pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
         match self.level() {
@@ -134,18 +115,6 @@ impl Kernels {
             Level::Narrow(simd) => simd.call(phase),
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(simd) => simd.call(phase),
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(simd) => simd.narrow().call(phase),
-        }
-    }
-
-    /// As [`run`](Self::run), for AVX-512 too: where many rows are compared.
-    #[inline]
-    pub(crate) fn run_wide<P: Phase>(self, phase: P) -> P::Output {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(simd) => simd.call(phase),
-            _ => self.run(phase),
         }
     }
 }
@@ -182,11 +151,6 @@ mod tests {
         if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
             levels.push("avx2");
             best = "avx2";
-            if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
-                levels.push("avx512");
-                // The first generation is slower with it.
-                best = if has!("avx512vbmi2") { "avx512" } else { best };
-            }
         }
         assert!(Kernels::all().map(Kernels::name).eq(levels.iter().copied()), "{levels:?}");
         assert_eq!(Kernels::detect().name(), best);

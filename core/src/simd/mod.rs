@@ -9,8 +9,6 @@ mod agreement;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod avx512;
-#[cfg(target_arch = "x86_64")]
 pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod encode;

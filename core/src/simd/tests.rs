@@ -53,7 +53,7 @@ fn records_keep_the_order_of_all_coarse_coordinates() {
             let frame = Frame::over([*low, *low, between], [*high, between, *high]);
             assert!(frame.is_sound(), "from {low} to {high}");
             for kernels in Kernels::all() {
-                let holds = kernels.run_wide(Ascends(frame, coarse_keys()));
+                let holds = kernels.run(Ascends(frame, coarse_keys()));
                 assert!(holds, "{}: from {low} to {high}", kernels.name());
             }
         }
@@ -70,7 +70,7 @@ fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
             let until = high.saturating_add(size).min(POSITIVE_INFINITY);
             let keys = (from..=until).step_by((size as usize / 1024).max(1));
             for kernels in Kernels::all() {
-                let holds = kernels.run_wide(Ascends(frame, keys.clone()));
+                let holds = kernels.run(Ascends(frame, keys.clone()));
                 assert!(holds, "{}: from {low}, of {size} keys", kernels.name());
             }
         }
@@ -100,6 +100,6 @@ impl Phase for Encodes {
 #[test]
 fn boxes_of_all_coarse_floats_get_their_keys() {
     for kernels in Kernels::all() {
-        assert_eq!(kernels.run_wide(Encodes), None, "{}", kernels.name());
+        assert_eq!(kernels.run(Encodes), None, "{}", kernels.name());
     }
 }

@@ -108,7 +108,7 @@ fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepCon
         collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
             let first = block * LEAVES_PER_BLOCK;
             let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-            kernels.run_wide(SweepLeaves { tree_view: &tree_view, leaves, moved, next, scratch, sink });
+            kernels.run(SweepLeaves { tree_view: &tree_view, leaves, moved, next, scratch, sink });
         });
     Swept { pairs, work, found: tells.then_some(collector.found), leaves: leaf_count as u32 }
 }

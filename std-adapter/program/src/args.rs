@@ -99,7 +99,7 @@ pub(crate) struct EngineArgs {
     /// Threads to step with.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
     pub(crate) threads: u32,
-    /// Instruction set: auto, scalar, avx2, avx512, as far as this CPU has it.
+    /// Instruction set: auto, scalar, sse4.1, avx2, as far as this CPU has it.
     #[arg(long, default_value = "auto")]
     pub(crate) kernels: String,
 }

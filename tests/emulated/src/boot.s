@@ -116,10 +116,10 @@ no_wide_registers:
 .code16
     jmp from_reset
 .org 0xff8
-# What tests/emulated/run.sh changes: XCR0, whose bits here are x87, SSE, AVX and the three parts of AVX-512, and whether the
-# program only tells its levels.
+# What tests/emulated/run.sh changes: XCR0, whose bits here are x87, SSE and AVX, and whether the program only tells its
+# levels.
 registers:
-    .long 0xe7
+    .long 0x7
 .globl levels_only
 levels_only:
     .long 0
