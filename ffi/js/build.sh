@@ -52,12 +52,15 @@ one() {
 one trisap scalar "-C llvm-args=-unroll-threshold=30 -C llvm-args=-unroll-runtime=false"
 one trisap-simd128 simd128 "-C target-feature=+simd128"
 
+# The same as a text, for programs of one file.
+{ printf 'export default "'; base64 -w0 wasm/trisap-simd128.wasm; echo '";'; } >wasm/trisap-simd128.js
+
 for file in wasm/*.wasm; do
     bytes=$(wc -c <"$file") packed=$(gzip -9nc "$file" | wc -c)
     echo "$file: $bytes bytes, $packed with gzip"
     # Growth does not go unnoticed.
-    if ((bytes > 280 * 1024 || packed > 115 * 1024)); then
-        echo "$file: more than 280 KiB, or 115 with gzip" >&2
+    if ((bytes > 300 * 1024 || packed > 122 * 1024)); then
+        echo "$file: more than 300 KiB, or 122 with gzip" >&2
         exit 1
     fi
 done

@@ -31,13 +31,27 @@ export function objectsOf(config) {
   return number("objects", config.objects, "count");
 }
 
+/** Refuses an argument that is no object, or has a field that means nothing: a misspelt one would be lost without a word. */
+export function known(what, object, fields) {
+  if (object === null || typeof object !== "object") {
+    throw new InvalidArgumentError(what, `is an object with ${fields.join(", ")}`);
+  }
+  for (const field of Object.keys(object)) {
+    if (!fields.includes(field)) {
+      throw new InvalidArgumentError(field, `no such field of ${what}; there are ${fields.join(", ")}`);
+    }
+  }
+}
+
 /** Writes what the caller has set into a struct that has the defaults. */
 export function writeConfig(view, at, config) {
+  known("config", config, [...Object.keys(FIELDS), "grows"]);
   for (const [field, value] of Object.entries(config)) {
-    if (!Object.hasOwn(FIELDS, field)) {
-      throw new InvalidArgumentError(field, "no such field");
-    }
     if (value === undefined) {
+      continue;
+    }
+    if (field === "grows") {
+      number(field, value, "flag");
       continue;
     }
     const [offset, kind] = FIELDS[field];

@@ -1,6 +1,8 @@
 // What can go wrong, as exceptions. Each says which object or which number it is about.
 
-import { slotOf } from "./id.js";
+
+/** `id.js` needs these classes, so it cannot be asked here. */
+const slotOf = (id) => Number(BigInt.asUintN(32, id));
 
 /** What every exception of this package is, but a TypeError for an argument of another type. */
 export class TrisapError extends Error {
@@ -95,3 +97,6 @@ export class OutOfMemoryError extends TrisapError {
 
 /** Somebody else has written to the memory of the world. */
 export class CorruptError extends TrisapError {}
+
+/** What came is no module of this package, or nothing came. */
+export class ModuleError extends TrisapError {}

@@ -1,7 +1,13 @@
 // Types of the package trisap.
 
-/** Names an object for as long as it lives. The id of a removed object stays stale when its slot is used again. */
+/**
+ * Names an object for as long as it lives. The id of a removed object stays stale when its slot is used again. Made by a world
+ * alone: a slot is no id. `idText` makes it a text, for JSON.
+ */
 export type Id = bigint;
+
+/** Whether a query counts an object. Called between two looks at the world: it may ask the world, but not change it. */
+export type Where = (id: Id) => boolean;
 
 /** Six numbers: minimum x, y, z, maximum x, y, z. Closed: boxes that touch overlap. */
 export type Box = ArrayLike<number>;
@@ -35,6 +41,11 @@ export interface Config {
   marginMax?: number;
   /** Objects have their margin however fast they are. By default false. */
   fixedMargins?: boolean;
+  /**
+   * Objects and pairs that do not fit make the world move to more memory: no error, but all views are taken away in that call.
+   * By default false.
+   */
+  grows?: boolean;
 }
 
 export interface Options {
@@ -44,7 +55,8 @@ export interface Options {
   wasm?: WasmSource | PromiseLike<WasmSource>;
 }
 
-export type WasmSource = BufferSource | WebAssembly.Module | Response;
+/** Bytes, a `WebAssembly.Module`, or what `fetch` answers: written so that programs without the types of browsers can use it. */
+export type WasmSource = ArrayBuffer | ArrayBufferView | object;
 
 /** Whom an object meets: two objects make a pair if each one's group is in the other one's mask, and their classes meet. */
 export interface Filter {
@@ -98,9 +110,10 @@ export interface Stats {
 /**
  * Objects with boxes, and the pairs of those that overlap.
  *
- * Arrays that a world hands out as properties are views of its memory: they cost nothing, and hold until the memory grows
- * or, of pairs, until the next step. `insertMany`, `removeMany`, `setValues`, `values`, `pairValues`, `setResting`, `wake`,
- * `overlaps`, `nearest`, `visitNearest`, `save` and `load` may grow it. Then old views have no elements any more, and the properties give new ones.
+ * Arrays that a world hands out as properties are views of its memory: they cost nothing. `boxes` holds for as long as the
+ * world, pairs until the next `step` or `load`; no other call takes them away, so a loop over pairs may call what it likes.
+ * Only where a world `grows`, the `insert`, `insertMany` or `step` that makes it do so gives new views. All other answers are
+ * copies.
  */
 export class World {
   private constructor();
@@ -129,14 +142,26 @@ export class World {
   insertMany(boxes: Float32Array): BigUint64Array;
   /** Gives an object another box, checked at once. */
   update(id: Id, box: Box): void;
+  /** Gives objects other boxes, all or none; as many as ids. */
+  updateMany(ids: ArrayLike<Id>, boxes: Float32Array): void;
   remove(id: Id): void;
   /** Removes objects, all or none. */
   removeMany(ids: ArrayLike<Id>): void;
+  /** Removes all objects: their pairs are lost at the next step. */
+  clear(): void;
   has(id: Id): boolean;
   /** The object in a slot, if one lives there. */
   idAt(slot: number): Id | null;
-  /** The box of an object as the world knows it: what was written to `boxes` counts from the next step on. A copy. */
+  /** All living objects, by ascending slot. */
+  ids(): BigUint64Array;
+  /** The box of an object as the world knows it: what was written to `boxes` counts from the next step or `commit` on. A copy. */
   box(id: Id): Float32Array;
+  /**
+   * Takes in what was written to `boxes` since the last step, but for objects at rest: queries and `box` see it then. O(slots).
+   *
+   * @throws BadBoxError after all others were taken in: objects whose box is refused have kept theirs.
+   */
+  commit(): void;
   /**
    * Finds all pairs of the boxes as they are now. Returns the world, whose `pairs`, `found` and `lost` are those of this step.
    *
@@ -146,8 +171,12 @@ export class World {
   step(): this;
   stats(): Stats;
   setFilter(id: Id, filter?: Filter): void;
+  /** Sets whom objects meet, all or none: one filter for each, or one for all. */
+  setFilters(ids: ArrayLike<Id>, filters: readonly Filter[] | Filter): void;
   /** Which classes meet: bit `b` of number `a`, and bit `a` of number `b`. 32 numbers. */
   setClasses(meets: ArrayLike<number>): void;
+  /** Sets how far an object may move before it counts as moved. Nothing in a world without margins. */
+  setMargin(id: Id, length: number): void;
   /** Gives an object a value. A new one has 0. */
   setValue(id: Id, value: bigint): void;
   /** Gives objects values, all or none; as many as ids. */
@@ -157,28 +186,47 @@ export class World {
   values(ids: ArrayLike<Id>): BigUint64Array;
   /**
    * `pairs`, `found` or `lost` by value, two values each. Lost pairs have those of the objects that were the pair, also where these
-   * are no more and others have their slots. To be asked before objects come or go.
+   * are no more and others have their slots.
+   * Other pairs of objects that were removed since the step are left out.
    */
   pairValues(of?: "pairs" | "found" | "lost"): BigUint64Array;
-  /** Puts objects to rest: steps do not read their boxes until they wake. */
+  /** `pairs`, `found` or `lost` by id, two each, as `pairValues` tells them by value. */
+  pairIds(of?: "pairs" | "found" | "lost"): BigUint64Array;
+  /**
+   * Puts objects to rest where they are, what was written to `boxes` before included: steps do not read their boxes until they
+   * wake.
+   */
   setResting(ids: ArrayLike<Id>): void;
   wake(ids: ArrayLike<Id>): void;
+  /** Whether an object was put to rest and has not been woken since. */
+  isResting(id: Id): boolean;
+  /** The pairs of the last step with at least one object that does not rest, as `pairs`. A copy. */
+  awakePairs(): Uint32Array;
   /** The objects whose boxes overlap a region, by ascending slot. */
-  overlaps(region: Region): BigUint64Array;
+  overlaps(region: Region, where?: Where): BigUint64Array;
   /** The first object that a ray meets. */
-  firstHit(ray: Ray): Hit | null;
+  firstHit(ray: Ray, where?: Where): Hit | null;
+  /** All objects that a ray meets, the nearest first, equally near ones by ascending slot. */
+  hits(ray: Ray, where?: Where): Hit[];
   /** The nearest objects, the nearest first. */
-  nearest(position: Point, count: number): Hit[];
+  nearest(position: Point, count: number, where?: Where): Hit[];
   /**
    * Visits the objects whose boxes are at most so far from a point, each once, the nearest first. The visitor says how far to look
    * on: nothing or infinity to refuse an object and look as far as before, a number to see only what is not farther, less than zero
    * to stop. It must not change the world.
    */
   visitNearest(position: Point, visit: (hit: Hit) => number | void, distance?: number): void;
-  /** Subtracts a point from all boxes. How many of them had to be rounded outward. */
+  /**
+   * Subtracts a point from all boxes, also from what was written to `boxes` since the last step. How many boxes of the world had
+   * to be rounded outward.
+   */
   shiftOrigin(by: readonly [number, number, number]): number;
-  /** A snapshot: bytes that any world of the same configuration can load. */
+  /**
+   * A snapshot: bytes that any world of the same kind can load that has as much room. What was written to `boxes` is taken in
+   * first, as by `commit`; a box that is refused stays for the next step to tell.
+   */
   save(): Uint8Array;
+  /** Goes back to a snapshot. `boxes` says what it says: what was written since is gone, as all else is. */
   load(snapshot: Uint8Array): void;
 }
 
@@ -186,6 +234,9 @@ export class World {
 export function createWorld(config: Config, options?: Options): Promise<World>;
 /** The index under which an object stands in pairs and in `World.boxes`. */
 export function slotOf(id: Id): number;
+/** An id as a text, for JSON, and back. */
+export function idText(id: Id): string;
+export function idOf(text: string): Id;
 /** Whether this host has 128-bit vectors. */
 export function hasVectors(): boolean;
 
@@ -238,3 +289,5 @@ export class OutOfMemoryError extends TrisapError {
 }
 /** Somebody else has written to the memory of the world. */
 export class CorruptError extends TrisapError {}
+/** What came is no module of this package, or nothing came: the message says what, and what to pass instead. */
+export class ModuleError extends TrisapError {}

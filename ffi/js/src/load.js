@@ -1,5 +1,7 @@
 // From bytes to a compiled module.
 
+import { ModuleError } from "./errors.js";
+
 /** A function that uses 128-bit vectors: hosts without them refuse it. */
 const VECTORS = new Uint8Array([
   0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
@@ -34,21 +36,37 @@ export async function moduleFor(read, { simd = hasVectors(), wasm } = {}) {
   }
 }
 
-/** Of a module, an answer to a request, or bytes. */
-export async function compile(source) {
+/** Of a module, an answer to a request, or bytes. `from` says where bytes came from. */
+export async function compile(source, from = "the bytes given") {
   if (source instanceof WebAssembly.Module) {
     return source;
   }
   if (typeof Response !== "undefined" && source instanceof Response) {
+    const type = source.headers.get("content-type") ?? "no type";
+    const what = `${source.url || "the answer"} (status ${source.status}, ${type})`;
     if (!source.ok) {
-      throw new Error(`${source.url}: ${source.status} ${source.statusText}`);
+      throw missing(`${what} is no module`);
     }
-    const type = source.headers.get("content-type") ?? "";
     // Other servers' types are refused by the streaming compiler.
     if (type.startsWith("application/wasm") && WebAssembly.compileStreaming) {
       return WebAssembly.compileStreaming(source);
     }
-    return WebAssembly.compile(await source.arrayBuffer());
+    return compile(await source.arrayBuffer(), what);
+  }
+  const bytes = ArrayBuffer.isView(source) ? new Uint8Array(source.buffer, source.byteOffset, source.byteLength) : new Uint8Array(source);
+  // Bundlers and servers answer with a page where the file is not.
+  if (MAGIC.some((byte, i) => bytes[i] !== byte)) {
+    const first = String.fromCharCode(...bytes.subarray(0, 16));
+    throw missing(`${from} ${from.endsWith(")") ? "is" : "are"} no module: ${JSON.stringify(first)} came instead`);
   }
   return WebAssembly.compile(source);
 }
+
+/** The error of a module that is not where the package has put it. */
+export function missing(what) {
+  const hint = 'pass { wasm: fetch(url) } or { wasm: bytes } of "trisap/wasm/trisap-simd128.wasm", or import "trisap/inline"';
+  return new ModuleError(`${what}; ${hint}`);
+}
+
+/** How a module begins. */
+const MAGIC = [0, 97, 115, 109];

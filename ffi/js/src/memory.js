@@ -1,7 +1,7 @@
 // The memory of one world: an instance of the module, with nothing else in it.
 //
-// From the bottom: the stack and the constants of the module; structs that calls take and give; the boxes; the world; what
-// a call needs for a moment. Only the last part grows later.
+// From the bottom: the stack and the constants of the module; structs that calls take and give; the boxes; the world; room
+// for what a call takes or answers. All of it is set aside when the world is made: memory that grows takes all views of it away.
 
 import { OutOfMemoryError, TrisapError } from "./errors.js";
 
@@ -13,7 +13,6 @@ const STRUCTS = 1024;
 const NO_MEMORY = 0xffff_ffff;
 
 export class Memory {
-  #temporary = 0;
   #view = null;
 
   constructor(instance) {
@@ -22,8 +21,11 @@ export class Memory {
       throw new TrisapError(`the module has ABI version ${this.calls.trisap_abi_version()}, not ${ABI_VERSION}`);
     }
     this.structs = align(this.calls.__heap_base?.value ?? this.buffer.byteLength, 64);
+    /** Where the boxes, the world and the room of calls begin, and how many bytes that room has. */
     this.boxes = this.structs + STRUCTS;
     this.world = 0;
+    this.room = 0;
+    this.roomBytes = 0;
     this.#reach(this.boxes);
   }
 
@@ -36,7 +38,7 @@ export class Memory {
     return this.buffer.byteLength;
   }
 
-  /** For structs. Valid until the next call of `lay` or `temporary`. */
+  /** For structs. */
   get view() {
     if (this.#view?.buffer !== this.buffer) {
       this.#view = new DataView(this.buffer);
@@ -44,17 +46,12 @@ export class Memory {
     return this.#view;
   }
 
-  /** Sets memory aside for the boxes of so many objects and a world of so many bytes. */
-  lay(objects, worldBytes) {
-    this.world = align(this.boxes + 24 * objects, this.calls.trisap_world_align());
-    this.#temporary = align(this.world + worldBytes, 8);
-    this.#reach(this.#temporary);
-  }
-
-  /** Where so many bytes are free until the next call of this. */
-  temporary(bytes) {
-    this.#reach(this.#temporary + bytes);
-    return this.#temporary;
+  /** Sets memory aside from an address on: for the boxes of so many objects, a world of so many bytes, and so many for calls. */
+  lay(from, objects, worldBytes, roomBytes) {
+    const world = align(from + 24 * objects, this.calls.trisap_world_align());
+    const room = align(world + worldBytes, 16);
+    this.#reach(room + roomBytes);
+    Object.assign(this, { boxes: from, world, room, roomBytes });
   }
 
   /** The text at an address, which ends with a zero. */
@@ -89,4 +86,3 @@ export class Memory {
 function align(at, to) {
   return Math.ceil(at / to) * to;
 }
-

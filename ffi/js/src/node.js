@@ -1,7 +1,7 @@
 // The package in node.
 
 import { readFile } from "node:fs/promises";
-import { compile, moduleFor } from "./load.js";
+import { compile, missing, moduleFor } from "./load.js";
 import { World } from "./world.js";
 
 const files = {
@@ -11,11 +11,16 @@ const files = {
 
 /** An empty world. */
 export async function createWorld(config, options) {
-  const read = async (variant) => compile(await readFile(files[variant]));
+  const read = async (variant) => {
+    const bytes = await readFile(files[variant]).catch((error) => {
+      throw missing(error.message);
+    });
+    return compile(bytes, files[variant].pathname);
+  };
   return World.instantiate(await moduleFor(read, options), config);
 }
 
 export * from "./errors.js";
-export { slotOf } from "./id.js";
+export { idOf, idText, slotOf } from "./id.js";
 export { hasVectors } from "./load.js";
 export { World } from "./world.js";

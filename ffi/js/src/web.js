@@ -16,6 +16,6 @@ export async function createWorld(config, options) {
 }
 
 export * from "./errors.js";
-export { slotOf } from "./id.js";
+export { idOf, idText, slotOf } from "./id.js";
 export { hasVectors } from "./load.js";
 export { World } from "./world.js";

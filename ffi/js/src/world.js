@@ -1,31 +1,19 @@
 // A world: objects with boxes, and the pairs of those that overlap.
 
-import { objectsOf, readConfig, readStats, writeConfig } from "./config.js";
+import { BOX, Calls, STATUS } from "./calls.js";
+import { objectsOf, readStats } from "./config.js";
 import * as errors from "./errors.js";
-import { slotOf } from "./id.js";
-import { Memory } from "./memory.js";
+import { checkId, slotOf } from "./id.js";
 
-/** Numbers of `trisap_status`. */
-const STATUS = {
-  OK: 0, CORRUPT: 15, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, NO_FILTERS: 16, BAD_CLASS: 17,
-  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, NO_VALUES: 24,
-};
-/** Floats of a box. */
-const BOX = 6;
-const BOX_BYTES = 24;
+const BOX_BYTES = 4 * BOX;
+const FILTER_BYTES = 12;
+const HIT_BYTES = 16;
+const PAIR_BYTES = 16;
+const CLASSES = 32;
+/** Growth ends with room for so many objects at least. */
+const FIRST = 64;
 
-// Where the structs of a call stand, from the start of their part of memory on.
-const CONFIG = 0;
-const BOXES = 128;
-const RESULT = 192;
-const ARGUMENT = 256;
-const ANSWER = 384;
-const STATS = 512;
-const OUT = 640;
-
-// Fields of `trisap_boxes` and `trisap_result` on a machine with pointers of four bytes.
-const BOXES_FIRST = 8;
-const BOXES_COUNT = 16;
+// Fields of `trisap_result` on a machine with pointers of four bytes.
 const RESULT_REJECTED = 4;
 const RESULT_FIRST_REJECTED = 8;
 const RESULT_PAIRS = 16;
@@ -36,17 +24,14 @@ const RESULT_LOST = 32;
 const FEW = 8;
 const MORE = 8;
 
-/** What `trisap_world_pair_values` is asked for. */
+/** What `trisap_world_pair_ids` and `trisap_world_pair_values` are asked for. */
 const PAIRS = { pairs: 0, found: 1, lost: 2 };
-
-const KIND_AABB = 0;
-const KIND_SPHERE = 1;
 const NONE = new Uint32Array(0);
 
 export class World {
-  #memory;
-  #world;
-  #objects;
+  #calls;
+  /** The functions of the module, and where the world is. */
+  #module;
   /** No living object has a slot from this one on. */
   #slots = 0;
   #boxes = null;
@@ -55,46 +40,33 @@ export class World {
 
   /** Through `createWorld`: the instance is a fresh one. */
   constructor(instance, config, variant) {
-    const objects = objectsOf(config);
-    const memory = new Memory(instance);
-    const { calls, structs } = memory;
-    this.#memory = memory;
-    calls.trisap_default_config(structs + CONFIG, objects);
-    writeConfig(memory.view, structs + CONFIG, config);
-    const bytes = calls.trisap_world_size(structs + CONFIG) >>> 0;
-    // Where there can be no such world, the call below says why.
-    memory.lay(bytes === 0 ? 0 : objects, bytes);
-    this.#check(calls.trisap_world_init(memory.world, bytes, structs + CONFIG, structs + OUT), "config");
-    this.#world = memory.world;
-    this.#objects = objects;
-    calls.trisap_default_boxes(structs + BOXES, memory.boxes, 0);
-    calls.trisap_default_result(structs + RESULT);
-    calls.trisap_default_stats(structs + STATS);
-    this.#check(calls.trisap_world_result(this.#world, structs + RESULT), "config");
-    this.config = readConfig(memory.view, structs + CONFIG);
+    this.#calls = new Calls(instance, config);
+    this.#module = this.#calls.calls;
     this.variant = variant;
-    this.instructionSet = memory.text(calls.trisap_instruction_set());
+    this.instructionSet = this.#calls.memory.text(this.#module.trisap_instruction_set());
   }
 
-  /** An instance of its own for each world: its memory is given back with it, and no other world's growth moves its views. */
+  /** An instance of its own for each world: its memory is given back with it. */
   static async instantiate({ module, variant }, config) {
     objectsOf(config);
     return new World(await WebAssembly.instantiate(module, {}), config, variant);
   }
 
+  get config() {
+    return this.#calls.capacity;
+  }
+
   get boxes() {
-    if (this.#boxes?.buffer !== this.#memory.buffer) {
-      this.#boxes = new Float32Array(this.#memory.buffer, this.#memory.boxes, BOX * this.#objects);
-    }
-    return this.#boxes;
+    const { memory, capacity } = this.#calls;
+    return (this.#boxes ??= new Float32Array(memory.buffer, memory.boxes, BOX * capacity.objects));
   }
 
   get size() {
-    return this.#memory.calls.trisap_world_len(this.#world);
+    return this.#module.trisap_world_len(this.#world);
   }
 
   get memoryBytes() {
-    return this.#memory.bytes;
+    return this.#calls.memory.bytes;
   }
 
   get pairs() {
@@ -110,169 +82,266 @@ export class World {
   }
 
   insert(box) {
-    const at = this.#box(box, "insert");
-    const { calls, structs } = this.#memory;
-    this.#check(calls.trisap_world_insert(this.#world, at, structs + OUT), "insert");
-    const id = this.#memory.view.getBigUint64(structs + OUT, true);
+    const calls = this.#calls;
+    const ask = () => this.#module.trisap_world_insert(this.#world, calls.box(box, "insert"), calls.out);
+    let status = ask();
+    if (status === STATUS.OBJECTS_FULL && this.config.grows) {
+      this.#grow(Math.max(FIRST, 2 * this.config.objects), 0);
+      status = ask();
+    }
+    calls.check(status, "insert");
+    const id = calls.id(calls.out);
     this.#keep(id, box, 0);
     return id;
   }
 
   insertMany(boxes) {
-    if (!(boxes instanceof Float32Array) || boxes.length % BOX !== 0) {
-      throw new errors.InvalidArgumentError("boxes", "is a Float32Array of six numbers a box");
+    const count = this.#count(boxes);
+    const calls = this.#calls;
+    const needed = this.size + count;
+    if (needed > this.config.objects) {
+      if (!this.config.grows) {
+        throw new errors.ObjectsFullError(needed, this.config.objects);
+      }
+      // A view of the old memory is of no use any more afterwards.
+      boxes = boxes.buffer === calls.memory.buffer ? boxes.slice() : boxes;
+      this.#grow(Math.max(needed, 2 * this.config.objects), 0);
     }
-    const count = boxes.length / BOX;
-    // Views of this memory are of no use any more once it has grown: what they held is still where it was.
-    const own = boxes.buffer === this.#memory.buffer ? boxes.byteOffset : null;
-    const ids = this.#memory.temporary((8 + BOX_BYTES) * count);
-    const at = ids + 8 * count;
-    const source = own === null ? boxes : new Float32Array(this.#memory.buffer, own, BOX * count);
-    new Float32Array(this.#memory.buffer, at, BOX * count).set(source);
-    const { calls } = this.#memory;
-    this.#check(calls.trisap_world_insert_many(this.#world, this.#view(at, count), ids), "insertMany");
-    const answer = new BigUint64Array(this.#memory.buffer, ids, count).slice();
-    const copy = new Float32Array(this.#memory.buffer, at, BOX * count);
-    answer.forEach((id, i) => this.#keep(id, copy, BOX * i));
-    return answer;
+    const [ids, at] = this.#beside(boxes, count);
+    calls.check(this.#module.trisap_world_insert_many(this.#world, calls.boxes(at, count), ids), "insertMany");
+    return this.#kept(ids, at, count);
   }
 
   update(id, box) {
-    const at = this.#box(box, `update of object ${id}`);
-    this.#check(this.#memory.calls.trisap_world_update(this.#world, id, at), "update", id);
+    checkId(id);
+    const calls = this.#calls;
+    calls.check(this.#module.trisap_world_update(this.#world, id, calls.box(box, `update of object ${id}`)), "update", id);
     this.#keep(id, box, 0);
   }
 
+  updateMany(ids, boxes) {
+    const count = this.#count(boxes);
+    if (ids.length !== count) {
+      throw new errors.InvalidArgumentError("boxes", "are as many as ids");
+    }
+    Array.prototype.forEach.call(ids, checkId);
+    const calls = this.#calls;
+    const [first, at] = this.#beside(boxes, count);
+    calls.array(BigUint64Array, first, count).set(ids);
+    calls.check(this.#module.trisap_world_update_many(this.#world, first, calls.boxes(at, count)), "updateMany");
+    this.#kept(first, at, count);
+  }
+
   remove(id) {
-    this.#check(this.#memory.calls.trisap_world_remove(this.#world, id), "remove", id);
+    this.#calls.check(this.#module.trisap_world_remove(this.#world, checkId(id)), "remove", id);
   }
 
   removeMany(ids) {
-    const at = this.#ids(ids);
-    this.#check(this.#memory.calls.trisap_world_remove_many(this.#world, at, ids.length), "removeMany");
+    const at = this.#living(ids);
+    this.#calls.check(this.#module.trisap_world_remove_many(this.#world, at, ids.length), "removeMany");
+  }
+
+  clear() {
+    this.removeMany(this.ids());
   }
 
   has(id) {
-    return this.#memory.calls.trisap_world_contains(this.#world, id) === STATUS.OK;
+    return this.#module.trisap_world_contains(this.#world, checkId(id)) === STATUS.OK;
   }
 
   idAt(slot) {
-    const id = BigInt.asUintN(64, this.#memory.calls.trisap_world_id_at(this.#world, slot));
+    const id = BigInt.asUintN(64, this.#module.trisap_world_id_at(this.#world, slot));
     return id === 0n ? null : id;
   }
 
+  ids() {
+    const ids = new BigUint64Array(this.size);
+    let count = 0;
+    for (let slot = 0; count < ids.length; slot++) {
+      const id = this.#module.trisap_world_id_at(this.#world, slot);
+      if (id !== 0n) {
+        ids[count++] = id;
+      }
+    }
+    return ids;
+  }
+
   box(id) {
-    const { calls, structs, buffer } = this.#memory;
-    this.#check(calls.trisap_world_aabb(this.#world, id, structs + ANSWER), "box", id);
-    return new Float32Array(buffer, structs + ANSWER, BOX).slice();
+    const calls = this.#calls;
+    calls.check(this.#module.trisap_world_aabb(this.#world, checkId(id), calls.answer), "box", id);
+    return calls.array(Float32Array, calls.answer, BOX).slice();
+  }
+
+  commit() {
+    this.#refuse(this.#commit(), "commit");
   }
 
   step() {
-    const { calls, structs } = this.#memory;
+    const calls = this.#calls;
     this.#results.clear();
-    const boxes = this.#view(this.#memory.boxes, this.#slots);
-    const status = calls.trisap_world_step_over(this.#world, boxes, 0, structs + RESULT);
-    this.#check(status, "step");
-    const rejected = this.#memory.view.getUint32(structs + RESULT + RESULT_REJECTED, true);
-    if (rejected !== 0) {
-      const id = this.#memory.view.getBigUint64(structs + RESULT + RESULT_FIRST_REJECTED, true);
-      const place = `step: object ${id} in slot ${slotOf(id)}, the first of ${rejected}`;
-      throw new errors.BadBoxError(place, { id, count: rejected });
+    const ask = () => {
+      const boxes = calls.boxes(calls.memory.boxes, this.#slots);
+      return this.#module.trisap_world_step_over(this.#world, boxes, 0, calls.result);
+    };
+    let status = ask();
+    if (status === STATUS.PAIRS_FULL && this.config.grows) {
+      const needed = Number(this.#module.trisap_world_error_detail(this.#world));
+      // A quarter more, so that a growing scene does not move in each step.
+      this.#grow(0, Math.min(needed + Math.ceil(needed / 4), 0xffff_ffff));
+      status = ask();
     }
+    calls.check(status, "step");
+    const count = calls.word(calls.result + RESULT_REJECTED);
+    this.#refuse({ count, id: count === 0 ? null : calls.id(calls.result + RESULT_FIRST_REJECTED) }, "step");
     return this;
   }
 
   stats() {
-    const { calls, structs } = this.#memory;
-    this.#check(calls.trisap_world_stats(this.#world, structs + STATS), "stats");
-    return readStats(this.#memory.view, structs + STATS);
+    const calls = this.#calls;
+    calls.check(this.#module.trisap_world_stats(this.#world, calls.stats), "stats");
+    return readStats(calls.memory.view, calls.stats);
   }
 
-  setFilter(id, { group = 0xffff_ffff, mask = 0xffff_ffff, objectClass = 0 } = {}) {
-    const { calls, structs, view } = this.#memory;
-    [group, mask, objectClass].forEach((word, i) => view.setUint32(structs + ARGUMENT + 4 * i, word, true));
-    this.#check(calls.trisap_world_set_filter(this.#world, id, structs + ARGUMENT), "setFilter", id);
+  setFilter(id, filter = {}) {
+    const calls = this.#calls;
+    calls.filter(calls.argument, filter);
+    calls.check(this.#module.trisap_world_set_filter(this.#world, checkId(id), calls.argument), "setFilter", id);
+  }
+
+  setFilters(ids, filters) {
+    const calls = this.#calls;
+    const all = Array.isArray(filters) ? filters : [filters];
+    if (Array.isArray(filters) && all.length !== ids.length) {
+      throw new errors.InvalidArgumentError("filters", "are as many as ids, or one for all");
+    }
+    const at = this.#living(ids);
+    all.forEach((filter, i) => calls.filter(at + 8 * ids.length + FILTER_BYTES * i, filter));
+    const [first, stride] = [at + 8 * ids.length, Array.isArray(filters) ? FILTER_BYTES : 0];
+    const status = this.#module.trisap_world_set_filter_many(this.#world, at, first, stride, ids.length);
+    calls.check(status, "setFilters");
   }
 
   setClasses(meets) {
-    if (meets.length !== 32) {
+    if (meets.length !== CLASSES) {
       throw new errors.InvalidArgumentError("meets", "has 32 numbers");
     }
-    const { calls, structs, view } = this.#memory;
-    Array.from(meets).forEach((word, i) => view.setUint32(structs + ARGUMENT + 4 * i, word, true));
-    this.#check(calls.trisap_world_set_classes(this.#world, structs + ARGUMENT), "setClasses");
+    const calls = this.#calls;
+    calls.array(Uint32Array, calls.argument, CLASSES).set(meets);
+    calls.check(this.#module.trisap_world_set_classes(this.#world, calls.argument), "setClasses");
+  }
+
+  setMargin(id, length) {
+    this.#calls.check(this.#module.trisap_world_set_margin(this.#world, checkId(id), length), "setMargin", id);
   }
 
   setValue(id, value) {
-    this.#check(this.#memory.calls.trisap_world_set_value(this.#world, id, value), "setValue", id);
+    this.#calls.check(this.#module.trisap_world_set_value(this.#world, checkId(id), value), "setValue", id);
   }
 
   setValues(ids, values) {
     if (ids.length !== values.length) {
       throw new errors.InvalidArgumentError("values", "are as many as ids");
     }
-    const count = ids.length;
-    // Both stand in the memory that is free for a moment.
-    const at = this.#ids([...ids, ...values]);
-    const { calls } = this.#memory;
-    this.#check(calls.trisap_world_set_value_many(this.#world, at, at + 8 * count, 8, count), "setValues");
+    const calls = this.#calls;
+    const at = this.#living(ids);
+    const first = at + 8 * ids.length;
+    calls.array(BigUint64Array, first, ids.length).set(values);
+    calls.check(this.#module.trisap_world_set_value_many(this.#world, at, first, 8, ids.length), "setValues");
   }
 
   value(id) {
-    const { calls, structs } = this.#memory;
-    this.#check(calls.trisap_world_value(this.#world, id, structs + OUT), "value", id);
-    return this.#memory.view.getBigUint64(structs + OUT, true);
+    const calls = this.#calls;
+    calls.check(this.#module.trisap_world_value(this.#world, checkId(id), calls.out), "value", id);
+    return calls.id(calls.out);
   }
 
   values(ids) {
-    const at = this.#ids(ids);
-    this.#check(this.#memory.calls.trisap_world_values(this.#world, at, 8, ids.length, at), "values");
-    return new BigUint64Array(this.#memory.buffer, at, ids.length).slice();
+    const calls = this.#calls;
+    const values = new BigUint64Array(ids.length);
+    // An object may come any number of times: so many at once as there is room for.
+    const most = Math.max(this.config.objects, 1);
+    const all = ids instanceof BigUint64Array ? ids : BigUint64Array.from(ids, checkId);
+    for (let from = 0; from < all.length; from += most) {
+      const some = all.subarray(from, from + most);
+      const at = calls.ids(some);
+      calls.check(this.#module.trisap_world_values(this.#world, at, 8, some.length, at), "values");
+      values.set(calls.array(BigUint64Array, at, some.length), from);
+    }
+    return values;
+  }
+
+  pairIds(of = "pairs") {
+    return this.#pairsBy("trisap_world_pair_ids", "pairIds", of);
   }
 
   pairValues(of = "pairs") {
-    if (!Object.hasOwn(PAIRS, of)) {
-      throw new errors.InvalidArgumentError("of", `is one of ${Object.keys(PAIRS).join(", ")}, not ${of}`);
-    }
-    const { calls, structs } = this.#memory;
-    return this.#answers(this[of].length / 2, 16, "pairValues", (at, room) =>
-      calls.trisap_world_pair_values(this.#world, PAIRS[of], at, room, structs + OUT),
-    );
+    return this.#pairsBy("trisap_world_pair_values", "pairValues", of);
   }
 
   setResting(ids) {
-    this.#check(this.#memory.calls.trisap_world_set_resting(this.#world, this.#ids(ids), ids.length), "setResting");
+    // Steps do not read the box of an object that rests: what was written to it before would be lost.
+    this.#living(ids);
+    this.#commit(Array.prototype.map.call(ids, slotOf));
+    this.#calls.check(this.#module.trisap_world_set_resting(this.#world, this.#calls.ids(ids), ids.length), "setResting");
   }
 
   wake(ids) {
-    this.#check(this.#memory.calls.trisap_world_wake(this.#world, this.#ids(ids), ids.length), "wake");
+    this.#calls.check(this.#module.trisap_world_wake(this.#world, this.#living(ids), ids.length), "wake");
   }
 
-  overlaps(region) {
-    const { calls, structs, view } = this.#memory;
-    const sphere = region.center !== undefined;
-    view.setUint32(structs + ARGUMENT, sphere ? KIND_SPHERE : KIND_AABB, true);
-    view.setFloat32(structs + ARGUMENT + 4, sphere ? region.radius : 0, true);
-    this.#point(structs + ARGUMENT + 8, sphere ? region.center : region.min);
-    this.#point(structs + ARGUMENT + 20, sphere ? region.center : region.max);
-    return this.#answers(64, 8, "overlaps", (at, room) =>
-      calls.trisap_world_overlaps(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT),
-    );
+  isResting(id) {
+    return this.#module.trisap_world_is_resting(this.#world, checkId(id)) === 1;
   }
 
-  firstHit(ray) {
-    const { calls, structs } = this.#memory;
-    this.#ray(ray);
-    this.#check(calls.trisap_world_first_hit(this.#world, structs + ARGUMENT, 0, 0, structs + ANSWER), "firstHit");
-    const hit = this.#hit(structs + ANSWER);
-    return hit.id === 0n ? null : hit;
+  awakePairs() {
+    const calls = this.#calls;
+    const [at, count] = calls.answers("awakePairs", this.config.pairs, PAIR_BYTES / 2, (at, room) =>
+      this.#module.trisap_world_awake_pairs(this.#world, at, room, calls.out));
+    return calls.array(Uint32Array, at, 2 * count).slice();
   }
 
-  nearest(position, count) {
+  overlaps(region, where) {
+    const calls = this.#calls;
+    const [at, count] = calls.answers("overlaps", this.size, 8, (at, room) =>
+      this.#module.trisap_world_overlaps(this.#world, calls.region(region), 0, 0, at, room, calls.out));
+    const ids = calls.array(BigUint64Array, at, count).slice();
+    return where === undefined ? ids : ids.filter((id) => where(id));
+  }
+
+  firstHit(ray, where) {
+    const calls = this.#calls;
+    const at = calls.ray(ray);
+    calls.check(this.#module.trisap_world_first_hit(this.#world, at, 0, 0, calls.answer), "firstHit");
+    const hit = calls.hit(calls.answer);
+    if (hit.id === 0n) {
+      return null;
+    }
+    return where === undefined || where(hit.id) ? hit : (this.hits(ray).find(({ id }) => id !== hit.id && where(id)) ?? null);
+  }
+
+  hits(ray, where) {
+    const calls = this.#calls;
+    const [at, count] = calls.answers("hits", this.size, HIT_BYTES, (at, room) =>
+      this.#module.trisap_world_hits(this.#world, calls.ray(ray), 0, 0, at, room, calls.out));
+    const hits = Array.from({ length: count }, (_, i) => calls.hit(at + HIT_BYTES * i));
+    return where === undefined ? hits : hits.filter(({ id }) => where(id));
+  }
+
+  nearest(position, count, where) {
     if (!Number.isInteger(count) || count < 0) {
       throw new errors.InvalidArgumentError("count", `is a whole number, not ${count}`);
     }
-    return this.#nearest(position, count, 0, "nearest");
+    if (where === undefined) {
+      return this.#nearest(position, count, 0, "nearest");
+    }
+    const hits = [];
+    this.visitNearest(position, (hit) => {
+      if (hits.length < count && where(hit.id)) {
+        hits.push(hit);
+      }
+      return hits.length < count ? Infinity : -1;
+    });
+    return hits;
   }
 
   visitNearest(position, visit, distance = Infinity) {
@@ -296,63 +365,92 @@ export class World {
   }
 
   shiftOrigin(by) {
-    const { calls, structs, view } = this.#memory;
-    by.forEach((part, axis) => view.setFloat64(structs + ARGUMENT + 8 * axis, part, true));
-    this.#check(calls.trisap_world_shift_origin(this.#world, structs + ARGUMENT, structs + OUT), "shiftOrigin");
-    const rounded = this.#memory.view.getUint32(structs + OUT, true);
+    if (by?.length !== 3) {
+      throw new errors.InvalidArgumentError("by", "has three numbers");
+    }
+    const calls = this.#calls;
+    const written = this.#written().map((slot) => [slot, this.boxes.slice(BOX * slot, BOX * (slot + 1))]);
+    const point = calls.array(Float64Array, calls.argument, 3);
+    point.set(by);
+    calls.check(this.#module.trisap_world_shift_origin(this.#world, calls.argument, calls.out), "shiftOrigin");
+    const rounded = calls.word(calls.out);
     this.#reread();
+    // What was written since the last step is shifted, too, rounded as the world rounds.
+    const corners = calls.array(Float64Array, calls.argument + 24, BOX);
+    for (const [slot, box] of written) {
+      corners.set(box);
+      this.#module.trisap_aabb_from_f64(calls.answer, calls.argument + 24, calls.argument + 48, calls.argument);
+      this.boxes.set(calls.array(Float32Array, calls.answer, BOX), BOX * slot);
+    }
     return rounded;
   }
 
   save() {
-    const { calls } = this.#memory;
-    const size = calls.trisap_world_snapshot_size(this.#world) >>> 0;
-    const at = this.#memory.temporary(size);
-    const out = this.#memory.structs + OUT;
-    this.#check(calls.trisap_world_save(this.#world, at, size, out), "save");
-    return new Uint8Array(this.#memory.buffer, at, this.#memory.view.getUint32(out, true)).slice();
+    const calls = this.#calls;
+    this.#commit();
+    const size = this.#module.trisap_world_snapshot_size(this.#world) >>> 0;
+    const [at, bytes] = calls.answers("save", size, 1, (at, room) =>
+      this.#module.trisap_world_save(this.#world, at, room, calls.out));
+    return calls.array(Uint8Array, at, bytes).slice();
   }
 
   load(snapshot) {
-    const { calls, structs } = this.#memory;
-    const at = this.#memory.temporary(snapshot.length);
-    new Uint8Array(this.#memory.buffer, at, snapshot.length).set(snapshot);
+    const calls = this.#calls;
+    if (snapshot.length > calls.memory.roomBytes) {
+      throw new errors.BadSnapshotError("load: the snapshot is of a larger world");
+    }
+    calls.array(Uint8Array, calls.memory.room, snapshot.length).set(snapshot);
+    calls.check(this.#module.trisap_world_load(this.#world, calls.memory.room, snapshot.length), "load");
     this.#results.clear();
-    this.#check(calls.trisap_world_load(this.#world, at, snapshot.length), "load");
-    this.#check(calls.trisap_world_result(this.#world, structs + RESULT), "load");
-    this.#slots = this.#objects;
+    calls.check(this.#module.trisap_world_result(this.#world, calls.result), "load");
+    this.#slots = this.config.objects;
     this.#reread();
   }
 
-  /** The view of boxes for a call. */
-  #view(first, count) {
-    const at = this.#memory.structs + BOXES;
-    this.#memory.view.setUint32(at + BOXES_FIRST, first, true);
-    this.#memory.view.setUint32(at + BOXES_COUNT, count, true);
-    return at;
+  get #world() {
+    return this.#calls.world;
   }
 
   #result(field) {
-    const { buffer, structs, view } = this.#memory;
+    const calls = this.#calls;
     const known = this.#results.get(field);
-    if (known?.buffer === buffer) {
+    if (known !== undefined) {
       return known;
     }
-    const at = structs + RESULT + field;
-    const count = view.getUint32(at + 4, true);
-    const pairs = count === 0 ? NONE : new Uint32Array(buffer, view.getUint32(at, true), 2 * count);
+    const at = calls.result + field;
+    const count = calls.word(at + 4);
+    const pairs = count === 0 ? NONE : calls.array(Uint32Array, calls.word(at), 2 * count);
     this.#results.set(field, pairs);
     return pairs;
   }
 
-  /** Writes one box for a call. */
-  #box(box, place) {
-    if (box?.length !== BOX) {
-      throw new errors.InvalidArgumentError(place, "a box has six numbers: minimum x, y, z, maximum x, y, z");
+  #grow(objects, pairs) {
+    this.#calls.grow(objects, pairs);
+    this.#boxes = null;
+    this.#results.clear();
+  }
+
+  /** How many boxes there are in an argument. */
+  #count(boxes) {
+    if (!(boxes instanceof Float32Array) || boxes.length % BOX !== 0) {
+      throw new errors.InvalidArgumentError("boxes", "is a Float32Array of six numbers a box");
     }
-    const at = this.#memory.structs + ARGUMENT;
-    new Float32Array(this.#memory.buffer, at, BOX).set(box);
-    return at;
+    return boxes.length / BOX;
+  }
+
+  /** Writes boxes for a call, with room for as many ids before them: where both begin. */
+  #beside(boxes, count) {
+    const ids = this.#calls.room((8 + BOX_BYTES) * count, "boxes");
+    this.#calls.array(Float32Array, ids + 8 * count, BOX * count).set(boxes);
+    return [ids, ids + 8 * count];
+  }
+
+  /** Writes boxes that a call has taken to where steps read them. A copy of the ids. */
+  #kept(ids, at, count) {
+    const answer = this.#calls.array(BigUint64Array, ids, count).slice();
+    const boxes = this.#calls.array(Float32Array, at, BOX * count);
+    answer.forEach((id, i) => this.#keep(id, boxes, BOX * i));
+    return answer;
   }
 
   /** Writes an object's box, `from` which place on, to where steps read it. */
@@ -365,109 +463,89 @@ export class World {
     this.#slots = Math.max(this.#slots, slot + 1);
   }
 
+  /** Writes the ids of living objects for a call, each once: more than there can be are refused here. */
+  #living(ids) {
+    if (ids.length > this.config.objects) {
+      const seen = new Set();
+      for (const id of ids) {
+        if (!this.has(id) || seen.has(id)) {
+          throw new errors.StaleIdError(id);
+        }
+        seen.add(id);
+      }
+    }
+    return this.#calls.ids(ids);
+  }
+
   /** Has the boxes that steps read say what the world says. */
   #reread() {
-    const { calls, boxes } = this.#memory;
+    const { boxes } = this.#calls.memory;
     for (let slot = 0; slot < this.#slots; slot++) {
-      const id = calls.trisap_world_id_at(this.#world, slot);
+      const id = this.#module.trisap_world_id_at(this.#world, slot);
       if (id !== 0n) {
-        this.#check(calls.trisap_world_aabb(this.#world, id, boxes + BOX_BYTES * slot), "box", id);
+        this.#calls.check(this.#module.trisap_world_aabb(this.#world, id, boxes + BOX_BYTES * slot), "box", id);
       }
     }
   }
 
-  /** Writes ids for a call. */
-  #ids(ids) {
-    const own = ids.buffer === this.#memory.buffer ? ids.slice() : ids;
-    const at = this.#memory.temporary(8 * own.length);
-    new BigUint64Array(this.#memory.buffer, at, own.length).set(own);
-    return at;
+  /** Those of some slots whose box in `boxes` is not that of the world, in order. */
+  #written(slots) {
+    const [calls, { boxes }] = [this.#calls, this];
+    const known = calls.array(Float32Array, calls.answer, BOX);
+    const differs = (slot) => {
+      const id = slot < this.#slots ? this.#module.trisap_world_id_at(this.#world, slot) : 0n;
+      if (id === 0n || this.#module.trisap_world_aabb(this.#world, id, calls.answer) !== STATUS.OK) {
+        return false;
+      }
+      const at = BOX * slot;
+      return known.some((bound, i) => bound !== boxes[at + i]);
+    };
+    return (slots ?? Array.from({ length: this.#slots }, (_, slot) => slot)).filter(differs);
   }
 
-  #point(at, point) {
-    if (point?.length !== 3) {
-      throw new errors.InvalidArgumentError("point", "has three numbers");
+  /** Takes in the boxes of some slots, or of all, as a step would; which it refuses. */
+  #commit(slots) {
+    const [calls, { boxes }] = [this.#calls, this];
+    const refused = { count: 0, id: null };
+    for (const slot of this.#written(slots)) {
+      const id = BigInt.asUintN(64, this.#module.trisap_world_id_at(this.#world, slot));
+      if (this.isResting(id)) {
+        continue;
+      }
+      const status = this.#module.trisap_world_update(this.#world, id, calls.box(boxes.subarray(BOX * slot, BOX * (slot + 1)), "box"));
+      if (status === STATUS.BAD_BOX) {
+        refused.id ??= id;
+        refused.count++;
+      } else {
+        calls.check(status, "commit", id);
+      }
     }
-    new Float32Array(this.#memory.buffer, at, 3).set(point);
+    return refused;
   }
 
-  #ray({ origin, box, direction, distance = Infinity }) {
-    const at = this.#memory.structs + ARGUMENT;
-    if (box !== undefined) {
-      this.#box(box, "box");
-    } else {
-      this.#point(at, origin);
-      this.#point(at + 12, origin);
+  #refuse({ count, id }, place) {
+    if (count > 0) {
+      const which = `${place}: object ${id} in slot ${slotOf(id)}, the first of ${count}`;
+      throw new errors.BadBoxError(which, { id, count });
     }
-    this.#point(at + 24, direction);
-    this.#memory.view.setFloat32(at + 36, distance, true);
+  }
+
+  #pairsBy(call, place, of) {
+    if (!Object.hasOwn(PAIRS, of)) {
+      throw new errors.InvalidArgumentError("of", `is one of ${Object.keys(PAIRS).join(", ")}, not ${of}`);
+    }
+    const calls = this.#calls;
+    const [at, count] = calls.answers(place, this[of].length / 2, PAIR_BYTES, (at, room) =>
+      this.#module[call](this.#world, PAIRS[of], at, room, calls.out));
+    return calls.array(BigUint64Array, at, 2 * count).slice();
   }
 
   /** The nearest objects but for the first ones. */
   #nearest(position, count, skipped, place) {
-    const { calls, structs } = this.#memory;
-    this.#point(structs + ARGUMENT, position);
-    const room = Math.min(count, this.size);
-    const at = this.#memory.temporary(16 * room);
-    this.#check(calls.trisap_world_nearest(this.#world, structs + ARGUMENT, 0, 0, at, room, structs + OUT), place);
-    const told = this.#memory.view.getUint32(structs + OUT, true);
-    return Array.from({ length: Math.max(told - skipped, 0) }, (_, i) => this.#hit(at + 16 * (skipped + i)));
-  }
-
-  #hit(at) {
-    const { view } = this.#memory;
-    return { id: view.getBigUint64(at, true), distance: view.getFloat64(at + 8, true) };
-  }
-
-  /** Asks with more room until there is enough; the answers of so many bytes as words of eight. */
-  #answers(room, bytes, place, ask) {
-    for (;;) {
-      const at = this.#memory.temporary(bytes * room);
-      const status = ask(at, room);
-      const count = this.#memory.view.getUint32(this.#memory.structs + OUT, true);
-      if (status === STATUS.OUTPUT_FULL && count > room) {
-        room = count;
-        continue;
-      }
-      this.#check(status, place);
-      return new BigUint64Array(this.#memory.buffer, at, (bytes / 8) * count).slice();
-    }
-  }
-
-  /** Throws what a status says. `id` is the object that the call is about. */
-  #check(status, place, id = null) {
-    if (status === STATUS.OK) {
-      return;
-    }
-    const { calls } = this.#memory;
-    const detail = this.#world === undefined ? 0n : BigInt.asUintN(64, calls.trisap_world_error_detail(this.#world));
-    const text = this.#memory.text(calls.trisap_status_text(status));
-    switch (status) {
-      case STATUS.BAD_BOX:
-        throw new errors.BadBoxError(id === null ? `${place}, box ${detail}` : `${place} of object ${id}`, {
-          index: id === null ? Number(detail) : null,
-          id,
-        });
-      case STATUS.STALE_ID:
-        throw new errors.StaleIdError(id ?? detail);
-      case STATUS.OBJECTS_FULL:
-        throw new errors.ObjectsFullError(Number(detail), this.#objects);
-      case STATUS.PAIRS_FULL:
-        throw new errors.PairsFullError(Number(detail), this.config.pairs);
-      case STATUS.NO_FILTERS:
-        throw new errors.NoFiltersError();
-      case STATUS.NO_VALUES:
-        throw new errors.NoValuesError();
-      case STATUS.BAD_CLASS:
-        throw new errors.BadClassError(Number(detail));
-      case STATUS.BAD_QUERY:
-        throw new errors.BadQueryError(`${place}: ${text}`);
-      case STATUS.BAD_SNAPSHOT:
-        throw new errors.BadSnapshotError(`${place}: ${text}`);
-      case STATUS.CORRUPT:
-        throw new errors.CorruptError(`${place}: ${text}`);
-      default:
-        throw new errors.TrisapError(`${place}: ${text}`);
-    }
+    const calls = this.#calls;
+    calls.point(calls.argument, position);
+    const [at, told] = calls.answers(place, Math.min(count, this.size), HIT_BYTES, (at, room) =>
+      this.#module.trisap_world_nearest(this.#world, calls.argument, 0, 0, at, room, calls.out));
+    return Array.from({ length: Math.max(told - skipped, 0) }, (_, i) => calls.hit(at + HIT_BYTES * (skipped + i)));
   }
 }

@@ -85,7 +85,7 @@ test("configurations", async () => {
   const bad = [
     [{}, "objects"], [{ objects: -1 }, "objects"], [{ objects: 1.5 }, "objects"], [{ objects: 1, event: true }, "event"],
     [{ objects: 1, mode: "loose" }, "mode"], [{ objects: 1, events: 1 }, "events"], [{ objects: 1, marginMin: -1 }, "marginMin"],
-    [undefined, "config"],
+    [{ objects: 1, grows: 2 }, "grows"], [undefined, "config"],
   ];
   for (const [config, field] of bad) {
     const error = await createWorld(config).catch((error) => error);
@@ -120,6 +120,7 @@ test("filters, queries and snapshots", async () => {
 test("a host that gives no memory", async () => {
   const { grow } = WebAssembly.Memory.prototype;
   const world = await createWorld({ objects: 1000 });
+  const growing = await createWorld({ objects: 1, grows: true });
   try {
     WebAssembly.Memory.prototype.grow = () => {
       throw new RangeError("no memory");
@@ -127,11 +128,47 @@ test("a host that gives no memory", async () => {
     const error = await createWorld({ objects: 100_000 }).catch((error) => error);
     assert.ok(error instanceof trisap.OutOfMemoryError, `${error}`);
     assert.ok(error.bytes > 24 * 100_000);
-    refused(() => world.insertMany(new Float32Array(6_000_000)), trisap.OutOfMemoryError);
+    refused(() => growing.insertMany(new Float32Array(6_000_000)), trisap.OutOfMemoryError);
+    growing.insert([0, 0, 0, 1, 1, 1]);
+    assert.equal(growing.step().size, 1);
   } finally {
     WebAssembly.Memory.prototype.grow = grow;
   }
   // The world goes on.
   world.insertMany(scatter(1000, random(1), 3));
   assert.equal(world.size, 1000);
+});
+
+test("fields and ids that mean nothing", async () => {
+  const world = await createWorld({ objects: 4, filters: true });
+  const id = world.insert([0, 0, 0, 1, 1, 1]);
+  const [origin, direction] = [[0, 0, 0], [1, 0, 0]];
+  refused(() => world.setFilter(id, { groups: 3 }), trisap.InvalidArgumentError, { field: "groups" });
+  refused(() => world.setFilters([id], [{ group: 3 }, {}]), trisap.InvalidArgumentError, { field: "filters" });
+  refused(() => world.firstHit({ origin, direction, distnce: 3 }), trisap.InvalidArgumentError, { field: "distnce" });
+  refused(() => world.hits({ origin, box: [0, 0, 0, 1, 1, 1], direction }), trisap.InvalidArgumentError, { field: "origin" });
+  refused(() => world.overlaps({ center: origin, radius: 1, min: origin }), trisap.InvalidArgumentError, { field: "min" });
+  refused(() => world.overlaps(), trisap.InvalidArgumentError, { field: "region" });
+  refused(() => world.shiftOrigin([1, 2]), trisap.InvalidArgumentError, { field: "by" });
+  for (const no of [0, "0", null, undefined, -1n, 2n ** 64n]) {
+    const calls = [
+      () => world.update(no, [0, 0, 0, 1, 1, 1]), () => world.remove(no), () => world.has(no), () => world.box(no),
+      () => world.removeMany([no]), () => world.values([no]), () => world.isResting(no), () => trisap.slotOf(no), () => trisap.idText(no),
+    ];
+    calls.forEach((call) => refused(call, trisap.InvalidArgumentError, { field: "id" }));
+  }
+  assert.match(refused(() => world.update(0, [0, 0, 0, 1, 1, 1]), trisap.InvalidArgumentError).message, /bigint.*not number 0.*idAt/);
+  refused(() => trisap.idOf("x"), trisap.InvalidArgumentError, { field: "text" });
+  assert.equal(trisap.idOf(JSON.parse(JSON.stringify({ id: trisap.idText(id) })).id), id);
+});
+
+test("what came instead of the module is told", async () => {
+  const page = () => new Response("<!doctype html>", { headers: { "content-type": "text/html" } });
+  for (const wasm of [page(), new TextEncoder().encode("<!doctype html>"), new ArrayBuffer(0), new Response("", { status: 404 })]) {
+    const error = await createWorld({ objects: 1 }, { wasm }).catch((error) => error);
+    assert.ok(error instanceof trisap.ModuleError, `${error}`);
+    assert.match(error.message, /wasm|inline/);
+  }
+  const error = await createWorld({ objects: 1 }, { wasm: page() }).catch((error) => error);
+  assert.match(error.message, /text\/html/);
 });

@@ -1,10 +1,10 @@
-// Views, and what becomes of them when the memory grows.
+// Views, which hold whatever is called, and worlds that grow.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFile } from "node:fs/promises";
-import { createWorld, hasVectors } from "trisap";
-import { bruteForce, random, scatter, texts } from "./brute.js";
+import { BadSnapshotError, createWorld, hasVectors, ObjectsFullError, StaleIdError } from "trisap";
+import { bruteForce, random, scatter, texts, without } from "./brute.js";
 
 test("views are in the memory of the world, not copies", async () => {
   const world = await createWorld({ objects: 100, events: true });
@@ -20,42 +20,102 @@ test("views are in the memory of the world, not copies", async () => {
   assert.equal(world.boxes, world.boxes);
 });
 
-test("after growth the properties give right views, and old views are empty", async () => {
-  const world = await createWorld({ objects: 4000, pairs: 60000 });
-  const boxes = scatter(2000, random(2), 20);
-  for (let i = 0; i < boxes.length; i += 600) {
-    world.insertMany(boxes.subarray(i, i + 600));
+test("a loop over pairs walks all of them, whatever is called in it", async () => {
+  const world = await createWorld({ objects: 10_000, pairs: 200_000, events: true, filters: true, values: true });
+  const boxes = scatter(10_000, random(2), 25);
+  // One by one: a batch may have had the memory grow before.
+  const ids = [];
+  for (let i = 0; i < boxes.length; i += 6) {
+    ids.push(world.insert(boxes.subarray(i, i + 6)));
   }
-  const { pairs } = world.step();
-  const [copy, old, bytes] = [pairs.slice(), world.boxes, world.memoryBytes];
-  // A snapshot needs memory of its own.
+  const all = { min: [-1, -1, -1], max: [99, 99, 99] };
+  const { pairs, found } = world.step();
+  const [copy, view, bytes] = [pairs.slice(), world.boxes, world.memoryBytes];
+  assert.ok(pairs.length > 20_000);
+  const calls = [
+    () => assert.equal(world.overlaps(all).length, ids.length),
+    () => assert.equal(world.nearest([0, 0, 0], ids.length).length, ids.length),
+    () => assert.equal(world.hits({ box: [-9, -9, -9, 99, 99, 99], direction: [0, 0, 0] }).length, ids.length),
+    () => world.save(),
+    () => world.setResting(ids),
+    () => world.wake(ids),
+    () => world.setFilters(ids, {}),
+    () => world.setValues(ids, ids),
+    () => assert.equal(world.values([...ids, ...ids, ...ids]).length, 3 * ids.length),
+    () => assert.equal(world.pairIds().length, pairs.length),
+    () => assert.equal(world.pairValues("found").length, pairs.length),
+    () => assert.equal(world.awakePairs().length, pairs.length),
+    () => world.updateMany(ids, boxes),
+    () => world.commit(),
+    () => world.shiftOrigin([0, 0, 0]),
+    () => assert.throws(() => world.insertMany(new Float32Array(6_000_000)), ObjectsFullError),
+    () => assert.throws(() => world.removeMany([...ids, ids[0]]), StaleIdError),
+    () => assert.throws(() => world.load(new Uint8Array(2 ** 24)), BadSnapshotError),
+    () => world.removeMany(ids),
+  ];
+  let walked = 0;
+  for (let i = 0; i < pairs.length; i += 2) {
+    calls[i / 2]?.();
+    walked++;
+  }
+  assert.equal(walked, copy.length / 2);
+  for (const pair of [pairs, world.pairs, found, world.found]) {
+    assert.deepEqual(pair, copy);
+  }
+  assert.equal(world.boxes, view);
+  assert.equal(world.memoryBytes, bytes);
+  // All room for answers at once, also those of snapshots.
   const snapshot = world.save();
-  assert.ok(world.memoryBytes > bytes, "the memory has not grown");
-  assert.equal(old.length, 0);
-  assert.equal(pairs.length, 0);
-  assert.deepEqual(world.pairs, copy);
-  assert.deepEqual(world.boxes.subarray(0, boxes.length), boxes);
-  world.boxes.set([0, 0, 0, 30, 30, 30]);
-  assert.deepEqual(texts(world.step().pairs), bruteForce(world.boxes.subarray(0, boxes.length)));
-  // Steps, changes of single objects and calls that need no more than others before them do not grow it.
-  const [view, now] = [world.boxes, world.memoryBytes];
-  const id = world.insert([0, 0, 0, 1, 1, 1]);
-  world.update(id, [5, 5, 5, 6, 6, 6]);
-  world.step();
-  world.remove(id);
   world.load(snapshot);
-  assert.equal(world.memoryBytes, now);
   assert.equal(world.boxes, view);
 });
 
+test("a world that grows goes on with its ids, boxes and events", async () => {
+  const next = random(6);
+  const world = await createWorld({ objects: 2, pairs: 1, leafRefs: 0, events: true, filters: true, lean: true, grows: true });
+  const [boxes, ids] = [[], []];
+  let before = [];
+  for (let step = 0; step < 12; step++) {
+    for (let i = 0; i < 40; i++) {
+      const box = scatter(1, next);
+      boxes.push(...box);
+      ids.push(world.insert(box));
+    }
+    const many = scatter(30, next);
+    boxes.push(...many);
+    ids.push(...world.insertMany(many));
+    // What was written before objects come is not lost either.
+    const slot = Math.floor(next() * ids.length);
+    boxes.splice(6 * slot, 6, ...scatter(1, next));
+    world.boxes.set(boxes.slice(6 * slot, 6 * slot + 6), 6 * slot);
+    world.step();
+    const expected = bruteForce(Float32Array.from(boxes));
+    assert.deepEqual(texts(world.pairs), expected, `step ${step}`);
+    assert.deepEqual(texts(world.found), without(expected, before));
+    assert.deepEqual(texts(world.lost), without(before, expected));
+    before = expected;
+  }
+  assert.deepEqual([...world.ids()], ids);
+  assert.ok(world.config.objects >= 840 && world.config.pairs >= before.length && world.config.grows && !world.config.lean);
+  // The room of a given world takes the snapshot of a smaller one.
+  const small = await createWorld({ objects: 2, events: true, filters: true });
+  small.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]));
+  world.load(small.save());
+  assert.deepEqual([...world.step().pairs], [0, 1]);
+});
+
 test("boxes of a world's own memory can be inserted", async () => {
-  const world = await createWorld({ objects: 6000 });
-  const boxes = scatter(3000, random(3), 60);
-  world.boxes.set(boxes);
-  const bytes = world.memoryBytes;
-  world.insertMany(world.boxes.subarray(0, boxes.length));
-  assert.ok(world.memoryBytes > bytes, "the memory has not grown");
-  assert.deepEqual(texts(world.step().pairs), bruteForce(boxes));
+  for (const [objects, grows] of [[6000, false], [3000, true]]) {
+    const world = await createWorld({ objects, grows });
+    const boxes = scatter(3000, random(3), 60);
+    world.boxes.set(boxes);
+    const first = world.insertMany(new Float32Array(boxes.subarray(0, 6)));
+    world.boxes.set(boxes);
+    world.insertMany(world.boxes.subarray(0, boxes.length));
+    world.remove(first[0]);
+    const all = Float32Array.of(...boxes.subarray(0, 6), ...boxes);
+    assert.deepEqual(texts(world.step().pairs), bruteForce(all, (slot) => slot > 0));
+  }
 });
 
 test("another world's growth moves nothing", async () => {
@@ -90,6 +150,13 @@ test("the loader takes vectors where the host has them, and what it is given", a
     world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]));
     assert.deepEqual([...world.step().pairs], [0, 1]);
   }
+});
+
+test("a program of one file has the module in itself", async () => {
+  const inline = await import("trisap/inline");
+  const world = await inline.createWorld({ objects: 2 });
+  world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]));
+  assert.deepEqual([...world.step().pairs], [0, 1]);
 });
 
 test("a host without vectors gets the other module", async () => {

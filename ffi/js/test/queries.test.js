@@ -127,3 +127,115 @@ test("the origin moves, and the boxes with it", async () => {
   assert.deepEqual(world.boxes, boxes.map((bound, i) => bound - [16, -8, 4][i % 3]));
   assert.deepEqual(texts(world.step().pairs), pairs);
 });
+
+test("boxes that were written move with the origin", async () => {
+  const world = await createWorld({ objects: 3 });
+  const ids = world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 10, 0, 0, 11, 1, 1, 20, 0, 0, 21, 1, 1]));
+  world.step();
+  world.setResting([ids[2]]);
+  world.boxes.set([100, 0, 0, 101, 1, 1, 100.5, 0, 0, 101.5, 1, 1, 100, 0.1, 0, 101, 1, 1]);
+  world.shiftOrigin([100, 0, 0]);
+  assert.deepEqual([...world.step().pairs], [0, 1]);
+  assert.deepEqual([...world.box(ids[0])], [0, 0, 0, 1, 1, 1]);
+  // That of an object at rest waits until it wakes, as without a shift.
+  assert.deepEqual([...world.box(ids[2])], [-80, 0, 0, -79, 1, 1]);
+  world.wake([ids[2]]);
+  assert.deepEqual(texts(world.step().pairs), ["0 1", "0 2", "1 2"]);
+  assert.equal(world.box(ids[2])[1], Math.fround(0.1));
+  // Rounded outward, so that no pair is lost, and bad boxes stay bad.
+  world.boxes.set([1e-3, 0, 0, 1e-3, 1, 1, NaN, 0, 0, 1, 1, 1]);
+  world.shiftOrigin([-1e6, 0, 0]);
+  assert.ok(world.boxes[0] <= 1e6 + 1e-3 && world.boxes[3] >= 1e6 + 1e-3);
+  assert.throws(() => world.step(), (error) => error.id === ids[1]);
+});
+
+test("what was written is in a snapshot, and is seen by queries once it is committed", async () => {
+  const world = await createWorld({ objects: 3, events: true });
+  const ids = world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 10, 0, 0, 11, 1, 1, 20, 0, 0, 21, 1, 1]));
+  world.step();
+  world.boxes.set([10.5, 0, 0, 11.5, 1, 1]);
+  assert.deepEqual([...world.overlaps({ center: [10.5, 0.5, 0.5], radius: 0.1 })], [ids[1]]);
+  const snapshot = world.save();
+  assert.deepEqual([...world.overlaps({ center: [10.5, 0.5, 0.5], radius: 0.1 })], [ids[0], ids[1]]);
+  world.boxes.set([90, 0, 0, 91, 1, 1]);
+  world.load(snapshot);
+  assert.equal(world.boxes[0], 10.5);
+  assert.deepEqual([...world.step().found], [0, 1]);
+  world.boxes[12] = 19;
+  world.boxes[6] = NaN;
+  assert.throws(() => world.commit(), (error) => error.id === ids[1] && error.count === 1 && /commit/.test(error.message));
+  assert.equal(world.box(ids[2])[0], 19);
+  assert.equal(world.box(ids[1])[0], 10);
+  world.boxes[6] = 10;
+  world.commit();
+  assert.equal(world.stats().pairs, 1);
+});
+
+test("who falls asleep in the frame of a move sleeps where it moved to", async () => {
+  const world = await createWorld({ objects: 2, events: true });
+  const [, ball] = world.insertMany(new Float32Array([0, 0, 0, 9, 1, 9, 1, 3, 1, 2, 4, 2]));
+  world.step();
+  world.boxes.set([1, 1, 1, 2, 2, 2], 6);
+  world.setResting([ball]);
+  assert.deepEqual([...world.step().found], [0, 1]);
+  assert.ok(world.isResting(ball));
+  assert.deepEqual([...world.awakePairs()], [0, 1]);
+  world.setResting([world.idAt(0)]);
+  assert.equal(world.step().pairs.length, 2);
+  assert.equal(world.awakePairs().length, 0);
+  world.wake([ball]);
+  assert.ok(!world.isResting(ball));
+});
+
+test("queries among those for which a condition holds", async () => {
+  const { world, boxes, ids } = await scene();
+  const where = (id) => slotOf(id) % 3 !== 1;
+  const region = { min: [2, 2, 2], max: [6, 7, 8] };
+  assert.deepEqual(world.overlaps(region, where), world.overlaps(region).filter(where));
+  const ray = { box: [-2, 4, 4, -1, 6, 6], direction: [1, 0.01, 0.02] };
+  const all = world.hits(ray);
+  assert.ok(all.length > 3 && all.every(({ distance }, i) => i === 0 || distance >= all[i - 1].distance));
+  const met = Array.from(ids).filter((id) => world.hits({ ...ray, distance: 100 }).some((hit) => hit.id === id));
+  assert.equal(met.length, all.length);
+  assert.deepEqual(world.hits(ray, where), all.filter(({ id }) => where(id)));
+  assert.deepEqual(world.firstHit(ray), all[0]);
+  assert.deepEqual(world.firstHit(ray, (id) => id !== all[0].id && id !== all[1].id), all[2]);
+  assert.equal(world.firstHit(ray, () => false), null);
+  const near = world.nearest([5, 5, 5], 500).filter(({ id }) => where(id));
+  assert.deepEqual(world.nearest([5, 5, 5], 7, where), near.slice(0, 7));
+  assert.deepEqual(world.nearest([5, 5, 5], 500, where), near);
+  assert.deepEqual(world.nearest([5, 5, 5], 0, where), []);
+  assert.equal(boxes.length, 3000);
+});
+
+test("pairs by id, bulk calls, and a world that is cleared", async () => {
+  const world = await createWorld({ objects: 300, pairs: 20000, events: true, filters: true, marginPerExtent: 0.1 });
+  const boxes = scatter(300, random(8), 6);
+  const ids = world.insertMany(boxes);
+  assert.deepEqual(world.ids(), ids);
+  const { pairs } = world.step();
+  assert.deepEqual([...world.pairIds()], Array.from(pairs, (slot) => ids[slot]));
+  assert.deepEqual(world.pairIds("found"), world.pairIds());
+  const [gone] = pairs;
+  world.remove(ids[gone]);
+  assert.ok(!world.pairIds().includes(ids[gone]));
+  const living = world.ids();
+  assert.equal(living.length, 299);
+  const even = (id) => slotOf(id) % 2 === 0;
+  world.setFilters(living, Array.from(living, (id) => (even(id) ? { group: 1, mask: 1 } : { group: 2, mask: 2 })));
+  const meet = (a, b) => a % 2 === b % 2;
+  assert.deepEqual(texts(world.step().pairs), bruteForce(boxes, (slot) => slot !== gone, meet));
+  assert.ok(Array.from(world.pairIds("lost")).includes(ids[gone]));
+  world.setFilters(living, { group: 1 });
+  const moved = scatter(299, random(9), 6);
+  world.updateMany(living, moved);
+  world.setMargin(living[0], 0.5);
+  const at = (slot) => Array.from(living).findIndex((id) => slotOf(id) === slot);
+  const now = Float32Array.from({ length: 1800 }, (_, i) => moved[6 * at(Math.floor(i / 6)) + (i % 6)] ?? NaN);
+  assert.deepEqual(texts(world.step().pairs), bruteForce(now, (slot) => slot !== gone));
+  assert.throws(() => world.updateMany(living, moved.subarray(6)), InvalidArgumentError);
+  world.clear();
+  assert.equal(world.size, 0);
+  assert.equal(world.ids().length, 0);
+  assert.ok(world.step().lost.length > 0 && world.pairs.length === 0);
+});

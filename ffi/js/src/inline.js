@@ -1,0 +1,21 @@
+// The package with its module in the program itself, as a text: for one file, and for workers that are made of a blob.
+
+import encoded from "../wasm/trisap-simd128.js";
+import { missing, moduleFor } from "./load.js";
+import { World } from "./world.js";
+
+/** An empty world. */
+export async function createWorld(config, options) {
+  const read = async (variant) => {
+    if (variant !== "simd128") {
+      throw missing("the module in the program needs 128-bit vectors");
+    }
+    return WebAssembly.compile(Uint8Array.from(atob(encoded), (letter) => letter.charCodeAt(0)));
+  };
+  return World.instantiate(await moduleFor(read, options), config);
+}
+
+export * from "./errors.js";
+export { idOf, idText, slotOf } from "./id.js";
+export { hasVectors } from "./load.js";
+export { World } from "./world.js";
