@@ -4,7 +4,8 @@
 //     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 //
 // Bullet keeps the pairs; trisap tells which are new and which are gone. Boxes are collected as Bullet sets them, and
-// seen by one step for all of them. Rays and boxes ask trisap's tree. The world grows as bodies and pairs come.
+// seen by one step for all of them. Rays and boxes ask trisap's tree; before the first step there is none, and each looks
+// at every body. The world grows as bodies and pairs come.
 
 #ifndef TRISAP_BULLET_HPP
 #define TRISAP_BULLET_HPP
@@ -13,18 +14,26 @@
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace trisap {
 
-/// A broad phase for `btCollisionWorld` and what derives from it. Bullet knows no way to be refused: where there is no memory, or a box
-/// has NaN in it, the program ends and says why.
+/// A broad phase for `btCollisionWorld` and what derives from it. Bullet knows no way to be refused: where there is no memory, the
+/// program ends and says why. A box with NaN in it, or turned inside out, is refused and counted, and the function of
+/// `trisap_set_report` hears of it: the body keeps its last box, and a new one meets nobody until it has one.
+///
+/// Any number of threads may call `rayTest` and `aabbTest` at once, also for boxes that were set since the last step; what changes
+/// the broad phase has to come from one thread at a time, while nobody asks.
 class BulletBroadphase final : public btBroadphaseInterface {
 public:
-    /// With room for so many bodies at first. `pairs` is a pair cache of the caller's, or null for one of its own.
+    /// With room for so many bodies at first. `pairs` is a pair cache of the caller's that removes pairs when it is told, as Bullet's
+    /// hashed one does, or null for one of its own.
     explicit BulletBroadphase(std::uint32_t objects = 1024, btOverlappingPairCache *pairs = nullptr)
         : config_(trisap::config(objects)), pairs_(pairs == nullptr ? own_pairs_ : *pairs) {
         config_.events = 1;
@@ -33,36 +42,51 @@ public:
 
     btBroadphaseProxy *createProxy(const btVector3 &min, const btVector3 &max, int /*shape*/, void *object, int group,
                                    int mask, btDispatcher * /*dispatcher*/) override {
-        trisap::Status status = TRISAP_STATUS_OK;
-        const trisap::Id id = world_.insert(box(min, max), &status);
-        expect(status);
-        const std::uint32_t slot = trisap::slot(id);
-        if (slot >= proxies_.size()) {
-            boxes_.resize(slot + 1);
-            proxies_.resize(slot + 1);
-            is_new_.resize(slot + 1);
-        }
-        proxies_[slot] = std::make_unique<Proxy>(min, max, object, group, mask, id);
-        proxies_[slot]->m_uniqueId = ++last_unique_id_;
-        boxes_[slot] = box(min, max);
-        is_new_[slot] = 1;
-        new_slots_.push_back(slot);
-        return proxies_[slot].get();
+        auto proxy = std::make_unique<Proxy>(min, max, object, group, mask);
+        proxy->m_uniqueId = ++last_unique_id_;
+        without_box_.push_back(std::move(proxy));
+        return admit(without_box_.size() - 1, box(min, max));
     }
 
     void destroyProxy(btBroadphaseProxy *proxy, btDispatcher *dispatcher) override {
         pairs_.removeOverlappingPairsContainingProxy(proxy, dispatcher);
         const trisap::Id id = static_cast<Proxy *>(proxy)->id;
+        if (id == trisap::null_id) {
+            without_box_.erase(without_box_.begin() + static_cast<std::ptrdiff_t>(place_without_box(proxy)));
+            return;
+        }
         expect(world_.remove(id));
+        mark(trisap::slot(id), moved);
         proxies_[trisap::slot(id)].reset();
     }
 
     void setAabb(btBroadphaseProxy *proxy, const btVector3 &min, const btVector3 &max, btDispatcher *) override {
+        const trisap::Id id = static_cast<Proxy *>(proxy)->id;
+        const trisap::Aabb aabb = box(min, max);
+        if (id == trisap::null_id) {
+            proxy->m_aabbMin = min;
+            proxy->m_aabbMax = max;
+            admit(place_without_box(proxy), aabb);
+            return;
+        }
+        if (!is_box(aabb)) {
+            refused_boxes_++;
+            // For the report.
+            static_cast<void>(world_.update(id, aabb));
+            return;
+        }
         proxy->m_aabbMin = min;
         proxy->m_aabbMax = max;
-        const std::uint32_t slot = trisap::slot(static_cast<Proxy *>(proxy)->id);
-        boxes_[slot] = box(min, max);
-        set_slots_.push_back(slot);
+        const std::uint32_t slot = trisap::slot(id);
+        if (!same(boxes_[slot], aabb)) {
+            boxes_[slot] = aabb;
+            mark(slot, moved | unknown);
+            has_unknown_.store(true, std::memory_order_release);
+        } else if (steps_ - states_[slot].set_at >= 2) {
+            // DBVT takes a body for a resting one by then, and looks for its pairs when it wakes.
+            mark(slot, moved);
+        }
+        states_[slot].set_at = steps_;
     }
 
     void getAabb(btBroadphaseProxy *proxy, btVector3 &min, btVector3 &max) const override {
@@ -72,21 +96,26 @@ public:
 
     void calculateOverlappingPairs(btDispatcher *dispatcher) override {
         const trisap::Step step = world_.step_over(trisap::boxes(boxes_));
-        expect(step.rejected == 0 ? step.status : TRISAP_STATUS_BAD_BOX);
+        expect(step.status);
         for (const auto &[a, b] : step.lost) {
             // The pairs of a removed object went with it, and its slot may hold another one by now.
             if (stayed(a) && stayed(b)) {
                 pairs_.removeOverlappingPair(proxies_[a].get(), proxies_[b].get(), dispatcher);
             }
         }
+        offer_again();
         for (const auto &[a, b] : step.found) {
-            pairs_.addOverlappingPair(proxies_[a].get(), proxies_[b].get());
+            offer(a, b);
         }
-        for (const std::uint32_t slot : new_slots_) {
-            is_new_[slot] = 0;
+        if (static_cast<std::size_t>(pairs_.getNumOverlappingPairs()) + not_taken_.size() != step.pairs.size()) {
+            look_for_removed(step.pairs);
         }
-        new_slots_.clear();
-        set_slots_.clear();
+        for (const std::uint32_t slot : marked_slots_) {
+            states_[slot].marks = 0;
+        }
+        marked_slots_.clear();
+        has_unknown_.store(false, std::memory_order_relaxed);
+        steps_++;
     }
 
     /// A box that moves along the ray: `min` and `max` tell how far it reaches around the ray's point.
@@ -103,14 +132,18 @@ public:
             cast.direction[k] = static_cast<float>(direction[k]);
         }
         cast.distance = static_cast<float>(callback.m_lambda_max + room);
-        expect(world_.visit_hits(cast, [&](trisap::Hit hit) { callback.process(proxy(hit.id)); }));
+        // What cannot be cast, NaN and the like, meets nothing, and is reported.
+        static_cast<void>(world_.visit_hits(cast, [&](trisap::Hit hit) { callback.process(proxy(hit.id)); }));
     }
 
     void aabbTest(const btVector3 &min, const btVector3 &max, btBroadphaseAabbCallback &callback) override {
         tell_boxes();
         const trisap::Region region = trisap::region(box(min, max));
-        expect(world_.visit_overlaps(region, [&](trisap::Id id) { callback.process(proxy(id)); }));
+        static_cast<void>(world_.visit_overlaps(region, [&](trisap::Id id) { callback.process(proxy(id)); }));
     }
+
+    /// Boxes that were refused since the broad phase was made.
+    std::uint64_t refused_boxes() const { return refused_boxes_; }
 
     btOverlappingPairCache *getOverlappingPairCache() override { return &pairs_; }
     const btOverlappingPairCache *getOverlappingPairCache() const override { return &pairs_; }
@@ -131,6 +164,7 @@ public:
     /// So that a scene that is built again runs as it did.
     void resetPool(btDispatcher *) override {
         if (world_.size() == 0) {
+            not_taken_.clear();
             begin();
             last_unique_id_ = 0;
         }
@@ -156,9 +190,10 @@ private:
     }
 
     struct Proxy : btBroadphaseProxy {
-        Proxy(const btVector3 &min, const btVector3 &max, void *object, int group, int mask, trisap::Id named)
-            : btBroadphaseProxy(min, max, object, group, mask), id(named) {}
-        trisap::Id id;
+        Proxy(const btVector3 &min, const btVector3 &max, void *object, int group, int mask)
+            : btBroadphaseProxy(min, max, object, group, mask) {}
+        /// Null until it has a box.
+        trisap::Id id = trisap::null_id;
     };
 
     static trisap::Aabb box(const btVector3 &min, const btVector3 &max) {
@@ -171,31 +206,142 @@ private:
         }
     }
 
-    /// Questions are answered for the boxes as they are now, steps or not.
+    static bool same(const trisap::Aabb &a, const trisap::Aabb &b) {
+        return a.min[0] == b.min[0] && a.min[1] == b.min[1] && a.min[2] == b.min[2] && a.max[0] == b.max[0] &&
+               a.max[1] == b.max[1] && a.max[2] == b.max[2];
+    }
+
+    static bool is_box(const trisap::Aabb &aabb) {
+        return aabb.min[0] <= aabb.max[0] && aabb.min[1] <= aabb.max[1] && aabb.min[2] <= aabb.max[2];
+    }
+
+    std::size_t place_without_box(const btBroadphaseProxy *proxy) const {
+        const auto found = std::find_if(without_box_.begin(), without_box_.end(), [&](const auto &one) { return one.get() == proxy; });
+        return static_cast<std::size_t>(found - without_box_.begin());
+    }
+
+    /// Takes a body into the world, if its box is one.
+    Proxy *admit(std::size_t place, const trisap::Aabb &aabb) {
+        Proxy *proxy = without_box_[place].get();
+        trisap::Status status = TRISAP_STATUS_OK;
+        proxy->id = world_.insert(aabb, &status);
+        if (status == TRISAP_STATUS_BAD_BOX) {
+            refused_boxes_++;
+            return proxy;
+        }
+        expect(status);
+        const std::uint32_t slot = trisap::slot(proxy->id);
+        if (slot >= proxies_.size()) {
+            boxes_.resize(slot + 1);
+            proxies_.resize(slot + 1);
+            states_.resize(slot + 1);
+        }
+        proxies_[slot] = std::move(without_box_[place]);
+        without_box_.erase(without_box_.begin() + static_cast<std::ptrdiff_t>(place));
+        boxes_[slot] = aabb;
+        states_[slot].set_at = steps_;
+        mark(slot, is_new);
+        return proxy;
+    }
+
+    void mark(std::uint32_t slot, std::uint32_t what) {
+        if (states_[slot].marks == 0) {
+            marked_slots_.push_back(slot);
+        }
+        states_[slot].marks |= what;
+    }
+
+    /// Questions are answered for the boxes as they are now, steps or not: the first one after a change tells the world.
     void tell_boxes() {
-        for (const std::uint32_t slot : set_slots_) {
-            if (proxies_[slot] != nullptr) {
-                expect(world_.update(proxies_[slot]->id, boxes_[slot]));
+        if (!has_unknown_.load(std::memory_order_acquire)) {
+            return;
+        }
+        const std::lock_guard<std::mutex> lock(telling_);
+        if (has_unknown_.load(std::memory_order_relaxed)) {
+            for (const std::uint32_t slot : marked_slots_) {
+                const bool is_told = (states_[slot].marks & unknown) == 0 || proxies_[slot] == nullptr;
+                // Busy inside of a callback that has set boxes: these are for the next question.
+                if (!is_told && world_.update(proxies_[slot]->id, boxes_[slot]) != TRISAP_STATUS_OK) {
+                    return;
+                }
+                states_[slot].marks &= ~unknown;
+            }
+            has_unknown_.store(false, std::memory_order_release);
+        }
+    }
+
+    /// The cache may refuse by masks, groups and a filter of the caller's.
+    void offer(std::uint32_t a, std::uint32_t b) {
+        if (pairs_.addOverlappingPair(proxies_[a].get(), proxies_[b].get()) == nullptr) {
+            not_taken_.push_back({proxies_[a]->id, proxies_[b]->id});
+        }
+    }
+
+    /// Offers what the cache does not have once more where one of the two has moved, as DBVT does: what it goes by may have changed.
+    void offer_again() {
+        const auto is_done = [&](const trisap::IdPair &pair) {
+            const std::uint32_t a = trisap::slot(pair.a), b = trisap::slot(pair.b);
+            if ((states_[a].marks | states_[b].marks) == 0) {
+                return false;
+            }
+            const bool lives = proxies_[a] != nullptr && proxies_[b] != nullptr && proxies_[a]->id == pair.a && proxies_[b]->id == pair.b;
+            return !lives || !overlap(boxes_[a], boxes_[b]) ||
+                   pairs_.addOverlappingPair(proxies_[a].get(), proxies_[b].get()) != nullptr;
+        };
+        not_taken_.erase(std::remove_if(not_taken_.begin(), not_taken_.end(), is_done), not_taken_.end());
+    }
+
+    /// Somebody else has removed pairs from the cache: notes which, to offer them when they move.
+    void look_for_removed(trisap::View<const trisap::Pair> pairs) {
+        not_taken_.clear();
+        for (const auto &[a, b] : pairs) {
+            if (pairs_.findPair(proxies_[a].get(), proxies_[b].get()) != nullptr) {
+                continue;
+            }
+            if ((states_[a].marks | states_[b].marks) != 0) {
+                offer(a, b);
+            } else {
+                not_taken_.push_back({proxies_[a]->id, proxies_[b]->id});
             }
         }
-        set_slots_.clear();
+    }
+
+    static bool overlap(const trisap::Aabb &a, const trisap::Aabb &b) {
+        bool all = true;
+        for (int k = 0; k < 3; k++) {
+            all = all && a.min[k] <= b.max[k] && b.min[k] <= a.max[k];
+        }
+        return all;
     }
 
     btBroadphaseProxy *proxy(trisap::Id id) const { return proxies_[trisap::slot(id)].get(); }
 
-    bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && is_new_[slot] == 0; }
+    bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && (states_[slot].marks & is_new) == 0; }
 
     trisap::Config config_;
     trisap::World world_;
     btHashedOverlappingPairCache own_pairs_;
     btOverlappingPairCache &pairs_;
+    // What happened to a body since the last step: it came, it moved or went, the world does not know its box yet.
+    static constexpr std::uint32_t is_new = 1, moved = 2, unknown = 4;
+    struct State {
+        std::uint32_t marks = 0;
+        // How many steps there were when Bullet set its box last.
+        std::uint32_t set_at = 0;
+    };
     // By slot.
     std::vector<trisap::Aabb> boxes_;
     std::vector<std::unique_ptr<Proxy>> proxies_;
-    std::vector<char> is_new_;
-    std::vector<std::uint32_t> new_slots_;
-    // Boxes that Bullet has set since the last step, and that the world does not know yet.
-    std::vector<std::uint32_t> set_slots_;
+    std::vector<State> states_;
+    std::vector<std::uint32_t> marked_slots_;
+    std::atomic<bool> has_unknown_{false};
+    std::mutex telling_;
+    // Bodies whose boxes were refused when they came.
+    std::vector<std::unique_ptr<Proxy>> without_box_;
+    // Pairs of the last step that the cache does not have.
+    std::vector<trisap::IdPair> not_taken_;
+    std::uint32_t steps_ = 0;
+    std::uint64_t refused_boxes_ = 0;
     int last_unique_id_ = 0;
 };
 

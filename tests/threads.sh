@@ -61,11 +61,21 @@ on test -p trisap-tests --test conformance executors::
 on test -p trisap-tests --test conformance sequences::
 # The C ABI, linked into programs that clang instruments, with the same runtime.
 on rustc --release -p trisap-ffi --lib --crate-type staticlib
-for source in tests/cpp/jobs.cpp ffi/examples/engine.cpp; do
+watch() {
+    local source=$1 program
+    shift
     program="$folder/$(basename "$source" .cpp)"
-    clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -c "$source" -o "$program.o"
+    clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -isystem /usr/include/bullet -c "$source" -o "$program.o"
     clang++ "$program.o" "$CARGO_TARGET_DIR/$target/release/libtrisap.a" -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
-        -pthread -ldl -lm -lrt -lresolv -o "$program"
-    "$program"
-done
+        "$@" -pthread -ldl -lm -lrt -lresolv -o "$program"
+    "$program" threads
+}
+watch tests/cpp/jobs.cpp
+watch ffi/examples/engine.cpp
+# Rays from several threads, right after boxes were set.
+if [ -d /usr/include/bullet ]; then
+    watch tests/cpp/bullet/changes.cpp -lBulletDynamics -lBulletCollision -lLinearMath
+else
+    echo "skipped: libbullet-dev is not installed: no rays through the Bullet adapter"
+fi
 echo "ThreadSanitizer has seen no race"

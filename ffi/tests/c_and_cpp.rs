@@ -508,20 +508,36 @@ fn packages_that_cannot_be_made_are_skipped() {
     assert!(!run(packages().env("TRISAP_NO_SKIP", "1")).status.success(), "nothing is skipped");
 }
 
+/// A program of `tests/cpp/bullet`; none where Bullet is not installed.
+fn bullet_program(source: &str, name: &str, flags: &[&str]) -> Option<Command> {
+    if !Path::new("/usr/include/bullet").exists() {
+        skip("libbullet-dev is not installed: Bullet does not run on trisap");
+        return None;
+    }
+    let program = Program::cpp("-std=c++17", &format!("bullet/{source}.cpp"), name);
+    let program = program.with(["-isystem", "/usr/include/bullet"]).with(flags.iter().copied()).with(STATIC);
+    Some(program.with(["-lBulletDynamics", "-lBulletCollision", "-lLinearMath"]).build())
+}
+
 #[test]
 fn bullet() {
-    let headers = Path::new("/usr/include/bullet");
-    if !headers.exists() {
-        skip("libbullet-dev is not installed: Bullet does not run on trisap");
-        return;
-    }
-    let program = Program::cpp("-std=c++17", "bullet/simulate.cpp", "bullet");
-    let libraries = ["-lBulletDynamics", "-lBulletCollision", "-lLinearMath"];
-    let program = program.with(["-O2", "-isystem", "/usr/include/bullet"]).with(STATIC).with(libraries);
-    let printed = succeed(&mut program.build());
+    let Some(mut program) = bullet_program("simulate", "bullet", &["-O2"]) else { return };
+    let printed = succeed(&mut program);
     assert_eq!(printed.matches("broad phase a step").count(), 3);
     // The times are worth to be seen.
     for line in printed.lines().filter(|line| line.contains("broad phase a step")) {
         writeln!(std::io::stderr(), "{line}").expect("an open standard error");
     }
+}
+
+/// Rays from threads, rules that change, boxes with NaN.
+#[test]
+fn bullet_between_steps() {
+    let flags = [&SANITIZERS[..], &["-O1"]].concat();
+    let Some(mut program) = bullet_program("changes", "bullet_changes", &flags) else { return };
+    succeed(&mut program);
+    // What the adapter itself does on threads; `tests/threads.sh` watches the library, too.
+    let flags = ["-O1", "-g1", "-fsanitize=thread"];
+    let watched = bullet_program("changes", "bullet_threads", &flags).expect("Bullet");
+    succeed(Command::new(watched.get_program()).arg("threads"));
 }
