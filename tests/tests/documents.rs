@@ -293,7 +293,7 @@ fn constants_are_as_the_table_says() {
 }
 
 /// The sections of the slab as the figure has them, and how `slab.rs` takes each.
-const SECTIONS: [(&str, &str); 35] = [
+const SECTIONS: [(&str, &str); 33] = [
     ("state", "let state: &mut State = slab.take("),
     ("boxes", "let now = slab.take("),
     ("fat boxes", "let fat = slab.take("),
@@ -326,8 +326,6 @@ const SECTIONS: [(&str, &str); 35] = [
     ("pairs before", "let mut previous = slab.take("),
     ("staged pairs", "staged: slab.take("),
     ("chunks", "chunks: slab.take("),
-    ("members of stripes", "members: slab.take("),
-    ("stripes", "stripes: slab.take("),
     ("scratch of each worker", "scratch: slab.take("),
 ];
 

@@ -14,7 +14,7 @@ use crate::memory::slab::Parts;
 use crate::sort::heapsort;
 
 /// Objects that each object may overtake, on average, before another sort is cheaper.
-pub(crate) const INVERSIONS_PER_OBJECT: usize = 4;
+const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
 #[inline(always)]

@@ -9,7 +9,6 @@ use super::limits::{
 use super::scratch;
 use super::slot_set::SlotSet;
 use super::state::State;
-use super::stripes::{Member, StripeStarts};
 use crate::access::bits;
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
@@ -107,8 +106,6 @@ pub(crate) struct Sizes {
     /// Chunks of pairs that workers write before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
-    /// Objects that are swept in stripes: all, or none.
-    pub(crate) members: usize,
     /// Records in one worker's scratch.
     pub(crate) bucket: usize,
 }
@@ -167,7 +164,6 @@ impl Sizes {
             // Each block may leave its last chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,
-            members: if small && objects > TINY { objects } else { 0 },
             bucket: if small { 0 } else { scratch::bucket(objects) },
         })
     }
@@ -180,11 +176,6 @@ impl Sizes {
     /// Entries of the histogram at the greatest depth of a full step.
     pub(crate) const fn histogram(&self) -> usize {
         if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.depth - SUB_LEVELS) } else { 0 }
-    }
-
-    /// One if the world is swept in stripes, else zero.
-    pub(crate) const fn striped(&self) -> usize {
-        (self.members > 0) as usize
     }
 
     const fn bytes<I: Index>(&self) -> Option<usize> {
@@ -225,8 +216,6 @@ impl Sizes {
             None => return None,
         }
         plan.add::<[u32; 3]>(self.staged);
-        plan.add::<Member>(self.members);
-        plan.add::<StripeStarts>(self.striped());
         plan.add::<Record>(self.workers * scratch::records::<I>(self.bucket));
         plan.bytes
     }

@@ -10,4 +10,3 @@ pub(crate) mod slab;
 pub(crate) mod slot_set;
 pub(crate) mod state;
 pub(crate) mod stats;
-pub(crate) mod stripes;

@@ -6,7 +6,6 @@ use super::limits::CHUNK;
 use super::scratch;
 use super::slot_set::SlotSet;
 use super::state::State;
-use super::stripes::{Member, StripeStarts};
 use crate::access::{Access, bits, faults};
 use crate::config::{Config, Mode};
 use crate::error::Error;
@@ -169,9 +168,6 @@ pub(crate) struct OutputParts<'m, I> {
     pub(crate) staged: &'m mut [Pair<I>],
     /// The block, the position and the length of each chunk.
     pub(crate) chunks: &'m mut [[u32; 3]],
-    /// In a world that is swept in stripes: the copies of the boxes, and where the stripes start.
-    pub(crate) members: &'m mut [Member],
-    pub(crate) stripes: &'m mut [StripeStarts],
     /// The workers' scratch, in equal areas.
     pub(crate) scratch: &'m mut [Record],
 }
@@ -301,8 +297,6 @@ impl<'m, I: Index> Parts<'m, I> {
                 segments,
                 staged: slab.take(sizes.staged * CHUNK)?,
                 chunks: slab.take(sizes.staged)?,
-                members: slab.take(sizes.members)?,
-                stripes: slab.take(sizes.striped())?,
                 scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bucket))?,
             },
             sizes,
@@ -361,7 +355,6 @@ impl<'m, I: Index> Parts<'m, I> {
         tree.leaves.fill(Leaf::default());
         tree.bounds.fill(Record::default());
         tree.nodes.fill(KeyBox::NOTHING);
-        self.output.stripes.fill(StripeStarts::default());
         self.output.segments.forget();
         for pairs in [&mut *self.output.pairs, self.output.previous] {
             pairs.fill([I::default(); 2]);

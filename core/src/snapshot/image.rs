@@ -6,7 +6,6 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::state::State;
-use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
 use crate::validate::content::{Content, LeafCounts, Place, Set};
 use crate::validate::{pairs, tree};
@@ -82,7 +81,6 @@ pub(super) struct Stored<'b, I> {
     pub(super) resting: Packed<'b, u32>,
     pub(super) changed: Packed<'b, u32>,
     pub(super) active: Packed<'b, u32>,
-    pub(super) stripes: Packed<'b, StripeStarts>,
     pub(super) planes: Packed<'b, i32>,
     pub(super) leaves: Packed<'b, LeafCounts>,
     /// Of each whole leaf: from where on a box is a large object.
@@ -160,7 +158,6 @@ impl<'b, I: Index> Stored<'b, I> {
         let resting = body.cut(words)?;
         let changed: Packed<'b, u32> = body.cut(kept(sizes.changed, words))?;
         let active = body.cut(kept(sizes.tree, words))?;
-        let stripes = body.cut(sizes.striped())?;
         let planes = body.cut(lengths.planes)?;
         let leaves: Packed<'b, LeafCounts> = body.cut(lengths.leaves)?;
         let far = body.cut(lengths.whole_leaves)?;
@@ -193,7 +190,6 @@ impl<'b, I: Index> Stored<'b, I> {
             resting,
             changed,
             active,
-            stripes,
             planes,
             leaves,
             far,
@@ -285,10 +281,6 @@ impl<I: Index> Content<I> for Image<'_, '_, I> {
             Set::Reused => &self.stored.reused,
         }
         .get(index)
-    }
-
-    fn stripes(&self) -> Option<StripeStarts> {
-        self.stored.stripes.get(0)
     }
 
     fn plane(&self, node: usize) -> i32 {

@@ -37,7 +37,7 @@ struct Header {
 }
 
 /// The version; it also tells the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_0009;
+const MAGIC: u64 = 0x7472_6973_6170_000a;
 
 /// Snapshots: plain bytes, for rollback and for files.
 ///
@@ -227,7 +227,6 @@ fn saved<I: Index>(parts: &Parts<'_, I>, to: &mut impl Sections) {
     to.section(parts.resting.span(0, words));
     to.section(parts.changed.words.span(0, kept(sizes.changed, words)));
     to.section(parts.active.span(0, kept(sizes.tree, words)));
-    to.section(parts.output.stripes);
     to.section(tree.planes.span(0, lengths.planes));
     to.each(lengths.leaves, (0..lengths.leaves).map(|index| leaf(parts, index)));
     let far = |whole: usize| tree.cells.at(whole << state.tree.sub_levels()).far();

@@ -46,7 +46,6 @@ pub(super) fn replace<I: Index>(parts: &mut Parts<'_, I>, state: &State, stored:
     for (slot, value) in bits::ones(parts.former.reused.words).zip(stored.former_values.iter()) {
         parts.values.former.put(slot, value);
     }
-    stored.stripes.copy_to(parts.output.stripes, Default::default());
     // What is behind the pairs means nothing.
     for (at, pair) in stored.pairs.iter().enumerate() {
         parts.output.pairs.put(at, pair);

@@ -2,7 +2,6 @@
 
 use super::policy::SCAN_EVERY;
 use crate::access::Access;
-use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::lists::links;
@@ -15,7 +14,6 @@ use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::sweep::small;
-use crate::sweep::stripes::Striped;
 use crate::tree::assign;
 use crate::tree::cells::{Sample, longest_axis};
 
@@ -30,20 +28,10 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let axis = state.lists.axis as usize;
     let order = list_of(order, axis, state);
     let pair_filter = PairFilter::if_needed(&parts.filters, state.objects.slots, &context);
-    let found = if let Some(starts) = output.stripes.first_mut() {
-        let axes = [axis, state.lists.stripe_axis as usize];
-        let mut striped = Striped { order, boxes, axes, starts, members: output.members };
-        if coarse.is_some() {
-            striped.divide();
-        }
-        striped.arrange();
-        context.executor.enter(Stage::Sweep);
-        striped.sweep(pair_filter, output.pairs)
-    } else {
-        links::repair(order, boxes, axis);
-        context.executor.enter(Stage::Sweep);
-        small::sweep(order, boxes, axis, pair_filter, output.pairs)
-    };
+    links::repair(order, boxes, axis);
+    context.executor.enter(Stage::Sweep);
+    let axes = [axis, state.lists.second_axis as usize];
+    let found = small::sweep(order, boxes, axes, pair_filter, output.pairs);
     let work = Work { candidates: found.candidates as u64, ..Work::default() };
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
@@ -56,10 +44,13 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
         return None;
     }
     state.lists.scan_in = SCAN_EVERY - 1;
-    let (bounds_scan, extent) = scan_bounds(slots, state, boxes);
+    let bounds_scan = assign::scan_bounds(slots.iter().filter_map(|slot| boxes.get(slot.at())));
+    // Where most boxes are.
+    let extent = bounds_scan.extent.trimmed(&Sample::of_list(slots, boxes));
+    state.lists.axis = longest_axis(&extent, state.lists.axis as usize) as u8;
     let side = |k: u8| length(extent.low[k as usize % 3], extent.high[k as usize % 3]);
     let (a, b) = ((state.lists.axis + 1) % 3, (state.lists.axis + 2) % 3);
-    state.lists.stripe_axis = if side(b) > side(a) { b } else { a };
+    state.lists.second_axis = if side(b) > side(a) { b } else { a };
     Some(bounds_scan.is_coarse(state.objects.live))
 }
 
@@ -68,14 +59,6 @@ fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
         links::list_all(parts);
     }
-}
-
-/// Looks at all boxes and chooses the axis of the list, by where most of them are.
-fn scan_bounds<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> (BoundsScan, Extent) {
-    let bounds_scan = assign::scan_bounds(slots.iter().filter_map(|slot| boxes.get(slot.at())));
-    let extent = bounds_scan.extent.trimmed(&Sample::of_list(slots, boxes));
-    state.lists.axis = longest_axis(&extent, state.lists.axis as usize) as u8;
-    (bounds_scan, extent)
 }
 
 /// The list of an axis.

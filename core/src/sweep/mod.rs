@@ -10,7 +10,6 @@ pub(crate) mod movers;
 mod rounds;
 mod scan;
 pub(crate) mod small;
-pub(crate) mod stripes;
 
 use crate::access::Access;
 use crate::id::{Index, Pair};

@@ -8,7 +8,6 @@ use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
-use crate::memory::stripes::StripeStarts;
 use crate::tree::{Frame, Record};
 use bytemuck::{Pod, Zeroable};
 
@@ -67,7 +66,6 @@ pub(crate) trait Content<I: Index> {
     fn generation(&self, slot: usize) -> u32;
     /// A word of a set; `None` if the world does not keep the set.
     fn word(&self, set: Set, index: usize) -> Option<u32>;
-    fn stripes(&self) -> Option<StripeStarts>;
     fn plane(&self, node: usize) -> i32;
     fn leaf(&self, index: usize) -> LeafCounts;
     /// The frame of a whole leaf.
@@ -165,10 +163,6 @@ impl<I: Index> Content<I> for InSlab<'_, '_, I> {
             Set::Reused => parts.former.reused.words,
         };
         words.get(index).copied()
-    }
-
-    fn stripes(&self) -> Option<StripeStarts> {
-        self.0.output.stripes.first().copied()
     }
 
     fn plane(&self, node: usize) -> i32 {

@@ -24,10 +24,7 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         "the lists are too long",
         state.lists.listed as usize,
     )?;
-    check(state.lists.axis < 3 && state.lists.stripe_axis < 3, "an axis that there is not", 0)?;
-    // If not, they are chosen before they are used.
-    let chosen = sizes.is_small() && state.lists.scan_in > 0;
-    check(!chosen || state.lists.axis != state.lists.stripe_axis, "stripes along the axis of the sweep", 0)?;
+    check(state.lists.axis < 3 && state.lists.second_axis < 3, "an axis that there is not", 0)?;
     let yes_or_no = [
         state.lists.stale,
         state.tree.filled,

@@ -12,7 +12,6 @@ use crate::memory::stats::Path;
 use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd, limit, scalar::Scalar};
 use crate::step::recount::{self, Sum};
-use crate::sweep::stripes;
 use crate::tree::cells::cut;
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Record, first_of_eight, home_of};
@@ -105,14 +104,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));
         for (at, two) in order.windows(2).enumerate() {
             let boxes = parts.boxes.swept();
-            let ascends = match parts.output.stripes.first() {
-                Some(starts) => {
-                    let axes = [axis, parts.state.lists.stripe_axis as usize];
-                    let place = |slot: I| stripes::place(&boxes.at(slot.at()), slot.slot(), axes, starts);
-                    place(two.at(0)) < place(two.at(1))
-                }
-                None => links::precedes(boxes, axis, two.at(0), two.at(1)),
-            };
+            let ascends = links::precedes(boxes, axis, two.at(0), two.at(1));
             check(ascends, "the swept list is not in order", at)?;
         }
     }

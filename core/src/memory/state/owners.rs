@@ -37,8 +37,8 @@ pub(crate) struct ListState {
     pub(crate) stale: u8,
     /// The axis that a world without a tree is swept along.
     pub(crate) axis: u8,
-    /// The axis across which its stripes lie.
-    pub(crate) stripe_axis: u8,
+    /// The other axis that parts most boxes: candidates are tested on it first.
+    pub(crate) second_axis: u8,
     /// Steps until the axes are chosen anew.
     pub(crate) scan_in: u8,
 }
