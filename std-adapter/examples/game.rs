@@ -49,6 +49,7 @@ impl Game {
             }
         }
         let step = self.broad_phase.step()?;
+        // Lost first: the pairs of an entity that was removed and has come back are lost, then found.
         for pair in step.lost() {
             self.contacts.remove(&pair);
         }

@@ -1,21 +1,27 @@
 //! A world that is keyed by the caller's own type, and grows by itself.
 
 mod among;
-mod view;
+mod error;
+mod names;
+mod room;
+mod step;
 
 pub use among::AmongKeys;
-pub use view::KeyedStep;
+pub use error::KeyedError;
+pub use room::Snapshot;
+pub use step::{KeyedRule, KeyedStep, KeyedStepper};
 
 use crate::OwnedWorld;
 use core::hash::Hash;
-use std::collections::HashMap;
-use trisap_core::{Aabb, Capacity, Config, Error, Field, Filter, Id, World};
+use names::Names;
+use trisap_core::{Aabb, Capacity, Config, Error, Filter, Id, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] that counts its memory itself.
 ///
 /// Keys are your own: an entity of an ECS, a number, a name. Each names one box. When objects or pairs no longer fit,
 /// the world moves into more memory, twice as much for objects, and goes on with all its events. So no step is lost,
-/// and no error says that something is full. Memory is never given back.
+/// and no error says that something is full. [`shrink_to_fit`](Self::shrink_to_fit) gives memory back. The world stays open, so a box
+/// of a known key takes some ten nanoseconds, less if keys come in the order in which they were inserted.
 ///
 /// With the feature `rayon`, steps run on rayon's global pool if [`Config::with_workers`] allows more than one worker.
 ///
@@ -38,37 +44,11 @@ use trisap_core::{Aabb, Capacity, Config, Error, Field, Filter, Id, World};
 pub struct BroadPhase<K> {
     owned: OwnedWorld<u32>,
     config: Config,
-    ids: HashMap<K, Id>,
     names: Names<K>,
+    /// The last step has found all pairs.
+    complete: bool,
     #[cfg(feature = "rayon")]
     executor: crate::Rayon<'static>,
-}
-
-/// Which key an id has, or had.
-#[derive(Clone, Debug)]
-struct Names<K> {
-    /// By slot.
-    living: Vec<Option<(Id, K)>>,
-    /// Keys of objects that were removed since the last step, and between that one and the step before.
-    removed: HashMap<Id, K>,
-    removed_before: HashMap<Id, K>,
-}
-
-/// A broad phase as it was: see [`BroadPhase::save`].
-#[derive(Clone, Debug)]
-pub struct Snapshot<K> {
-    bytes: Vec<u8>,
-    capacity: Capacity,
-    names: Names<K>,
-}
-
-impl<K: Copy + Eq> Names<K> {
-    fn key(&self, id: Id) -> Option<K> {
-        match self.living.get(id.slot() as usize) {
-            Some(Some((living, key))) if *living == id => Some(*key),
-            _ => self.removed_before.get(&id).or_else(|| self.removed.get(&id)).copied(),
-        }
-    }
 }
 
 /// Room for so many objects at first.
@@ -91,7 +71,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Self::with_config(&config).expect("a small world")
     }
 
-    /// An empty broad phase that begins with the capacity of a configuration.
+    /// An empty broad phase that begins with the capacity of a configuration. It tells found and lost pairs only
+    /// [with events](Config::with_events), unlike that of [`new`](Self::new).
     ///
     /// # Errors
     /// [`Error::CapacityTooLarge`], [`Error::NoMemory`] or [`Error::BadMargin`].
@@ -99,8 +80,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(Self {
             owned: OwnedWorld::new(config)?,
             config: *config,
-            ids: HashMap::new(),
-            names: Names { living: Vec::new(), removed: HashMap::new(), removed_before: HashMap::new() },
+            names: Names::new(),
+            complete: true,
             #[cfg(feature = "rayon")]
             executor: crate::Rayon::global(),
         })
@@ -115,47 +96,51 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// How many boxes there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.ids.len()
+        self.names.len()
     }
 
     /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.ids.is_empty()
+        self.len() == 0
     }
 
     /// Whether there is a box for a key.
     #[must_use]
     pub fn contains(&self, key: &K) -> bool {
-        self.ids.contains_key(key)
+        self.id(key).is_some()
     }
 
-    /// All keys, in no order.
+    /// All keys, in the order of their slots: the same calls give the same order.
     pub fn keys(&self) -> impl Iterator<Item = K> {
-        self.ids.keys().copied()
+        self.names.living().map(|named| named.key)
     }
 
-    /// The id of a key in the [world](Self::world).
+    /// All keys and their boxes, in the same order.
+    pub fn iter(&self) -> impl Iterator<Item = (K, Aabb)> {
+        let world = self.as_world();
+        self.names.living().filter_map(|named| Some((named.key, world.aabb(named.id)?)))
+    }
+
+    /// The id of a key in the [world](Self::as_world).
     #[must_use]
     pub fn id(&self, key: &K) -> Option<Id> {
-        self.ids.get(key).copied()
+        self.names.id(key)
     }
 
-    /// The key of an id that the world knows, or knew in the step before.
+    /// The key of an id that lives, or was in one of the last two steps.
     #[must_use]
     pub fn key(&self, id: Id) -> Option<K> {
-        self.names.key(id)
+        self.names.named(id).map(|named| named.key)
     }
 
-    /// The world, to look at: results, batches, and visitors of queries. [`key`](Self::key) gives the key of an id. Any
-    /// number of threads may look at once.
+    /// The world, to look at it by ids and slots. [`key`](Self::key) gives the key of an id. Any number of threads may look at once.
     #[must_use]
     pub fn as_world(&self) -> &World<'_> {
         self.owned.as_world()
     }
 
-    /// The world, to change what is not here: margins, classes, values. Do not remove or insert objects there: keys
-    /// would be wrong.
+    /// The world, to change what is not here: values, the origin. Do not remove or insert objects there: keys would be wrong.
     #[must_use]
     pub fn world(&mut self) -> World<'_> {
         self.owned.world()
@@ -167,29 +152,23 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.as_world().aabb(self.id(key)?)
     }
 
-    /// Adds a box, or gives the key another one if it has one.
+    /// Adds a box, or gives the key another one if it has one. Boxes that come in an iterator come by [`extend`](Self::extend).
     ///
     /// # Errors
     /// [`Error::BadBox`], or [`Error::NoMemory`].
-    pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), Error> {
+    pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), KeyedError<K>> {
+        let named = |error| KeyedError { key, error };
         if self.update(&key, aabb)? {
             return Ok(());
         }
-        let id = match self.owned.world().insert(aabb) {
+        let id = match self.owned.change(|world| world.insert(aabb)) {
             Err(Error::ObjectsFull { .. }) => {
-                let Capacity { objects, pairs, .. } = self.config.capacity;
-                let more = Capacity::for_objects(objects.saturating_mul(2).max(FIRST));
-                self.grow(more.with_pairs(more.pairs.max(pairs)))?;
-                self.owned.world().insert(aabb)
+                self.reserve(self.len().max(FIRST as usize)).map_err(named)?;
+                self.owned.change(|world| world.insert(aabb))
             }
             said => said,
-        }?;
-        let slot = id.slot() as usize;
-        if slot >= self.names.living.len() {
-            self.names.living.resize(slot + 1, None);
-        }
-        self.names.living[slot] = Some((id, key));
-        self.ids.insert(key, id);
+        };
+        self.names.insert(key, id.map_err(named)?);
         Ok(())
     }
 
@@ -197,31 +176,65 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadBox`].
-    pub fn update(&mut self, key: &K, aabb: Aabb) -> Result<bool, Error> {
-        match self.id(key) {
-            Some(id) => self.owned.world().set_aabb(id, aabb).map(|()| true),
-            None => Ok(false),
-        }
+    pub fn update(&mut self, key: &K, aabb: Aabb) -> Result<bool, KeyedError<K>> {
+        self.at(key, |world, id| world.set_aabb(id, aabb))
+    }
+
+    /// Gives keys other boxes, and tells how many of them have one. The fastest way for many.
+    ///
+    /// # Errors
+    /// [`Error::BadBox`] of the first box that is refused. Its key keeps its box, all others have got theirs.
+    pub fn update_many(
+        &mut self,
+        boxes: impl IntoIterator<Item = (K, Aabb)>,
+    ) -> Result<usize, KeyedError<K>> {
+        self.at_each(boxes, |world, id, aabb| world.set_aabb(id, aabb))
     }
 
     /// Removes a box. False if the key has none. Its pairs are lost at the next step.
     pub fn remove(&mut self, key: &K) -> bool {
-        let Some(id) = self.ids.remove(key) else { return false };
-        let removed = self.owned.world().remove(id).is_ok();
-        self.names.living[id.slot() as usize] = None;
-        self.names.removed.insert(id, *key);
-        removed
+        self.names.remove(key).is_some_and(|id| self.owned.change(|world| world.remove(id)).is_ok())
+    }
+
+    /// Removes all boxes. Their pairs are lost at the next step.
+    pub fn clear(&mut self) {
+        self.owned.change(|world| world.clear());
+        self.names.clear();
     }
 
     /// Sets whom a key meets. False if it has no box.
     ///
     /// # Errors
     /// [`Error::NoFilters`] or [`Error::BadClass`].
-    pub fn set_filter(&mut self, key: &K, filter: Filter) -> Result<bool, Error> {
-        match self.id(key) {
-            Some(id) => self.owned.world().set_filter(id, filter).map(|()| true),
-            None => Ok(false),
-        }
+    pub fn set_filter(&mut self, key: &K, filter: Filter) -> Result<bool, KeyedError<K>> {
+        self.at(key, |world, id| world.set_filter(id, filter))
+    }
+
+    /// Sets whom keys meet, and tells how many of them have a box.
+    ///
+    /// # Errors
+    /// Those of [`set_filter`](Self::set_filter), of the first filter that is refused; all others are set.
+    pub fn set_filter_many(
+        &mut self,
+        filters: impl IntoIterator<Item = (K, Filter)>,
+    ) -> Result<usize, KeyedError<K>> {
+        self.at_each(filters, |world, id, filter| world.set_filter(id, filter))
+    }
+
+    /// Sets which classes meet: see [`World::set_classes`].
+    ///
+    /// # Errors
+    /// [`Error::NoFilters`].
+    pub fn set_classes(&mut self, meets: &[u32; 32]) -> Result<(), Error> {
+        self.owned.change(|world| world.set_classes(meets))
+    }
+
+    /// Asks about the pairs of a key again, after a [rule](Self::with_rule) has changed its answer. False if it has no box.
+    ///
+    /// # Errors
+    /// [`Error::NoFilters`].
+    pub fn refilter(&mut self, key: &K) -> Result<bool, KeyedError<K>> {
+        self.at(key, |world, id| world.refilter(id))
     }
 
     /// Whether a key meets what has a filter, by groups and classes: for queries [among](Self::among) some. False where it has no box.
@@ -230,8 +243,22 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.id(key).is_some_and(|id| self.as_world().meets(id, filter))
     }
 
+    /// How far a key may move before it counts as moved. `None` where it has no box, and without margins.
+    #[must_use]
+    pub fn margin(&self, key: &K) -> Option<f32> {
+        self.as_world().margin(self.id(key)?)
+    }
+
+    /// Sets that, in place of the world's margin. False if the key has no box. Does nothing without margins.
+    ///
+    /// # Errors
+    /// [`Error::BadMargin`].
+    pub fn set_margin(&mut self, key: &K, length: f32) -> Result<bool, KeyedError<K>> {
+        self.at(key, |world, id| world.set_margin(id, length))
+    }
+
     /// Puts a key to rest, until it gets another box or is woken: steps set aside its pairs with others that rest. False where it
-    /// has no box.
+    /// has no box. O(1).
     ///
     /// ```
     /// use trisap::{Aabb, BroadPhase};
@@ -250,99 +277,103 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// # Ok::<(), trisap::Error>(())
     /// ```
     pub fn set_resting(&mut self, key: &K) -> bool {
-        self.id(key).is_some_and(|id| self.owned.world().set_resting(&[id]).is_ok())
+        self.at(key, |world, id| world.set_resting(&[id])).is_ok_and(|is_there| is_there)
     }
 
-    /// Wakes a key. False where it has no box.
+    /// Wakes a key. False where it has no box. O(1).
     pub fn wake(&mut self, key: &K) -> bool {
-        self.id(key).is_some_and(|id| self.owned.world().wake(&[id]).is_ok())
+        self.at(key, |world, id| world.wake(&[id])).is_ok_and(|is_there| is_there)
     }
 
-    /// Whether a key was put to rest and has not been woken since.
+    /// Whether a key was put to rest and has not been woken since. O(1).
     #[must_use]
     pub fn is_resting(&self, key: &K) -> bool {
         self.id(key).is_some_and(|id| self.as_world().is_resting(id))
     }
 
-    /// Finds all overlapping pairs of the boxes as they are now, with as much memory as they take.
-    ///
-    /// # Errors
-    /// [`Error::NoMemory`], [`Error::CapacityTooLarge`] of more than four billion pairs, or [`Error::InvariantBroken`].
-    pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
-        while let Err(error) = self.try_step() {
-            let Error::PairsFull { needed, .. } = error else { return Err(error) };
-            // A quarter more, so that a growing scene does not move in each step.
-            let too_many = Error::CapacityTooLarge { field: Field::Pairs, most: u64::from(u32::MAX) };
-            let pairs = u32::try_from(needed + needed / 4).map_err(|_| too_many)?;
-            self.grow(self.config.capacity.with_pairs(pairs))?;
-        }
-        self.names.removed_before = core::mem::take(&mut self.names.removed);
-        Ok(KeyedStep { world: self.owned.world(), names: &self.names })
-    }
-
+    /// How often steps were shared with other threads so far.
     #[cfg(feature = "rayon")]
-    fn try_step(&mut self) -> Result<(), Error> {
-        let mut world = self.owned.world();
-        if self.config.workers > 1 {
-            world.on(&self.executor).step().map(|_| ())
-        } else {
-            world.step().map(|_| ())
-        }
-    }
-
-    #[cfg(not(feature = "rayon"))]
-    fn try_step(&mut self) -> Result<(), Error> {
-        self.owned.world().step().map(|_| ())
-    }
-
-    fn grow(&mut self, capacity: Capacity) -> Result<(), Error> {
-        let mut config = self.config.with_capacity(capacity);
-        config.lean &= capacity.objects <= 256;
-        self.owned.move_to(&config)?;
-        self.config = config;
-        Ok(())
-    }
-
-    /// Everything, to go back to later: boxes, keys, and what the next events are compared with.
     #[must_use]
-    pub fn save(&self) -> Snapshot<K> {
-        let world = self.as_world();
-        let mut bytes = vec![0; world.snapshot_size()];
-        // As long as the world has said.
-        let written = world.save(&mut bytes);
-        debug_assert_eq!(written, Ok(bytes.len()));
-        Snapshot { bytes, capacity: self.config.capacity, names: self.names.clone() }
+    pub fn sharing(&self) -> crate::Sharing {
+        self.executor.sharing()
     }
 
-    /// Goes back to a snapshot of this broad phase, or of another one of the same kind. It may have grown since: its room stays.
-    ///
-    /// # Errors
-    /// [`Error::OtherConfig`], or [`Error::NoMemory`]; nothing has changed then.
-    pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
-        match self.owned.world().load(&snapshot.bytes) {
-            Err(Error::NoRoom { .. }) => {
-                let Capacity { objects, leaf_refs, pairs, .. } = self.config.capacity;
-                let capacity = Capacity::for_objects(objects.max(snapshot.capacity.objects))
-                    .with_leaf_refs(leaf_refs.max(snapshot.capacity.leaf_refs))
-                    .with_pairs(pairs.max(snapshot.capacity.pairs));
-                let mut config = self.config.with_capacity(capacity);
-                config.lean = false;
-                let mut owned = OwnedWorld::new(&config)?;
-                owned.world().load(&snapshot.bytes)?;
-                (self.owned, self.config) = (owned, config);
+    /// Does something with the object of a key, if there is one.
+    fn at(
+        &mut self,
+        key: &K,
+        change: impl FnOnce(&mut World<'_>, Id) -> Result<(), Error>,
+    ) -> Result<bool, KeyedError<K>> {
+        let Some(id) = self.names.look_up(key) else { return Ok(false) };
+        let changed = self.owned.change(|world| change(world, id));
+        changed.map(|()| true).map_err(|error| KeyedError { key: *key, error })
+    }
+
+    /// Gives keys other boxes until one has none, or its box is refused.
+    fn update_until_new(&mut self, boxes: &mut impl Iterator<Item = (K, Aabb)>) -> Option<(K, Aabb)> {
+        let Self { owned, names, .. } = self;
+        owned.change(|world| {
+            boxes.find(|(key, aabb)| !names.look_up(key).is_some_and(|id| world.set_aabb(id, *aabb).is_ok()))
+        })
+    }
+
+    /// Does something with the object of each key; how many there are, or the first refusal.
+    fn at_each<T>(
+        &mut self,
+        of_keys: impl IntoIterator<Item = (K, T)>,
+        change: impl Fn(&mut World<'_>, Id, T) -> Result<(), Error>,
+    ) -> Result<usize, KeyedError<K>> {
+        let Self { owned, names, .. } = self;
+        let mut refused = None;
+        let changed = owned.change(|world| {
+            let mut changed = 0;
+            for (key, with) in of_keys {
+                let Some(id) = names.look_up(&key) else { continue };
+                match change(world, id, with) {
+                    Ok(()) => changed += 1,
+                    Err(error) => drop(refused.get_or_insert(KeyedError { key, error })),
+                }
             }
-            said => said?,
+            changed
+        });
+        refused.map_or(Ok(changed), Err)
+    }
+}
+
+/// Inserts boxes, or moves those of known keys.
+///
+/// # Panics
+/// If a box is refused, or memory cannot be had, with the key. What came before it is there.
+impl<K: Copy + Eq + Hash + core::fmt::Debug> Extend<(K, Aabb)> for BroadPhase<K> {
+    fn extend<T: IntoIterator<Item = (K, Aabb)>>(&mut self, boxes: T) {
+        let mut boxes = boxes.into_iter();
+        if self.is_empty() {
+            // Later on they may be known.
+            let count = boxes.size_hint().0;
+            self.reserve(count).unwrap_or_else(|error| panic!("no room for {count} boxes: {error}"));
         }
-        self.names = snapshot.names.clone();
-        self.ids = self.names.living.iter().flatten().map(|(id, key)| (*key, *id)).collect();
-        Ok(())
+        // Known keys in one go, as long as none is new.
+        while let Some((key, aabb)) = self.update_until_new(&mut boxes) {
+            self.insert(key, aabb).unwrap_or_else(|refused| panic!("{refused}"));
+        }
+    }
+}
+
+/// A broad phase as by [`BroadPhase::new`], with these boxes.
+///
+/// # Panics
+/// As by [`BroadPhase::extend`].
+impl<K: Copy + Eq + Hash + core::fmt::Debug> FromIterator<(K, Aabb)> for BroadPhase<K> {
+    fn from_iter<T: IntoIterator<Item = (K, Aabb)>>(boxes: T) -> Self {
+        let mut broad_phase = Self::new();
+        broad_phase.extend(boxes);
+        broad_phase
     }
 }
 
 impl<K> core::fmt::Debug for BroadPhase<K> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { config, ids, .. } = self;
-        f.debug_struct("BroadPhase").field("len", &ids.len()).field("config", config).finish_non_exhaustive()
+        f.debug_struct("BroadPhase").field("config", &self.config).finish_non_exhaustive()
     }
 }
 

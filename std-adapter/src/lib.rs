@@ -12,7 +12,7 @@ pub mod scene;
 #[cfg(feature = "rayon")]
 mod sharing;
 
-pub use broad_phase::{AmongKeys, BroadPhase, KeyedStep, Snapshot};
+pub use broad_phase::{AmongKeys, BroadPhase, KeyedError, KeyedRule, KeyedStep, KeyedStepper, Snapshot};
 pub use owned::OwnedWorld;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;

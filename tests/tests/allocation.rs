@@ -127,3 +127,31 @@ fn a_full_buffer_allocates_nothing() {
         assert_eq!((here.count_total, counted.allocations.into_inner()), (0, 0));
     }
 }
+
+/// The keyed world stays open: single calls by known keys allocate nothing, in whatever order they come.
+#[test]
+fn calls_by_known_keys_allocate_nothing() {
+    use trisap::{BroadPhase, Region};
+    let boxes = scenes::uniform(500, 4);
+    let mut keyed: BroadPhase<usize> = boxes.iter().copied().enumerate().collect();
+    keyed.step().expect("room");
+    let _ = keyed.as_world();
+    let counted = measure(|| {
+        for (key, aabb) in boxes.iter().enumerate() {
+            assert!(!keyed.is_resting(&key) && keyed.update(&key, *aabb) == Ok(true));
+            assert_eq!(keyed.insert(key, *aabb), Ok(()));
+            assert!(keyed.set_resting(&key) && keyed.is_resting(&key) && keyed.wake(&key));
+            assert_eq!(keyed.aabb(&key), Some(*aabb));
+            let mut seen = 0;
+            let visit = &mut |_| {
+                seen += 1;
+                std::ops::ControlFlow::Continue(())
+            };
+            keyed.visit_overlaps(&Region::Aabb(*aabb), visit).expect("a region");
+            assert!(seen > 0);
+        }
+        keyed.extend(boxes.iter().copied().enumerate());
+        assert_eq!(keyed.update_many(boxes.iter().copied().enumerate()), Ok(500));
+    });
+    assert_eq!(counted.count_total, 0);
+}

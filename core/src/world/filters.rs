@@ -85,6 +85,12 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
+    /// Which classes meet, as [`set_classes`](Self::set_classes) takes it; `None` in a world without filters.
+    #[must_use]
+    pub fn classes(&self) -> Option<[u32; 32]> {
+        (*self.parts.filters.classes).try_into().ok()
+    }
+
     /// Makes the next step ask about all pairs of an object again, after a [`Rule`](crate::Rule) has changed its
     /// answer. O(1).
     ///

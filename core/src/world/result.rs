@@ -45,7 +45,7 @@ impl<I: Index> World<'_, I> {
     }
 
     /// With events: the pairs of the complete step before the last one that the last one does not have. The slot of a
-    /// removed object may have a new object by now.
+    /// removed object may have a new object by now, and the same two slots may be found again: take the lost pairs first.
     #[must_use]
     pub fn lost(&self) -> &[Pair<I>] {
         self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)

@@ -3,7 +3,7 @@
 use super::BroadPhase;
 use core::hash::Hash;
 use core::ops::ControlFlow;
-use trisap_core::{Cast, Error, Hit, Id, Region};
+use trisap_core::{Cast, Error, Executor, Hit, Id, Region, Serial};
 
 /// Queries between two steps, about the boxes as they are now.
 impl<K: Copy + Eq + Hash> BroadPhase<K> {
@@ -26,6 +26,80 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// [`Error::BadQuery`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
         Ok(self.as_world().first_hit(cast)?.and_then(|hit| self.named(hit)))
+    }
+
+    /// All boxes that a ray or a moving box meets, and the distances, the nearest first, equally near ones by slot.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn hits(&self, cast: &Cast) -> Result<Vec<(K, f64)>, Error> {
+        self.among(|_| true).hits(cast)
+    }
+
+    /// [`first_hit`](Self::first_hit) of each cast, on the workers that steps have.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn first_hits(&self, casts: &[Cast]) -> Result<Vec<Option<(K, f64)>>, Error> {
+        let mut hits = vec![None; casts.len()];
+        self.as_world().first_hits(casts, self.executor(), &mut hits)?;
+        Ok(hits.into_iter().map(|hit| self.named(hit?)).collect())
+    }
+
+    /// [`overlaps`](Self::overlaps) of each region, on the workers that steps have.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn overlaps_many(&self, regions: &[Region]) -> Result<Vec<Vec<K>>, Error> {
+        let mut counts = vec![0; regions.len()];
+        let mut ids = vec![None; 16 * regions.len()];
+        while let Err(error) = self.as_world().overlaps_many(regions, self.executor(), &mut ids, &mut counts)
+        {
+            let Error::OutputFull { needed, .. } = error else { return Err(error) };
+            ids.resize(needed as usize, None);
+        }
+        let share = ids.len() / regions.len().max(1);
+        let of = |(at, count): (usize, &u32)| {
+            let ids = &ids[at * share..][..*count as usize];
+            ids.iter().filter_map(|id| self.key((*id)?)).collect()
+        };
+        Ok(counts.iter().enumerate().map(of).collect())
+    }
+
+    /// Visits the keys whose boxes overlap a region, each once, until the visitor ends it.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn visit_overlaps(
+        &self,
+        region: &Region,
+        visit: &mut dyn FnMut(K) -> ControlFlow<()>,
+    ) -> Result<(), Error> {
+        let mut visit = |id| self.key(id).map_or(ControlFlow::Continue(()), &mut *visit);
+        self.as_world().visit_overlaps(region, &mut visit)
+    }
+
+    /// Visits the keys that a cast meets; the visitor gets the distance, and says how far to look on: see [`trisap_core::World::visit_hits`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(K, f64) -> f64) -> Result<(), Error> {
+        let mut visit = |hit| self.named(hit).map_or(f64::INFINITY, |(key, far)| visit(key, far));
+        self.as_world().visit_hits(cast, &mut visit)
+    }
+
+    /// Visits the keys within a distance of a point; the visitor says how far to look on: see [`trisap_core::World::visit_nearest`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn visit_nearest(
+        &self,
+        point: [f32; 3],
+        distance: f64,
+        visit: &mut dyn FnMut(K, f64) -> f64,
+    ) -> Result<(), Error> {
+        let mut visit = |hit| self.named(hit).map_or(f64::INFINITY, |(key, far)| visit(key, far));
+        self.as_world().visit_nearest(point, distance, &mut visit)
     }
 
     /// The boxes nearest to a point, as many as wanted or as there are, by ascending distance.
@@ -65,6 +139,14 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         AmongKeys { broad_phase: self, condition }
     }
 
+    fn executor(&self) -> &dyn Executor {
+        #[cfg(feature = "rayon")]
+        if self.config.workers > 1 {
+            return &self.executor;
+        }
+        &Serial
+    }
+
     fn named(&self, hit: Hit) -> Option<(K, f64)> {
         Some((self.key(hit.id)?, hit.distance))
     }
@@ -95,6 +177,22 @@ impl<K: Copy + Eq + Hash, C: Fn(K) -> bool> AmongKeys<'_, K, C> {
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
         let hit = self.broad_phase.as_world().among(self.by_id()).first_hit(cast)?;
         Ok(hit.and_then(|hit| self.broad_phase.named(hit)))
+    }
+
+    /// See [`BroadPhase::hits`].
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn hits(&self, cast: &Cast) -> Result<Vec<(K, f64)>, Error> {
+        let mut hits = Vec::new();
+        self.broad_phase.as_world().visit_hits(cast, &mut |hit| {
+            if self.by_id()(hit.id) {
+                hits.push(hit);
+            }
+            f64::INFINITY
+        })?;
+        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.id.slot().cmp(&b.id.slot())));
+        Ok(hits.into_iter().filter_map(|hit| self.broad_phase.named(hit)).collect())
     }
 
     /// See [`BroadPhase::nearest`].

@@ -1,6 +1,8 @@
 use super::*;
+use core::ops::ControlFlow;
 use std::collections::{BTreeMap, BTreeSet};
-use trisap_core::{Cast, Margin, Region};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use trisap_core::{Cast, Margin, Region, Serial};
 
 /// Numbers that look random (SplitMix64).
 struct Numbers(u64);
@@ -20,9 +22,10 @@ impl Numbers {
 
 type Pairs = BTreeSet<[u64; 2]>;
 
+/// Keys are numbers in the order in which they were inserted, which is that of the keys in a pair.
 fn in_order(pairs: impl Iterator<Item = [u64; 2]>) -> Pairs {
     let mut count = 0;
-    let set: Pairs = pairs.inspect(|_| count += 1).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let set: Pairs = pairs.inspect(|_| count += 1).inspect(|[a, b]| assert!(a < b)).collect();
     assert_eq!(set.len(), count, "no pair twice");
     set
 }
@@ -63,8 +66,36 @@ fn ask_among(broad_phase: &BroadPhase<u64>, boxes: &BTreeMap<u64, Aabb>, around:
     let ray = Cast::ray(around.min, [1.0, 0.5, 0.0], f32::INFINITY);
     let mut hits = vec![None; boxes.len()];
     broad_phase.as_world().hits(&ray, &mut hits).expect("a ray");
-    let mut hits = hits.iter().flatten().filter_map(|hit| Some((broad_phase.key(hit.id)?, hit.distance)));
-    assert_eq!(among.first_hit(&ray).expect("a ray"), hits.find(|(key, _)| wanted(*key)));
+    let mut hits: Vec<_> =
+        hits.iter().flatten().filter_map(|hit| Some((broad_phase.key(hit.id)?, hit.distance))).collect();
+    assert_eq!(broad_phase.hits(&ray).expect("a ray"), hits);
+    assert_eq!(broad_phase.first_hits(&[ray, ray]).expect("rays"), [hits.first().copied(); 2]);
+    hits.retain(|(key, _)| wanted(*key));
+    assert_eq!(among.hits(&ray).expect("a ray"), hits);
+    assert_eq!(among.first_hit(&ray).expect("a ray"), hits.first().copied());
+
+    let everything = Region::Aabb(Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]));
+    let mut answers = broad_phase.overlaps_many(&[region, everything]).expect("regions");
+    for (answer, region) in answers.iter_mut().zip([region, everything]) {
+        let mut alone = broad_phase.overlaps(&region).expect("a region");
+        let mut visited = Vec::new();
+        let visit = &mut |key| {
+            visited.push(key);
+            ControlFlow::Continue(())
+        };
+        broad_phase.visit_overlaps(&region, visit).expect("a region");
+        [&mut alone, &mut visited, &mut *answer].into_iter().for_each(|keys| keys.sort_unstable());
+        assert!(*answer == alone && *answer == visited);
+    }
+    assert_eq!(answers[1], boxes.keys().copied().collect::<Vec<_>>());
+    let mut seen = 0;
+    let visit = &mut |_, far| {
+        seen += 1;
+        far
+    };
+    broad_phase.visit_nearest(point, f64::INFINITY, visit).expect("a point");
+    broad_phase.visit_hits(&ray, visit).expect("a ray");
+    assert!(seen >= usize::from(!boxes.is_empty()));
 }
 
 /// From nothing on, with keys that come and go; now and then back to a snapshot. Returns to how many objects and pairs the room grew.
@@ -74,7 +105,27 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
     let (mut boxes, mut last, mut resting) = (BTreeMap::new(), Pairs::new(), BTreeSet::new());
     let mut next = 0;
     let mut saved = None;
+    let mut most = config.capacity;
     for round in 0..rounds {
+        if round % 32 == 29 {
+            // The crowd goes, in the midst of a frame.
+            let gone: Vec<u64> = boxes.keys().copied().filter(|_| numbers.below(4) > 0).collect();
+            let goes = numbers.below(3);
+            if goes == 0 {
+                broad_phase.clear();
+                (boxes, resting) = Default::default();
+            } else if goes == 1 {
+                for key in gone {
+                    assert!(broad_phase.remove(&key) && boxes.remove(&key).is_some());
+                    resting.remove(&key);
+                }
+            }
+            let old = broad_phase.config().capacity;
+            most = Capacity::for_objects(old.objects.max(most.objects)).with_pairs(old.pairs.max(most.pairs));
+            broad_phase.shrink_to_fit().expect("memory");
+            let new = broad_phase.config().capacity;
+            assert!(new.objects / 2 <= boxes.len().max(64) as u32 && new.objects <= old.objects);
+        }
         for _ in 0..numbers.below(12) {
             let aabb = numbers.aabb(12);
             broad_phase.insert(next, aabb).expect("memory");
@@ -105,6 +156,16 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
                 resting.extend(known.then_some(key));
             }
         }
+        if round % 8 == 5 {
+            let moved: Vec<_> = boxes
+                .keys()
+                .map(|key| (*key, numbers.aabb(12)))
+                .chain([(u64::MAX, Aabb::default())])
+                .collect();
+            assert_eq!(broad_phase.update_many(moved.iter().copied()), Ok(boxes.len()));
+            boxes.extend(moved[..boxes.len()].iter().copied());
+            resting.clear();
+        }
         if round % 16 == 3 {
             saved = Some((broad_phase.save(), boxes.clone(), last.clone(), resting.clone()));
         }
@@ -121,6 +182,7 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
         let step = broad_phase.step().expect("memory");
         let expected = overlapping(&boxes);
         assert_eq!(in_order(step.pairs()), expected);
+        assert!(step.pairs().all(|pair| pair.iter().all(|key| step.aabb(key) == boxes.get(key).copied())));
         let awake = expected.iter().filter(|pair| !pair.iter().all(|key| resting.contains(key)));
         assert_eq!(in_order(step.awake_pairs()), awake.copied().collect());
         if config.events {
@@ -129,12 +191,18 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
         }
         last = expected;
         assert_eq!(broad_phase.len(), boxes.len());
+        assert_eq!(broad_phase.iter().collect::<BTreeMap<_, _>>(), boxes);
         let region = numbers.aabb(12);
         let inside: BTreeSet<u64> =
             broad_phase.overlaps(&Region::Aabb(region)).expect("a region").into_iter().collect();
         let expected = boxes.iter().filter(|(_, aabb)| aabb.overlaps(&region)).map(|(key, _)| *key);
         assert_eq!(inside, expected.collect());
         if let Some((key, aabb)) = boxes.iter().next() {
+            let mut partners: Vec<_> = broad_phase.pairs_of(key).collect();
+            partners.sort_unstable();
+            assert!(
+                partners.iter().copied().eq(last.range([*key, 0]..[*key + 1, 0]).map(|[_, other]| *other))
+            );
             assert_eq!(broad_phase.aabb(key), Some(*aabb));
             let nearest = broad_phase.nearest(aabb.min, 1).expect("a point");
             assert_eq!(nearest[0].1, 0.0);
@@ -142,7 +210,8 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
         }
         assert!(boxes.keys().all(|key| broad_phase.is_resting(key) == resting.contains(key)));
     }
-    broad_phase.config().capacity
+    let last = broad_phase.config().capacity;
+    Capacity::for_objects(last.objects.max(most.objects)).with_pairs(last.pairs.max(most.pairs))
 }
 
 /// All that brute force says, by key, in worlds that begin with next to nothing.
@@ -174,7 +243,7 @@ fn a_key_that_comes_back_is_another_object() {
     assert!(broad_phase.remove(&'a') && !broad_phase.remove(&'a'));
     broad_phase.insert('a', cube).expect("room");
     let step = broad_phase.step().expect("room");
-    assert_eq!(step.found().collect::<Vec<_>>(), [['a', 'b']]);
+    assert_eq!(step.found().collect::<Vec<_>>(), [['b', 'a']]);
     assert_eq!(step.lost().collect::<Vec<_>>(), [['a', 'b']]);
 }
 
@@ -201,4 +270,100 @@ fn several_threads_look_at_once() {
             });
         }
     });
+}
+
+/// Keys that were never in a step are in no lost pair.
+#[test]
+fn what_is_only_asked_does_not_grow() {
+    let mut numbers = Numbers(3);
+    let mut broad_phase = BroadPhase::new();
+    broad_phase.extend((0..50).map(|key| (key, numbers.aabb(4))));
+    for steps in [false, true] {
+        for key in 100..20_000 {
+            broad_phase.insert(key, numbers.aabb(4)).expect("room");
+            assert_eq!(broad_phase.nearest([0.0; 3], 1).expect("a point").len(), 1);
+            assert!(broad_phase.remove(&key));
+            if key % 40 == 0 {
+                broad_phase.remove(&(key / 40 % 50));
+                broad_phase.insert(key / 40 % 50, numbers.aabb(4)).expect("room");
+            }
+            assert!(broad_phase.names.remembered() <= if steps { 50 } else { 0 });
+        }
+        broad_phase.step().expect("room");
+    }
+    assert_eq!(broad_phase.config().capacity.objects, 64);
+}
+
+#[test]
+#[should_panic(expected = "with_events")]
+fn events_that_were_not_asked_for_are_no_empty_answer() {
+    let mut broad_phase = BroadPhase::<u8>::with_config(&Config::default()).expect("a small world");
+    drop(broad_phase.step().expect("room").found());
+}
+
+#[test]
+fn errors_name_the_key() {
+    let (good, bad) = (Aabb::new([0.0; 3], [1.0; 3]), Aabb::new([f32::NAN; 3], [1.0; 3]));
+    let mut broad_phase = BroadPhase::from_iter([(5, good), (7, good), (9, good)]);
+    let refused = broad_phase.insert(7, bad).expect_err("a bad box");
+    assert_eq!(refused, KeyedError { key: 7, error: Error::BadBox { index: 0 } });
+    assert_eq!(refused.to_string(), "the box of 7 has NaN in it or a minimum above its maximum");
+    let far = Aabb::new([8.0; 3], [9.0; 3]);
+    let refused = broad_phase.update_many([(5, far), (7, bad), (9, bad), (11, far)]).expect_err("bad boxes");
+    assert_eq!(refused.key, 7);
+    assert_eq!([5, 7, 9].map(|key| broad_phase.aabb(&key)), [Some(far), Some(good), Some(good)]);
+    let refused = broad_phase.set_filter(&9, Filter::ALL).expect_err("no filters");
+    assert_eq!(refused.to_string(), "9: the world was made without filters");
+    assert_eq!(Error::from(refused), Error::NoFilters);
+    assert_eq!(broad_phase.update(&11, far), Ok(false));
+    let refused = catch_unwind(AssertUnwindSafe(|| broad_phase.extend([(12, bad)]))).expect_err("a bad box");
+    assert!(refused.downcast_ref::<String>().is_some_and(|text| text.contains("the box of 12")));
+}
+
+#[test]
+fn a_crowd_that_has_gone_gives_its_memory_back() {
+    let at = |x: f32| Aabb::from_center([x, 0.0, 0.0], [0.5; 3]);
+    let config =
+        Config::default().with_filters().with_values().with_events().with_margin(Margin::length(0.25));
+    let mut broad_phase = BroadPhase::with_config(&config).expect("a small world");
+    broad_phase.extend((0..20_000u16).map(|key| (key, at(f32::from(key)))));
+    let mut meets = [u32::MAX; 32];
+    meets[3] = 0;
+    broad_phase.set_classes(&meets).expect("filters");
+    let class = |key| (key, Filter::class(u32::from(key % 500 == 3) * 3));
+    assert_eq!(broad_phase.set_filter_many((0..30_000).map(class)), Ok(20_000));
+    assert!(broad_phase.set_margin(&17_000, 2.0).expect("a margin") && broad_phase.set_resting(&17_001));
+    let id = broad_phase.id(&17_001).expect("its id");
+    broad_phase.world().set_value(id, 4711).expect("values");
+    broad_phase.step().expect("room");
+    let bytes = broad_phase.owned.bytes();
+    (0..20_000)
+        .filter(|key| !(17_000..17_100).contains(key))
+        .for_each(|key| assert!(broad_phase.remove(&key)));
+    broad_phase.update(&17_099, at(17_096.0)).expect("a good box");
+    broad_phase.shrink_to_fit().expect("memory");
+    assert!(broad_phase.owned.bytes() < bytes / 20 && broad_phase.pairs().count() == 0);
+    assert_eq!(broad_phase.margin(&17_000), Some(2.0));
+    assert!(broad_phase.is_resting(&17_001));
+    let value = broad_phase.as_world().value(broad_phase.id(&17_001).expect("its id"));
+    assert_eq!(value, Some(4711));
+    let saved = broad_phase.save();
+    for round in 0..2 {
+        let step = broad_phase.on(&Serial).step().expect("room");
+        // 97 pairs of neighbours were there: 17,003 has no partner. The last one has gone elsewhere.
+        assert_eq!(step.pairs().count(), 96 + 3);
+        let near = [17_095, 17_096, 17_097].map(|key| [key, 17_099]);
+        assert_eq!(step.found().collect::<Vec<_>>(), near);
+        let lost: BTreeSet<_> = step.lost().collect();
+        assert!(
+            lost.contains(&[16_999, 17_000]) && lost.contains(&[17_098, 17_099]) && lost.contains(&[0, 1])
+        );
+        assert_eq!(lost.len(), 19_999 - 2 * 40 - 96);
+        assert_eq!(broad_phase.step().expect("room").lost().count(), 0);
+        if round == 0 {
+            broad_phase.restore(&saved).expect("memory");
+        }
+    }
+    let id = broad_phase.id(&17_003).expect("its id");
+    assert_eq!(broad_phase.as_world().filter(id), Some(Filter::class(3)));
 }
