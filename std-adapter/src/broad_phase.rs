@@ -313,7 +313,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     fn update_until_new(&mut self, boxes: &mut impl Iterator<Item = (K, Aabb)>) -> Option<(K, Aabb)> {
         let Self { owned, names, .. } = self;
         owned.change(|world| {
-            boxes.find(|(key, aabb)| !names.look_up(key).is_some_and(|id| world.set_aabb(id, *aabb).is_ok()))
+            boxes.find(|(key, aabb)| names.look_up(key).is_none_or(|id| world.set_aabb(id, *aabb).is_err()))
         })
     }
 

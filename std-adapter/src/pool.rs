@@ -78,6 +78,8 @@ struct Common {
     over: AtomicBool,
     /// A step is being done.
     stepping: AtomicBool,
+    /// The caller is a thread of the pool: then the others have worlds of their own, or whatever else the pool does.
+    inside: AtomicBool,
     /// For how long a thread that was looking for work in a step had lost its processor, in nanoseconds.
     gap: AtomicU64,
     /// The caller sleeps until a call has ended.
@@ -186,6 +188,9 @@ impl Common {
             if took_part {
                 self.tell_the_caller();
             }
+            if !took_part && self.has_ended() {
+                break;
+            }
             // A thread that looks already leaves calls for others to these.
             let calls = self.passed_on.load(Relaxed) > 0;
             let worked = took_part || (!calls && rayon::yield_now() == Some(Yield::Executed));
@@ -208,6 +213,12 @@ impl Common {
             before = now;
             stepping = self.stepping.load(Relaxed);
         }
+    }
+
+    /// A caller from inside the pool has no work any more, until its next step. The pool may have other work: who lingers
+    /// beside that takes processors from it, and from other programs.
+    fn has_ended(&self) -> bool {
+        self.inside.load(Relaxed) && !self.stepping.load(Relaxed) && self.callers.load(Relaxed) == 0
     }
 
     /// A call of this thread has ended.
@@ -254,6 +265,7 @@ impl Executor for Rayon<'_> {
             Some(pool) => (pool.current_num_threads(), pool.current_thread_index()),
             None => (rayon::current_num_threads(), rayon::current_thread_index()),
         };
+        self.common.inside.store(index.is_some(), Relaxed);
         if !lock(&self.common.judge).shares(Instant::now()) {
             return 1;
         }

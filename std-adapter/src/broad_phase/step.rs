@@ -15,6 +15,14 @@ pub struct KeyedStep<'b, K> {
     broad_phase: &'b BroadPhase<K>,
 }
 
+impl<'b, K: Copy + Eq + Hash> KeyedStep<'b, K> {
+    /// The world after the step, to look at it by ids and slots.
+    #[must_use]
+    pub fn world(&self) -> &'b World<'b> {
+        self.broad_phase.as_world()
+    }
+}
+
 impl<K> Deref for KeyedStep<'_, K> {
     type Target = BroadPhase<K>;
 
