@@ -6,8 +6,6 @@
 extern crate std;
 
 mod access;
-#[cfg(all(debug_assertions, not(test)))]
-mod compiled;
 mod config;
 mod error;
 mod filter;
@@ -45,8 +43,6 @@ pub use id::{Id, Index, Pair};
 pub use memory::layout::{Layout, layout};
 pub use memory::stats::{Path, Reason, Stats};
 pub use parallel::executor::{Executor, Serial, Stage};
-#[cfg(target_has_atomic = "32")]
-pub use parallel::offer::Offer;
 pub use query::{Among, Cast, Hit, Region};
 pub use simd::kernels::Kernels;
 pub use validate::Invalid;

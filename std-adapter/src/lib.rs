@@ -2,6 +2,7 @@
 
 mod broad_phase;
 mod memory;
+mod offer;
 mod owned;
 #[cfg(feature = "rayon")]
 mod pool;
@@ -13,6 +14,7 @@ pub mod scene;
 mod sharing;
 
 pub use broad_phase::{AmongKeys, BroadPhase, KeyedError, KeyedRule, KeyedStep, KeyedStepper, Snapshot};
+pub use offer::Offer;
 pub use owned::OwnedWorld;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;

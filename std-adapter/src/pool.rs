@@ -1,5 +1,6 @@
 //! The executor over rayon.
 
+use crate::offer::Offer;
 use crate::sharing::{Job, Judge, Sharing};
 use rayon::{ThreadPool, Yield};
 use std::cell::Cell;
@@ -10,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, fence};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
-use trisap_core::{Executor, Offer, Stage};
+use trisap_core::{Executor, Stage};
 
 /// How long a thread looks for more after its last work. The stages of a step follow each other within microseconds,
 /// and to wake a sleeping thread takes as long as a stage of ten thousand objects.

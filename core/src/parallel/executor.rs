@@ -36,8 +36,7 @@ use core::cell::Cell;
 /// busy threads an executor that spins and waits can make a step several times slower than one thread. It never does
 /// if it follows these rules, and it keeps its gain where processors are free:
 /// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take
-///   the other calls back. A thread that sleeps or has not been let run then costs nothing. [`Offer`](crate::Offer)
-///   does that.
+///   the other calls back. A thread that sleeps or has not been let run then costs nothing. `trisap::Offer` does that.
 /// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job.
 ///   Then let others run (`yield_now`), and then sleep, so that a thread that holds a block but no processor gets
 ///   this one.

@@ -4,6 +4,4 @@
 pub(crate) mod block_queue;
 pub(crate) mod context;
 pub(crate) mod executor;
-#[cfg(target_has_atomic = "32")]
-pub(crate) mod offer;
 pub(crate) mod shared;

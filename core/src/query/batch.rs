@@ -33,7 +33,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`. Nothing is written then.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn first_hits(
         &self,
         casts: &[Cast],
@@ -77,7 +76,6 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is written
     /// then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are right, and so
     /// are the shares that suffice.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn overlaps_many(
         &self,
         regions: &[Region],

@@ -94,7 +94,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the cast is not valid: NaN, an infinity other than the distance, a negative distance.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });

@@ -51,7 +51,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite, or the distance is NaN or negative; it may be infinite.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_nearest(
         &self,
         point: [f32; 3],
@@ -70,7 +69,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.nearest_of(point, out, None)
     }

@@ -110,7 +110,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the region is not valid: NaN, a minimum above its maximum, a negative radius.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn visit_overlaps(
         &self,
         region: &Region,

@@ -74,7 +74,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::OutputFull`]; nothing is written then.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn save(&self, out: &mut [u8]) -> Result<usize, Error> {
         let needed = self.snapshot_size();
         let full = Error::OutputFull { needed: needed as u64, room: out.len() };
@@ -101,7 +100,6 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
     /// [`Error::OtherConfig`] as for [`move_into`](Self::move_into). The world stays as it is.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
         let (state, sections) = body.split_at_checked(size_of::<State>()).ok_or(Error::BadSnapshot)?;

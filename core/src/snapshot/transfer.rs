@@ -50,7 +50,6 @@ impl<I: Index> World<'_, I> {
     /// assert_eq!(world.step()?.found().len(), 2);
     /// # Ok::<(), Error>(())
     /// ```
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn move_into<'n>(&self, slab: &'n mut [u8], config: &Config) -> Result<World<'n, I>, Error> {
         let sizes = Parts::<I>::sizes(config)?;
         let setup = Setup::new(config, size_of::<I>());

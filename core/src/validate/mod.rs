@@ -42,7 +42,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// The first broken one.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn validate(&self) -> Result<(), Invalid> {
         let parts = &self.parts;
         numbers(parts.state, &parts.sizes)?;

@@ -33,7 +33,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
         Parts::init(slab, config).map(Self::of)
     }
@@ -42,7 +41,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
         Parts::open(slab).map(Self::of)
     }

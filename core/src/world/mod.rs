@@ -64,7 +64,6 @@ pub struct World<'m, I: Index = u32> {
 
 /// A step.
 impl<I: Index> World<'_, I> {
-    #[cfg_attr(debug_assertions, inline(never))]
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let parts = &mut self.parts;
         let shared =

@@ -59,7 +59,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`], or [`Error::BadMargin`] where `length` is negative or not finite.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         crate::Margin::length(length).check()?;
@@ -100,7 +99,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::LengthMismatch`] if there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
         if ids.len() != boxes.len() {
             return Err(Error::LengthMismatch { needed: ids.len(), given: boxes.len() });
@@ -118,7 +116,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`], also where an id comes twice.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn remove_many(&mut self, ids: &[Id]) -> Result<(), Error> {
         for id in ids {
             self.slot_of(*id)?;
@@ -143,7 +140,6 @@ impl<'m, I: Index> World<'m, I> {
         Ok(())
     }
 
-    #[cfg_attr(debug_assertions, inline(never))]
     fn insert_box(&mut self, bounds: KeyBox) -> Result<Id, Error> {
         let parts = &mut self.parts;
         let free = parts.state.objects.free;
@@ -201,7 +197,6 @@ impl<'m, I: Index> World<'m, I> {
         parts.state.objects.note(motions);
     }
 
-    #[cfg_attr(debug_assertions, inline(never))]
     fn remove_slot(&mut self, slot: usize) {
         let next = self.parts.state.objects.free;
         self.parts.state.objects.dirty = 1;

@@ -33,7 +33,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`].
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn set_resting(&mut self, ids: &[Id]) -> Result<(), Error> {
         for id in ids {
             self.slot_of(*id)?;

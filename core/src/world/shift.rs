@@ -45,7 +45,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadShift`] where a part of `by` is not finite.
-    #[cfg_attr(debug_assertions, inline(never))]
     pub fn shift_origin(&mut self, by: [f64; 3]) -> Result<u32, Error> {
         if !by.iter().all(|x| x.is_finite()) {
             return Err(Error::BadShift);

@@ -20,7 +20,7 @@ pub mod sync {
 #[allow(dead_code)]
 #[path = "../../../core/src/parallel/block_queue.rs"]
 mod block_queue;
-#[path = "../../../core/src/parallel/offer.rs"]
+#[path = "../../../std-adapter/src/offer.rs"]
 mod offer;
 
 use block_queue::{BlockQueue, Chunks, Indices, Pool, SharedOut};

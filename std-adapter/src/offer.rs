@@ -1,5 +1,7 @@
 //! Offers a job to threads that outlive it. Only here the lifetime is taken off a pointer to a job.
 
+#![allow(unsafe_code, reason = "a job is lent to threads that outlive it")]
+
 use core::cell::UnsafeCell;
 use core::hint::spin_loop;
 use core::mem::transmute;
@@ -24,7 +26,7 @@ const RUNNING: u32 = SEAT - 1;
 /// thread that the operating system has not let run costs nothing.
 ///
 /// ```
-/// use trisap_core::{Executor, Offer};
+/// use trisap::{Executor, Offer};
 ///
 /// /// The threads of an engine call `take_part` whenever they have nothing else to do.
 /// struct Engine {
@@ -158,7 +160,6 @@ impl Drop for Running<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::boxed::Box;
     use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
     use std::sync::Barrier;
     use std::thread;
