@@ -39,8 +39,6 @@ pub(crate) const SORTED_PER_BLOCK: usize = if cfg!(miri) { 64 } else { 8192 };
 pub(crate) const LEAVES_PER_BLOCK: usize = 2;
 /// The fewest objects in a block where each is tested by itself: to hand out a block is little beside testing it.
 pub(crate) const MOVERS_PER_BLOCK: usize = 64;
-/// Objects that have left their leaf in a block of those that are moved at once; fewer are moved by one worker.
-pub(crate) const LEAVERS_PER_BLOCK: usize = if cfg!(any(miri, fuzzing)) { 4 } else { 128 };
 /// Blocks of pairs where lists of pairs are divided.
 pub(crate) const PAIR_BLOCKS: usize = 32;
 /// The fewest pairs in such a block.

@@ -10,8 +10,6 @@ pub(crate) const EVENT_BOXES_NEAR: usize = 16_384;
 
 /// Movers ahead whose leaves are prefetched when records are moved; twice as many ahead, what tells which leaves these are.
 pub(crate) const RELOCATED_AHEAD: usize = 6;
-/// Objects ahead whose boxes are prefetched when those that have left their leaf are moved at once.
-pub(crate) const LEAVERS_AHEAD: usize = 16;
 /// Members ahead whose boxes are prefetched when the boxes of a leaf are made tight.
 pub(crate) const REFIT_AHEAD: usize = 16;
 

@@ -3,7 +3,7 @@
 //! Steps of worlds run the same operations, but do not reach all of their corners. It is a function of the crate
 //! under a feature, so that it can also run in an emulator without std: see `tests/emulated`.
 
-use super::{EIGHT, HALF, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::{Aabb, Four};
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::geometry::line::{Line, Slabs, Walk};
@@ -138,11 +138,9 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     }
     let count = random.below(WINDOW + 9);
     let query = simd.query(simd.axis(axis), &record);
-    let few: &[Row; HALF] = rows.first_chunk().unwrap_or(&[[0; 4]; HALF]);
     rounds.check([
         ("row", simd.row(simd.axis(axis), &record) == Scalar.row(axis, &record)),
         ("window", simd.window(&rows, count, query) == Scalar.window(&rows, count, least)),
-        ("half_window", simd.half_window(few, count, query) == Scalar.half_window(few, count, least)),
     ]);
 }
 

@@ -5,7 +5,7 @@ use super::encode;
 use super::fours::{self, HALVES};
 use super::lengths;
 use super::overlaps;
-use super::{Contact, EIGHT, HALF, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::aabb::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
@@ -277,13 +277,6 @@ impl Simd for Avx2 {
         let mask = u64::from(half(self, first, query)) | (u64::from(half(self, second, query)) << 32);
         // SAFETY: `self` proves BMI2.
         unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
-    }
-
-    #[inline(always)]
-    fn half_window(self, rows: &[Row; HALF], count: usize, query: __m256i) -> u32 {
-        let mask = half(self, bytemuck::cast_ref(rows), query);
-        // SAFETY: `self` proves BMI2.
-        unsafe { _bzhi_u32(mask, count.min(HALF) as u32) }
     }
 
     #[inline(always)]

@@ -62,8 +62,6 @@ pub(crate) type Row = [u8; 4];
 
 /// Rows that are compared at a time: one bit each in a mask.
 pub(crate) const WINDOW: usize = 64;
-/// The same where records have few neighbours.
-pub(crate) const HALF: usize = WINDOW / 2;
 
 /// Records that are tested against a cast at a time.
 pub(crate) const EIGHT: usize = 8;
@@ -204,9 +202,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Which of the first `count` rows, at most all, have no byte below the query's: bit `i` for row `i`.
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
-
-    /// As [`window`](Self::window), for half as many rows.
-    fn half_window(self, rows: &[Row; HALF], count: usize, query: Self::Query) -> u32;
 
     /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four bits of a
     /// mask. Writes the pairs of those that touch and share no mark to the start of `pairs`, in order, and returns

@@ -1,6 +1,6 @@
 //! The level that every CPU has, and the definition of each operation.
 
-use super::{Contact, EIGHT, HALF, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::access::Access;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, value};
@@ -120,11 +120,6 @@ impl Simd for Scalar {
     #[inline(always)]
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
         inside(rows, count, query)
-    }
-
-    #[inline(always)]
-    fn half_window(self, rows: &[Row; HALF], count: usize, query: Row) -> u32 {
-        inside(rows, count, query) as u32
     }
 
     #[inline(always)]

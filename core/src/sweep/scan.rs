@@ -1,7 +1,7 @@
 //! Compares the records of a sorted bucket with their neighbours, without branches that depend on boxes: the branch
 //! predictor would guess them wrong, and a wrong guess costs more than the compares.
 //!
-//! Each record is compared with the rows of its neighbours, a window of 64 or 32 rows at a time. A pass compares the
+//! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares the
 //! first windows of many records, then the second windows of those with more neighbours, and so on. A window gives a
 //! mask; `rounds` takes its bits.
 
@@ -12,11 +12,8 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::ROWS;
 use crate::memory::scratch::{LeafScratch, Lists};
-use crate::simd::{HALF, Phase, Row, Simd, WINDOW};
+use crate::simd::{Phase, Row, Simd, WINDOW};
 use crate::tree::Record;
-
-/// Records whose neighbours are counted to choose the width of windows.
-const SAMPLE: usize = 32;
 
 /// Looks for pairs in a sorted bucket.
 pub(super) struct Scan<'s, I> {
@@ -48,19 +45,7 @@ impl<'s, I: Index> Scan<'s, I> {
     /// Passes on the pairs of all records. `run` tells where the neighbours of a record start and end.
     #[inline(always)]
     pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
-        let count = self.sorted.len();
-        let (mut reach, mut sampled) = (0, 0);
-        for at in (0..count).step_by(count.div_ceil(SAMPLE).max(1)) {
-            let (first, end) = run(at, &self.sorted.at(at));
-            reach += end.saturating_sub(first);
-            sampled += 1;
-        }
-        // Few neighbours need no second half of a window.
-        if reach > HALF * sampled {
-            simd.call(Passes::<_, _, WINDOW> { scan: &mut self, run });
-        } else {
-            simd.call(Passes::<_, _, HALF> { scan: &mut self, run });
-        }
+        simd.call(Passes { scan: &mut self, run });
         self.drain(simd);
         simd.call(Last { found: &mut self.found, sink: self.sink });
     }
@@ -81,15 +66,13 @@ impl<'s, I: Index> Scan<'s, I> {
     }
 }
 
-/// Compares all records with their neighbours, in windows of one width.
-struct Passes<'p, 's, I, F, const WIDTH: usize> {
+/// Compares all records with their neighbours.
+struct Passes<'p, 's, I, F> {
     scan: &'p mut Scan<'s, I>,
     run: F,
 }
 
-impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phase
-    for Passes<'_, '_, I, F, WIDTH>
-{
+impl<I: Index, F: Fn(usize, &Record) -> (usize, usize)> Phase for Passes<'_, '_, I, F> {
     type Output = ();
 
     #[inline(always)]
@@ -104,7 +87,7 @@ impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phas
             let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
             for (at, record) in (start..).zip(sorted.span(start, count)) {
                 let (first, end) = run(at, record);
-                pass.next::<S, WIDTH>(simd, record, (at << 16 | first) as u32, end as u32);
+                pass.next(simd, record, (at << 16 | first) as u32, end as u32);
             }
             let mut left = pass.left;
             scan.mask_count = pass.mask_count;
@@ -115,7 +98,7 @@ impl<I: Index, F: Fn(usize, &Record) -> (usize, usize), const WIDTH: usize> Phas
                 for index in 0..left {
                     let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
                     let Some(record) = sorted.get((base >> 16) as usize) else { continue };
-                    pass.next::<S, WIDTH>(simd, record, base, end);
+                    pass.next(simd, record, base, end);
                 }
                 left = pass.left;
                 scan.mask_count = pass.mask_count;
@@ -139,24 +122,17 @@ struct Pass<'l, A> {
 impl<A: Copy> Pass<'_, A> {
     /// Compares a record with its next window.
     #[inline(always)]
-    fn next<S: Simd<Axis = A>, const WIDTH: usize>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
+    fn next<S: Simd<Axis = A>>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
         let first = base & 0xffff;
         let count = end.wrapping_sub(first);
-        let rows = self.rows.get(first as usize..first as usize + WIDTH).unwrap_or_default();
-        let query = simd.query(self.lanes, record);
-        // No closures: they would not have the instruction set of their function.
-        let bits = if WIDTH == WINDOW {
-            let Some(rows) = rows.first_chunk() else { return };
-            simd.window(rows, count as usize, query)
-        } else {
-            let Some(rows) = rows.first_chunk() else { return };
-            simd.half_window(rows, count as usize, query).into()
-        };
+        let rows = self.rows.get(first as usize..).unwrap_or_default();
+        let Some(rows) = rows.first_chunk() else { return };
+        let bits = simd.window(rows, count as usize, simd.query(self.lanes, record));
         // Both lists are always written, used or not.
         self.lists.put_mask(self.mask_count, bits, base);
         self.mask_count += usize::from(bits != 0);
-        self.lists.open.put(self.left % ROWS, base.wrapping_add(WIDTH as u32));
+        self.lists.open.put(self.left % ROWS, base.wrapping_add(WINDOW as u32));
         self.lists.ends.put(self.left % ROWS, end);
-        self.left += usize::from(count > WIDTH as u32);
+        self.left += usize::from(count > WINDOW as u32);
     }
 }

@@ -6,7 +6,7 @@
 
 use super::are_few;
 use super::enclose::{enclose, list_straddlers, number_straddlers};
-use super::migrate::migrate;
+use super::relocate::Relocate;
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -31,7 +31,7 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
 /// else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, depth) = (parts.state.objects.live, parts.state.tree.depth);
-    if left > live / LEAVERS_SHARE || !migrate(parts, left as usize, context) {
+    if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
         return false;
     }
     let large = parts.state.tree.large;

@@ -21,11 +21,9 @@ pub(crate) mod cells;
 pub(crate) mod enclose;
 pub(crate) mod keep;
 pub(crate) mod limits;
-pub(crate) mod migrate;
 pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;
-pub(crate) mod slack;
 pub(crate) mod subdivide;
 pub(crate) mod visit;
 

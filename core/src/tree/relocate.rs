@@ -1,8 +1,6 @@
 //! Moves the records of moved objects to their leaves, one by one (paper, section III.B).
 
 use super::enclose::expand_ancestors;
-use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
-use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
@@ -12,7 +10,7 @@ use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the large
-/// objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects are full,
+/// objects. Returns whether there was room. If a leaf or the list of large objects are full,
 /// nothing is lost, but all leaves must be filled anew.
 pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>, pub(crate) usize);
 
@@ -23,11 +21,10 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self(parts, count) = self;
         parts.state.lists.stale = 1;
-        let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
-            if !relocate(simd, parts, slot, &mut budget) {
+            if !relocate(simd, parts, slot) {
                 parts.state.tree.filled = 0;
                 return false;
             }
@@ -52,7 +49,7 @@ fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
 }
 
 #[inline(always)]
-fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, budget: &mut usize) -> bool {
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -> bool {
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
@@ -85,10 +82,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         withdraw(parts, slot);
         let mut target = parts.tree.leaves.at(leaf);
         if target.len == target.room {
-            if !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
-                return false;
-            }
-            target = parts.tree.leaves.at(leaf);
+            return false;
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
         parts.place.put(slot, I::from_slot(target.len));
@@ -110,7 +104,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
 }
 
 /// Takes an object out of its leaf or out of the large objects. The last one there takes its place.
-pub(super) fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
+fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     let home = parts.home.at(slot);
     parts.home.put(slot, I::NONE);
     let place = parts.place.at(slot).at();

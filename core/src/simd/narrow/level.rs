@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, HALF, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 
 /// The level of some vectors.
 #[derive(Clone, Copy, Debug)]
@@ -135,13 +135,6 @@ impl<V: Vectors> Simd for Narrow<V> {
         let [a, b, c, d]: &[[[u8; 16]; 4]; 4] = bytemuck::cast_ref(rows);
         let (a, b) = (inside(v, a, query), inside(v, b, query));
         v.bits64([a, b, inside(v, c, query), inside(v, d, query)]) & below(count)
-    }
-
-    #[inline(always)]
-    fn half_window(self, rows: &[Row; HALF], count: usize, query: V::Vector) -> u32 {
-        let v = self.0;
-        let [a, b]: &[[[u8; 16]; 4]; 2] = bytemuck::cast_ref(rows);
-        v.bits32([inside(v, a, query), inside(v, b, query)]) & below(count) as u32
     }
 
     #[inline(always)]
