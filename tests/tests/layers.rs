@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// From the ground up. What stands beside each other does not know each other.
-const LAYERS: [&[&str]; 14] = [
+const LAYERS: [&[&str]; 13] = [
     &["access", "config", "error", "filter", "id", "sort"],
     &["geometry"],
     &["simd"],
@@ -21,7 +21,6 @@ const LAYERS: [&[&str]; 14] = [
     &["step"],
     &["world"],
     &["query", "snapshot", "validate"],
-    &["compiled"],
 ];
 
 /// The crates of the project that others link.

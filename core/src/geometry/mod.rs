@@ -2,6 +2,7 @@
 
 pub(crate) mod aabb;
 mod algebra;
+pub(crate) mod boxes;
 pub(crate) mod extent;
 pub(crate) mod key;
 pub(crate) mod line;

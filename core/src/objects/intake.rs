@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::geometry::aabb::Boxes;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};

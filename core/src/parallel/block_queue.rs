@@ -143,30 +143,84 @@ parted_tuple!(A 0, B 1, C 2);
 parted_tuple!(A 0, B 1, C 2, D 3);
 parted_tuple!(A 0, B 1, C 2, D 3, E 4);
 
-/// A queue of parts, claimed in ascending order, each once.
+/// Numbers alone.
+// SAFETY: nothing is lent.
+unsafe impl Parted for usize {
+    type Part = ();
+
+    fn count(&self) -> usize {
+        *self
+    }
+
+    unsafe fn part(&self, _: usize) {}
+}
+
+/// The most shares; if there are more workers, some begin in the same one.
+const SHARES: usize = 8;
+
+/// A queue of parts, each claimed once, in as many shares as there are workers. Each worker claims the parts of one share first,
+/// in ascending order, and then those that are left in other shares. So a worker mostly gets the same parts in each stage and step,
+/// and has them in its cache.
 pub(crate) struct BlockQueue<P> {
     parts: P,
     count: u32,
-    next: AtomicU32,
+    shares: NonZeroU32,
+    /// How many parts of each share have been claimed.
+    next: [AtomicU32; SHARES],
+    arrived: AtomicU32,
 }
 
 impl<P: Parted> BlockQueue<P> {
+    /// One share: parts are claimed in ascending order.
     pub(crate) fn new(parts: P) -> Self {
+        Self::shared(parts, 1)
+    }
+
+    /// A share for each worker.
+    pub(crate) fn shared(parts: P, workers: usize) -> Self {
         // Callers have far fewer blocks than this.
-        let count = parts.count().min(u32::MAX as usize / 2) as u32;
-        Self { parts, count, next: AtomicU32::new(0) }
+        let count = parts.count().min(u32::MAX as usize / 2 / SHARES) as u32;
+        let shares = NonZeroU32::new(workers.min(SHARES) as u32).unwrap_or(NonZeroU32::MIN);
+        let next = core::array::from_fn(|_| AtomicU32::new(0));
+        Self { parts, count, shares, next, arrived: AtomicU32::new(0) }
     }
 
-    /// How many parts have been claimed so far.
+    /// How many parts there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    /// How many parts of the first share have been claimed so far.
     pub(crate) fn claimed(&self) -> usize {
-        self.next.load(Relaxed).min(self.count) as usize
+        self.next[0].load(Relaxed).min(self.count) as usize
     }
 
-    /// The next part and its index; `None` after the last one.
+    /// The share that one more worker begins with. The calling thread is the first one, as a rule.
+    pub(crate) fn arrive(&self) -> u32 {
+        claim_index(&self.arrived, u32::MAX).unwrap_or_default() as u32 % self.shares
+    }
+
+    /// The next part of the first share that has some left, and its index; `None` after the last one.
     pub(crate) fn claim(&self) -> Option<(usize, P::Part)> {
-        let index = claim_index(&self.next, self.count)?;
-        // SAFETY: `claim_index` returns each index below `count` once.
-        Some((index, unsafe { self.parts.part(index) }))
+        self.claim_from(&mut 0)
+    }
+
+    /// The next part of a share, or of the one after it that has some left, and its index; `None` after the last one. Goes on
+    /// with that share.
+    pub(crate) fn claim_from(&self, share: &mut u32) -> Option<(usize, P::Part)> {
+        for _ in 0..self.shares.get() {
+            // Without overflow: see `shared`. The shares are disjoint and end at `count`.
+            let start = |share: u32| share * self.count / self.shares;
+            let (from, to) = (start(*share), start(*share + 1));
+            if let Some(index) = self.next.get(*share as usize).and_then(|next| claim_index(next, to - from))
+            {
+                let index = from as usize + index;
+                // SAFETY: `claim_index` returns each index of a share once.
+                return Some((index, unsafe { self.parts.part(index) }));
+            }
+            *share = (*share + 1) % self.shares;
+        }
+        None
     }
 }
 
@@ -184,91 +238,6 @@ fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     #[cfg(not(target_has_atomic = "32"))]
     next.store(index + 1, Relaxed);
     (index < count).then_some(index as usize)
-}
-
-/// A queue of parts in as many shares as there are workers. Each claims the parts of one share first, in ascending order, and
-/// then those that the others have left. So a worker mostly gets the same parts in each stage and step, and has them in its cache.
-pub(crate) struct SharedOut<P> {
-    parts: P,
-    shares: Shares,
-}
-
-impl<P: Parted> SharedOut<P> {
-    pub(crate) fn new(parts: P, workers: usize) -> Self {
-        let shares = Shares::new(parts.count(), workers);
-        Self { parts, shares }
-    }
-
-    /// How many parts there are.
-    pub(crate) const fn count(&self) -> usize {
-        self.shares.count as usize
-    }
-
-    /// The share that one more worker begins with. The calling thread is the first one, as a rule.
-    pub(crate) fn arrive(&self) -> u32 {
-        claim_index(&self.shares.arrived, u32::MAX).unwrap_or_default() as u32 % self.shares.shares
-    }
-
-    /// The next part of a share, or of the one after it that has some left, and its index; `None` after the last one. Goes on with
-    /// that share.
-    pub(crate) fn claim(&self, share: &mut u32) -> Option<(usize, P::Part)> {
-        let index = self.shares.claim(share)?;
-        // SAFETY: `claim` returns each index below `count` once.
-        Some((index, unsafe { self.parts.part(index) }))
-    }
-}
-
-/// The most shares; if there are more workers, some begin in the same one.
-const SHARES: usize = 8;
-
-/// The indices of a [`SharedOut`].
-struct Shares {
-    count: u32,
-    shares: NonZeroU32,
-    /// How many indices of each share have been claimed.
-    next: [AtomicU32; SHARES],
-    arrived: AtomicU32,
-}
-
-impl Shares {
-    fn new(count: usize, workers: usize) -> Self {
-        // Callers have far fewer blocks than this.
-        let count = count.min(u32::MAX as usize / 2 / SHARES) as u32;
-        let shares = NonZeroU32::new(workers.min(SHARES) as u32).unwrap_or(NonZeroU32::MIN);
-        let next = core::array::from_fn(|_| AtomicU32::new(0));
-        Self { count, shares, next, arrived: AtomicU32::new(0) }
-    }
-
-    /// The shares are disjoint and end at `count`, and `claim_index` returns each index of one once.
-    fn claim(&self, share: &mut u32) -> Option<usize> {
-        for _ in 0..self.shares.get() {
-            // Without overflow: see `new`.
-            let start = |share: u32| share * self.count / self.shares;
-            let (from, to) = (start(*share), start(*share + 1));
-            if let Some(index) = self.next.get(*share as usize).and_then(|next| claim_index(next, to - from))
-            {
-                return Some(from as usize + index);
-            }
-            *share = (*share + 1) % self.shares;
-        }
-        None
-    }
-}
-
-/// Indices that are claimed in ascending order, each once.
-pub(crate) struct Indices {
-    count: u32,
-    next: AtomicU32,
-}
-
-impl Indices {
-    pub(crate) fn new(count: usize) -> Self {
-        Self { count: count.min(u32::MAX as usize / 2) as u32, next: AtomicU32::new(0) }
-    }
-
-    pub(crate) fn claim(&self) -> Option<usize> {
-        claim_index(&self.next, self.count)
-    }
 }
 
 /// Up to 32 areas of scratch memory. A call of a job borrows one while it runs.
@@ -354,12 +323,12 @@ mod tests {
     fn every_part_of_all_shares_is_claimed_once() {
         for (workers, len) in [(0, 7), (1, 7), (2, 7), (3, 2), (3, 10), (9, 20), (2, 0)] {
             let mut items = [0u8; 20];
-            let queue = SharedOut::new(Chunks::new(&mut items[..len], 1), workers);
+            let queue = BlockQueue::shared(Chunks::new(&mut items[..len], 1), workers);
             let mut shares = [(); 3].map(|()| queue.arrive());
             let mut order = std::vec::Vec::new();
             'all: loop {
                 for share in &mut shares {
-                    let Some((index, item)) = queue.claim(share) else { break 'all };
+                    let Some((index, item)) = queue.claim_from(share) else { break 'all };
                     item.iter_mut().for_each(|item| *item += 1);
                     order.push(index);
                 }

@@ -1,6 +1,6 @@
 //! What all phases of a step are given: kernels, executor, rule, and how many may work.
 
-use super::block_queue::{Parted, SharedOut};
+use super::block_queue::{BlockQueue, Parted};
 use super::executor::{self, Executor};
 use crate::filter::Rule;
 use crate::simd::kernels::Kernels;
@@ -21,10 +21,10 @@ impl StepContext<'_> {
     /// Works on each part once. Workers share the parts if there are enough.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
         let workers = (self.executor.workers() as usize).min(self.workers);
-        let queue = SharedOut::new(parts, workers);
+        let queue = BlockQueue::shared(parts, workers);
         executor::run(self.executor, workers, queue.count(), &|| {
             let mut share = queue.arrive();
-            while let Some((index, part)) = queue.claim(&mut share) {
+            while let Some((index, part)) = queue.claim_from(&mut share) {
                 work(index, part);
             }
         });

@@ -4,7 +4,8 @@
 //! under a feature, so that it can also run in an emulator without std: see `tests/emulated`.
 
 use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
-use crate::geometry::aabb::{Aabb, Four};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::geometry::line::{Line, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};

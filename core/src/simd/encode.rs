@@ -1,7 +1,7 @@
 //! The keys of boxes, of one or of four at a time, with 256-bit integers of x86-64.
 
 use super::detect::Avx2;
-use crate::geometry::aabb::Four;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use core::arch::x86_64::*;
 

@@ -9,6 +9,8 @@ mod agreement;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
+mod casts;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod detect;
 #[cfg(target_arch = "x86_64")]
 mod encode;
@@ -39,7 +41,7 @@ pub(crate) mod scalar;
 mod tests;
 
 use crate::access::Access;
-use crate::geometry::aabb::Four;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};

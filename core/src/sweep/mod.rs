@@ -21,7 +21,7 @@ use crate::memory::state::State;
 use crate::pairs::events::{Block, Blocks, Boxes, Events};
 pub(crate) use crate::pairs::pair_filter::Sink;
 use crate::pairs::pair_filter::{Filtered, PairFilter};
-use crate::parallel::block_queue::{BlockQueue, Chunks, Indices, Pool};
+use crate::parallel::block_queue::{BlockQueue, Chunks, Pool};
 use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -62,7 +62,7 @@ impl<I: Index> Sink<I> for Ordered<'_, I> {
 
 /// The queue of the blocks of a sweep.
 enum SweepQueue<'b, I> {
-    Plain(Indices),
+    Plain(BlockQueue<usize>),
     /// With events that are told block by block.
     WithEvents(Blocks<'b, I>),
 }
@@ -70,7 +70,7 @@ enum SweepQueue<'b, I> {
 impl<I: Index> SweepQueue<'_, I> {
     fn claim(&self) -> Option<(usize, Option<Block<'_, I>>)> {
         match self {
-            Self::Plain(indices) => indices.claim().map(|index| (index, None)),
+            Self::Plain(blocks) => blocks.claim().map(|(index, ())| (index, None)),
             Self::WithEvents(blocks) => blocks.claim().map(|(index, block)| (index, Some(block))),
         }
     }
@@ -132,7 +132,7 @@ impl<'o, I: Index> Collector<'o, I> {
     ) -> (Option<Boxes<'o>>, SweepQueue<'e, I>) {
         match events {
             Some(events) => (Some(events.boxes), SweepQueue::WithEvents(events.blocks())),
-            None => (None, SweepQueue::Plain(Indices::new(blocks))),
+            None => (None, SweepQueue::Plain(BlockQueue::new(blocks))),
         }
     }
 

@@ -56,3 +56,9 @@ pub(crate) const DIVIDED_SHARE: u32 = 64;
 pub(crate) const DIVIDED_AT_LEAST: u32 = 1024;
 /// Movers for each leaf whose boxes are made tight: one member is looked at for about four movers.
 pub(crate) const MOVERS_PER_REFIT: usize = 4 * LEAF_TARGET;
+/// Leaves on either side that a full leaf asks for room.
+pub(crate) const NEIGHBOURS: usize = 16;
+/// One in this many records may move in one step for leaves that borrow room.
+pub(crate) const SLACK_SHARE: usize = 8;
+/// At least this many records may move for that.
+pub(crate) const SLACK_AT_LEAST: usize = 16_384;

@@ -24,6 +24,7 @@ pub(crate) mod limits;
 pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod sharpen;
+pub(crate) mod slack;
 pub(crate) mod subdivide;
 pub(crate) mod visit;
 

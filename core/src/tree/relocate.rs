@@ -1,6 +1,8 @@
 //! Moves the records of moved objects to their leaves, one by one (paper, section III.B).
 
 use super::enclose::expand_ancestors;
+use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
+use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
@@ -10,7 +12,7 @@ use crate::memory::slab::Parts;
 use crate::simd::{Phase, Simd};
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the large
-/// objects. Returns whether there was room. If a leaf or the list of large objects are full,
+/// objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects are full,
 /// nothing is lost, but all leaves must be filled anew.
 pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>, pub(crate) usize);
 
@@ -21,10 +23,11 @@ impl<I: Index> Phase for Relocate<'_, '_, I> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self(parts, count) = self;
         parts.state.lists.stale = 1;
+        let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
         for index in 0..count {
             prefetch(simd, parts, parts.order[1].span(index, count - index));
             let slot = parts.order[1].at(index).at();
-            if !relocate(simd, parts, slot) {
+            if !relocate(simd, parts, slot, &mut budget) {
                 parts.state.tree.filled = 0;
                 return false;
             }
@@ -49,7 +52,7 @@ fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
 }
 
 #[inline(always)]
-fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -> bool {
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, budget: &mut usize) -> bool {
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
@@ -82,7 +85,10 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize) -
         withdraw(parts, slot);
         let mut target = parts.tree.leaves.at(leaf);
         if target.len == target.room {
-            return false;
+            if !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
+                return false;
+            }
+            target = parts.tree.leaves.at(leaf);
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
         parts.place.put(slot, I::from_slot(target.len));

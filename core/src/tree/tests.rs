@@ -2,7 +2,8 @@
 
 use super::{UNSPLIT, plane};
 use crate::config::{Capacity, Choice, Config};
-use crate::geometry::aabb::{Aabb, Boxes};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::key;
 use crate::memory::stats::Path;
 use crate::simd::kernels::Kernels;

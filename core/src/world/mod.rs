@@ -33,7 +33,7 @@ pub use view::{LeafView, PlaneView};
 
 use crate::access::{Access, faults};
 use crate::error::{Error, Rejected};
-use crate::geometry::aabb::Boxes;
+use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
 use crate::memory::limits::SHARED_FROM;
 use crate::memory::slab::Parts;

@@ -3,7 +3,7 @@
 use super::{Step, World};
 use crate::error::Error;
 use crate::filter::Rule;
-use crate::geometry::aabb::Boxes;
+use crate::geometry::boxes::Boxes;
 use crate::id::Index;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{Executor, Serial};

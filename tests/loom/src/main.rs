@@ -23,7 +23,7 @@ mod block_queue;
 #[path = "../../../std-adapter/src/offer.rs"]
 mod offer;
 
-use block_queue::{BlockQueue, Chunks, Indices, Pool, SharedOut};
+use block_queue::{BlockQueue, Chunks, Pool};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use offer::Offer;
@@ -82,11 +82,11 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
 
 /// Every part of all shares is claimed once, by one, also by workers that begin in one share.
 fn every_part_of_all_shares_is_claimed_once(width: usize, shares: usize, parts: usize) {
-    let claims = leak(SharedOut::new(Chunks::new(items(parts), 1), shares));
+    let claims = leak(BlockQueue::shared(Chunks::new(items(parts), 1), shares));
     let job = leak(move || {
         let mut claimed: Vec<(usize, Part)> = Vec::new();
         let mut share = claims.arrive();
-        while let Some((index, part)) = claims.claim(&mut share) {
+        while let Some((index, part)) = claims.claim_from(&mut share) {
             add(&part[0], index as u32 + 1);
             claimed.push((index, part));
         }
@@ -161,14 +161,14 @@ fn scratch_is_lent_to_one_at_a_time(width: usize, areas: usize) {
 fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let chunks_of = |block: usize| block % 3;
     let needed: usize = (0..blocks).map(chunks_of).sum();
-    let next = leak(Indices::new(blocks));
+    let next = leak(BlockQueue::new(blocks));
     let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1)));
     let pool = leak(Pool::new(items(width), 1));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
         let mut filled: Vec<([usize; 2], Part)> = Vec::new();
         let Some(mut scratch) = pool.borrow() else { return filled };
-        while let Some(block) = next.claim() {
+        while let Some((block, ())) = next.claim() {
             add(&scratch.area()[0], 1);
             for number in 0..chunks_of(block) {
                 let Some((index, chunk)) = output.claim() else {

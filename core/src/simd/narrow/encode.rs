@@ -5,7 +5,7 @@
 
 use super::keys::FROM_SECOND;
 use super::vectors::{NO_BYTE, Vectors};
-use crate::geometry::aabb::Four;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 
 /// The places of the second and the third word, the third again, and the first one.

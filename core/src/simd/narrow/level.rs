@@ -3,7 +3,7 @@
 use super::keys::Keys;
 use super::vectors::Vectors;
 use super::{casts, encode, fours, overlaps};
-use crate::geometry::aabb::Four;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};

@@ -1,0 +1,157 @@
+//! Views of boxes in the caller's memory.
+
+use super::aabb::Aabb;
+use bytemuck::NoUninit;
+
+/// Boxes in the caller's memory. Each item has three `f32` of the minimum and three of the maximum at fixed places.
+/// Nothing is copied, and any alignment is right.
+#[derive(Clone, Copy, Debug)]
+pub struct Boxes<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    /// Where the maximum corner ends in an item.
+    end: usize,
+    count: usize,
+}
+
+/// The bytes of three `f32`.
+const CORNER: usize = 12;
+
+/// The bytes of a corner that is padded to four floats.
+const PADDED: usize = 16;
+
+/// Four boxes in the caller's memory.
+#[derive(Clone, Copy)]
+#[allow(dead_code, reason = "scalar code takes boxes one by one")]
+pub(crate) enum Four<'a> {
+    /// One after another.
+    Packed(&'a [u8; 8 * CORNER]),
+    /// With a float behind each corner.
+    Padded(&'a [u8; 8 * PADDED]),
+}
+
+impl<'a> Boxes<'a> {
+    /// Boxes one after another.
+    #[must_use]
+    pub fn new(boxes: &'a [Aabb]) -> Self {
+        Self {
+            bytes: bytemuck::cast_slice(boxes),
+            stride: size_of::<Aabb>(),
+            end: size_of::<Aabb>(),
+            count: boxes.len(),
+        }
+    }
+
+    /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings: `[min x, y,
+    /// z, _, max x, y, z, _]`.
+    #[must_use]
+    pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
+        Self { bytes: bytemuck::cast_slice(boxes), stride: 32, end: 16 + CORNER, count: boxes.len() }
+    }
+
+    /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its maximum corner
+    /// `max_at` bytes later. `None` if the corners overlap or do not fit the stride. A last item that ends right
+    /// after its maximum corner counts.
+    #[must_use]
+    pub fn strided(bytes: &'a [u8], stride: usize, max_at: usize) -> Option<Self> {
+        let end = max_at.checked_add(CORNER)?;
+        if max_at < CORNER || end > stride {
+            return None;
+        }
+        let count = bytes.len() / stride + usize::from(bytes.len() % stride >= end);
+        Some(Self { bytes, stride, end, count })
+    }
+
+    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` if the box is no part
+    /// of its item.
+    ///
+    /// ```
+    /// use trisap_core::{Aabb, Boxes};
+    ///
+    /// #[repr(C)]
+    /// #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+    /// struct Body {
+    ///     mass: f32,
+    ///     aabb: Aabb,
+    /// }
+    ///
+    /// let bodies = [Body { mass: 1.0, aabb: Aabb::new([0.0; 3], [1.0; 3]) }; 2];
+    /// let boxes = Boxes::of(&bodies, |body| &body.aabb).unwrap();
+    /// assert_eq!((boxes.len(), boxes.get(1)), (2, Some(bodies[1].aabb)));
+    /// ```
+    #[must_use]
+    pub fn of<T: NoUninit>(items: &'a [T], aabb: impl Fn(&T) -> &Aabb) -> Option<Self> {
+        let Some(first) = items.first() else { return Some(Self::new(&[])) };
+        let at = (&raw const *aabb(first)).addr().checked_sub((&raw const *first).addr())?;
+        if at.checked_add(size_of::<Aabb>())? > size_of::<T>() {
+            return None;
+        }
+        let bytes = bytemuck::cast_slice::<T, u8>(items).get(at..)?;
+        Self::strided(bytes, size_of::<T>(), CORNER)
+    }
+
+    /// How many boxes there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is no box.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The box at `index`.
+    #[must_use]
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> Option<Aabb> {
+        let [min, max] = self.corners(self.items_from(index))?;
+        Some(Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
+    }
+
+    /// The bytes of the items from `index` on.
+    #[inline(always)]
+    pub(crate) fn items_from(&self, index: usize) -> &'a [u8] {
+        // For a larger index the product could overflow.
+        if index >= self.count {
+            return &[];
+        }
+        self.bytes.get(index * self.stride..).unwrap_or_default()
+    }
+
+    /// All items but the first.
+    #[inline(always)]
+    pub(crate) fn items_after(&self, items: &'a [u8]) -> &'a [u8] {
+        items.get(self.stride..).unwrap_or_default()
+    }
+
+    /// The first four of some items, if there are as many and they are boxes and nothing else.
+    #[inline(always)]
+    pub(crate) fn four(&self, items: &'a [u8]) -> Option<Four<'a>> {
+        match (self.stride, self.end) {
+            (24, _) => items.first_chunk().map(Four::Packed),
+            (32, 28) => items.first_chunk().map(Four::Padded),
+            _ => None,
+        }
+    }
+
+    /// Those after the first four of some items.
+    #[inline(always)]
+    pub(crate) fn items_after_four(&self, items: &'a [u8]) -> &'a [u8] {
+        items.get(4 * self.stride..).unwrap_or_default()
+    }
+
+    /// The bytes of the corners of the first of some items, if it is not cut off.
+    #[inline(always)]
+    pub(crate) fn corners(&self, items: &'a [u8]) -> Option<[&'a [u8; CORNER]; 2]> {
+        let item = items.get(..self.end)?;
+        Some([item.first_chunk()?, item.last_chunk()?])
+    }
+}
+
+impl<'a> From<&'a [Aabb]> for Boxes<'a> {
+    fn from(boxes: &'a [Aabb]) -> Self {
+        Self::new(boxes)
+    }
+}
