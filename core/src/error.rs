@@ -182,7 +182,9 @@ impl fmt::Display for Error {
             Self::NoFilters => f.write_str("the world was made without filters"),
             Self::NoValues => f.write_str("the world was made without values"),
             Self::BadClass { class } => write!(f, "class {class} is not below 32"),
-            Self::BadQuery { index } => write!(f, "query {index} is not valid"),
+            Self::BadQuery { index } => {
+                write!(f, "query {index} has NaN, or an infinity or a negative length where none is allowed")
+            }
             Self::OutputFull { needed, room } => {
                 write!(
                     f,

@@ -14,6 +14,10 @@ const LONGEST: Duration = Duration::from_secs(1);
 /// Calls of a job do not end in the same instant: each still has a block of work in hand when there are no more.
 const SKEW: Duration = Duration::from_micros(20);
 
+/// After so many steps for which nobody came, work is done alone for [`REPAID`] times the length of one: those who would
+/// come have other work.
+const UNANSWERED: u32 = 4;
+
 /// After so many shared steps their time is compared with that of steps done alone.
 const WINDOW: u32 = 16;
 /// After so many windows in a row one step is done alone, to know what it takes.
@@ -47,6 +51,9 @@ pub(crate) struct Judge {
     taken: bool,
     /// This step is done alone by choice.
     refused: bool,
+    /// Another thread was called for in this step, and in how many steps nobody came; half of them are forgiven where somebody has.
+    called: bool,
+    unanswered: u32,
     /// What a step takes alone: a mean of the last ones.
     one: Option<Duration>,
     /// How many steps were shared since the last comparison, and their time.
@@ -77,6 +84,7 @@ impl Judge {
 
     /// A job has ended now.
     pub(crate) fn ended(&mut self, job: Job, now: Instant) {
+        self.called = true;
         let Some(first) = job.first else { return };
         self.taken = true;
         // Alone it would have taken about half as long again at least.
@@ -113,6 +121,12 @@ impl Judge {
         let took = self.begun.take().map_or(Duration::ZERO, |begun| now - begun);
         let count = if taken { &mut self.counts.shared } else { &mut self.counts.alone };
         *count += 1;
+        if mem::take(&mut self.called) {
+            self.unanswered = if taken { self.unanswered / 2 } else { self.unanswered + 1 };
+            if self.unanswered >= UNANSWERED {
+                self.alone_until = Some(now + REPAID * took);
+            }
+        }
         match (taken, refused) {
             (false, true) => self.stepped_alone(took),
             (true, false) => self.stepped_shared(took, now),

@@ -26,3 +26,30 @@ fn front_pages_name_examples_that_are_there() {
         assert!(read(&format!("std-adapter/examples/{example}.rs")).starts_with("//! "), "{example}");
     }
 }
+
+/// What `cargo add trisap` brings: two packages of ours and twelve others.
+#[test]
+fn a_plain_dependency_brings_few_packages() {
+    let arguments = [
+        "tree",
+        "-p",
+        "trisap",
+        "-e",
+        "normal,build",
+        "--prefix",
+        "none",
+        "--offline",
+        "--locked",
+        "-f",
+        "{p}",
+    ];
+    let tree = std::process::Command::new(env!("CARGO"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo");
+    let tree = String::from_utf8(tree.stdout).expect("text");
+    let packages: std::collections::BTreeSet<_> =
+        tree.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert!(packages.contains("trisap-core") && packages.len() <= 2 + 12, "{packages:?}");
+}

@@ -4,7 +4,7 @@ use crate::access::note_fault;
 use crate::geometry::key::KeyBox;
 use crate::memory::limits::LEVELS;
 use crate::simd::Simd;
-use heapless::Vec;
+use arrayvec::ArrayVec;
 
 /// What looks for leaves.
 pub(crate) trait Probe {
@@ -61,7 +61,7 @@ pub(crate) struct Visit<'v, P: Probe> {
     first: u32,
     pub(crate) probe: P,
     /// Nodes that wait: at most one a level, and the leaf at the start.
-    stack: Vec<Waiting<P::When>, LEVELS>,
+    stack: ArrayVec<Waiting<P::When>, LEVELS>,
 }
 
 impl<'v, P: Probe> Visit<'v, P> {
@@ -72,7 +72,7 @@ impl<'v, P: Probe> Visit<'v, P> {
     pub(crate) fn new<S: Simd>(simd: S, nodes: &'v [KeyBox], depth: u32, leaf: usize, probe: P) -> Self {
         let first = 1 << depth;
         let leaf = first | leaf as u32;
-        let mut visit = Self { nodes, first, probe, stack: Vec::new() };
+        let mut visit = Self { nodes, first, probe, stack: ArrayVec::new() };
         // The nodes beside the way. The deepest one is pushed last, so it comes first.
         for level in (0..depth).rev().step_by(2) {
             let has_lower = level > 0;
@@ -91,7 +91,7 @@ impl<'v, P: Probe> Visit<'v, P> {
     /// Lets a node wait if it is met.
     #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
-        if self.probe.is_met(node.when) && self.stack.push(node).is_err() {
+        if self.probe.is_met(node.when) && self.stack.try_push(node).is_err() {
             note_fault();
         }
     }

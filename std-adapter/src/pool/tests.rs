@@ -146,6 +146,54 @@ fn threads_go_to_sleep_again() {
     wait_until(|| Arc::strong_count(&common) == 1);
 }
 
+/// Worlds that are stepped by the pool's own threads: nobody lingers for one that has stepped.
+#[test]
+fn threads_do_not_linger_for_a_world_of_their_own_pool() {
+    let pool = pool(2);
+    let busy = Barrier::new(2);
+    let executor = Rayon::in_pool(&pool);
+    const STEPS: u64 = 50;
+    pool.scope(|scope| {
+        // The other thread has work of its own.
+        scope.spawn(|_| {
+            busy.wait();
+        });
+        for _ in 0..STEPS {
+            executor.enter(Stage::Intake);
+            assert!(executor.workers() <= 2);
+            assert_eq!(calls(&executor, 2), 1);
+            executor.enter(Stage::Done);
+        }
+        busy.wait();
+    });
+    wait_until(|| executor.common.looking.load(Relaxed) == 0);
+    let looks = executor.common.looks.load(Relaxed);
+    assert!(looks <= 2 * STEPS, "{looks} looks for work after {STEPS} steps");
+}
+
+/// Calls that nobody answers get rarer.
+#[test]
+fn who_never_comes_is_called_for_less_and_less() {
+    let pool = pool(2);
+    let busy = Barrier::new(2);
+    let executor = Rayon::in_pool(&pool);
+    pool.scope(|scope| {
+        scope.spawn(|_| {
+            busy.wait();
+        });
+        for _ in 0..100 {
+            executor.enter(Stage::Intake);
+            if executor.workers() > 1 {
+                executor.fork_join(2, &|| thread::sleep(Duration::from_micros(50)));
+            }
+            executor.enter(Stage::Done);
+        }
+        assert!(!lock(&executor.common.judge).shares(Instant::now()));
+        busy.wait();
+    });
+    assert_eq!(executor.sharing(), Sharing { shared: 0, alone: 100, losses: 0 });
+}
+
 #[test]
 fn works_from_inside_a_pool() {
     let pool = pool(2);
