@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The package for the web, from anywhere: builds it, runs its tests in node and in Chromium, installs what `npm pack` makes
-# into an empty program and runs that, and has the peers agree on every count.
+# into an empty program and runs that, runs what vite, webpack, rollup and esbuild make of it, and has the peers agree on every count.
 #
 # Needs node with npm and what ffi/js/build.sh needs; says so and does nothing without them, or fails with TRISAP_NO_SKIP.
 set -euo pipefail
@@ -44,6 +44,15 @@ world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]));
 if (world.step().pairs.join() !== "0,1") throw new Error("a pair is missing");
 PROGRAM
     node main.js
+)
+
+# As bundlers make it, away from this checkout.
+cp -r bundlers "$packed"
+(
+    cd "$packed/bundlers"
+    npm ci --no-audit --no-fund --loglevel=error
+    npm install --no-save --no-audit --no-fund --loglevel=error ../trisap-*.tgz
+    node --test bundlers.test.js
 )
 
 cd peers

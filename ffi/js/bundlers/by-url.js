@@ -1,0 +1,4 @@
+import { createWorld } from "trisap";
+import { tell } from "./program.js";
+
+tell(createWorld);

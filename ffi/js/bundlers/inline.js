@@ -1,0 +1,4 @@
+import { createWorld } from "trisap/inline";
+import { tell } from "./program.js";
+
+tell(createWorld);
