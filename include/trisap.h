@@ -257,8 +257,8 @@ typedef struct trisap_config {
 } trisap_config;
 
 /// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
-/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, and answers
-/// are not: `trisap_world_contains` is never reported.
+/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, but for those
+/// of worlds that grow (see `trisap_world_set_growing`), and answers are not: `trisap_world_contains` is never reported.
 ///
 /// If trisap finds a mistake of its own, it is called with `TRISAP_STATUS_OTHER` and a text that names the place in its source, and
 /// then the program is aborted.
@@ -308,7 +308,7 @@ typedef struct trisap_jobs {
     /// The size of this struct in bytes.
     uint32_t struct_size;
     /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
-    /// never called.
+    /// never called. Neither is it by the steps of a world whose `workers` are 1: those are for as many at most.
     uint32_t worker_count;
     /// Passed to `fork_join`.
     void *user;
@@ -562,6 +562,12 @@ void trisap_set_report(trisap_report report,
                        void *user)
 TRISAP_NOEXCEPT;
 
+/// Has the function of `trisap_set_report` called as for a refusal of the library's own: for covers in other languages,
+/// which refuse some things before they call. O(1).
+void trisap_refuse(int32_t status,
+                   uint64_t detail)
+TRISAP_NOEXCEPT;
+
 /// The bytes of memory that a world of this configuration needs. They grow linearly with objects, leaf references and
 /// pairs. O(1).
 ///
@@ -616,6 +622,18 @@ trisap_status trisap_world_insert(struct trisap_world *world,
                                   trisap_id *id)
 TRISAP_NOEXCEPT;
 
+/// Adds an object with its filter and its value, either of which may be null, and writes its id to `id`. O(1).
+///
+/// Errors: those of `trisap_world_insert`; with a filter `TRISAP_STATUS_NO_FILTERS` and `TRISAP_STATUS_BAD_CLASS`, with
+/// a value `TRISAP_STATUS_NO_VALUES`. There is no new object then.
+TRISAP_NODISCARD
+trisap_status trisap_world_insert_with(struct trisap_world *world,
+                                       const struct trisap_aabb *aabb,
+                                       const struct trisap_filter *filter,
+                                       const uint64_t *value,
+                                       trisap_id *id)
+TRISAP_NOEXCEPT;
+
 /// Gives an object another box. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`. The object keeps its box then.
@@ -660,6 +678,15 @@ trisap_status trisap_world_update_many(struct trisap_world *world,
                                        const struct trisap_boxes *boxes)
 TRISAP_NOEXCEPT;
 
+/// As `trisap_world_update_many`, with ids that stand `stride` bytes behind each other: inside of the caller's own
+/// items, as their boxes do. O(boxes).
+TRISAP_NODISCARD
+trisap_status trisap_world_update_strided(struct trisap_world *world,
+                                          const trisap_id *ids,
+                                          size_t stride,
+                                          const struct trisap_boxes *boxes)
+TRISAP_NOEXCEPT;
+
 /// Removes objects, all or none. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`. It is also the status of an id that comes twice.
@@ -684,13 +711,39 @@ trisap_status trisap_world_aabb(const struct trisap_world *world,
                                 struct trisap_aabb *aabb)
 TRISAP_NOEXCEPT;
 
-/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer to misuse. O(1).
+/// Writes the boxes of `count` objects to `aabbs`, as `trisap_world_aabb` does of one. Their ids are `stride` bytes
+/// behind each other. After a refusal some may be written. O(n).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
+TRISAP_NODISCARD
+trisap_status trisap_world_aabbs(const struct trisap_world *world,
+                                 const trisap_id *ids,
+                                 size_t stride,
+                                 size_t count,
+                                 struct trisap_aabb *aabbs)
+TRISAP_NOEXCEPT;
+
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer of a busy world and to misuse:
+/// `trisap_world_find` tells them apart. O(1).
 TRISAP_NODISCARD
 trisap_id trisap_world_id_at(const struct trisap_world *world,
                              uint32_t slot)
 TRISAP_NOEXCEPT;
 
-/// Living objects; 0 for misuse. O(1).
+/// As `trisap_world_id_at`, written to `id`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_find(const struct trisap_world *world,
+                                uint32_t slot,
+                                trisap_id *id)
+TRISAP_NOEXCEPT;
+
+/// Living objects, written to `count`. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_count(const struct trisap_world *world,
+                                 uint32_t *count)
+TRISAP_NOEXCEPT;
+
+/// Living objects; 0 also of a busy world and for misuse, which `trisap_world_count` tells apart. O(1).
 TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRISAP_NOEXCEPT;
 
 /// The filter of a new object: in all groups, meets all groups, class 0. O(1).
@@ -1125,6 +1178,15 @@ TRISAP_NODISCARD
 size_t trisap_world_bytes(const struct trisap_world *world)
 TRISAP_NOEXCEPT;
 
+/// Whether full buffers of this world are to be reported: with 1, `TRISAP_STATUS_OBJECTS_FULL` and
+/// `TRISAP_STATUS_PAIRS_FULL` are still the statuses, and the function of `trisap_set_report` is not called for them.
+/// For those who move the world to more memory then, and call `trisap_refuse` where they cannot. A world that was moved
+/// or opened reports everything again. O(1).
+TRISAP_NODISCARD
+trisap_status trisap_world_set_growing(struct trisap_world *world,
+                                       uint32_t growing)
+TRISAP_NOEXCEPT;
+
 /// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
 /// For copies within a program, and between programs of the same version on the same kind of machine. The snapshots
@@ -1143,7 +1205,7 @@ TRISAP_NOEXCEPT;
 /// Everything goes on: ids, boxes, margins, filters, rest, and the last result, so the next step tells what is found
 /// and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs; a step
 /// there tells events as if there had always been room. Capacities, workers and the margin of new objects may change.
-/// The mode, events, filters and whether there are margins may not.
+/// The mode, events, filters, values and whether there are margins may not.
 ///
 /// Errors: those of `trisap_world_init`, `TRISAP_STATUS_OTHER_CONFIG`, and `TRISAP_STATUS_OBJECTS_FULL` or
 /// `TRISAP_STATUS_PAIRS_FULL` if the world does not fit; the detail of `from` then says how much would have to fit.

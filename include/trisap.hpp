@@ -137,7 +137,8 @@ private:
 }
 
 /// A view of boxes inside `count` items of any type: three floats from `min` and three from `max`, members of the first
-/// item, with the minimum before the maximum.
+/// item, with the minimum before the maximum. There has to be a first item: for arrays that may be empty, and where the corners are
+/// members of the item itself, name the members.
 ///
 ///     trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].bounds.min, bodies[0].bounds.max)
 template <class Item>
@@ -150,6 +151,67 @@ template <class Item>
                                                  reinterpret_cast<std::uintptr_t>(min));
     return view;
 }
+
+namespace detail {
+
+/// What this header refuses itself is reported as what the library refuses.
+inline Status refuse(Status status, std::uint64_t about = 0) noexcept {
+    trisap_refuse(status, about);
+    return status;
+}
+
+/// The first of the floats that a corner is made of: of an array of them, or of a struct that begins with three.
+template <class Corner> [[nodiscard]] const float *floats(const Corner &corner) noexcept {
+    if constexpr (std::is_array_v<Corner>) {
+        static_assert(std::is_same_v<std::remove_cv_t<std::remove_extent_t<Corner>>, float> && std::extent_v<Corner> >= 3);
+        return corner;
+    } else {
+        static_assert(std::is_standard_layout_v<Corner> && sizeof(Corner) >= 3 * sizeof(float));
+        return reinterpret_cast<const float *>(std::addressof(corner));
+    }
+}
+
+} // namespace detail
+
+/// A view of boxes inside items that stand one after another, also of none: their corners are two members, each an array of at
+/// least three floats or a struct that begins with three.
+///
+///     trisap::boxes_in(bodies, &Body::min, &Body::max)
+template <class Items, class Item, class Min, class Max>
+[[nodiscard]] Boxes boxes_in(const Items &items, Min Item::*min, Max Item::*max) noexcept {
+    static_assert(std::is_same_v<std::remove_cv_t<std::remove_pointer_t<decltype(items.data())>>, Item>);
+    if (items.size() == 0) {
+        return trisap_default_boxes(nullptr, 0);
+    }
+    const Item *first = items.data();
+    return boxes_in(first, items.size(), detail::floats(first->*min), detail::floats(first->*max));
+}
+
+/// Ids inside items of any type: see `ids_in`.
+struct Ids {
+    const Id *first;
+    std::size_t stride;
+    std::size_t count;
+};
+
+/// A view of ids inside items that stand one after another, also of none.
+///
+///     world.update(trisap::ids_in(bodies, &Body::id), trisap::boxes_in(bodies, &Body::min, &Body::max))
+template <class Items, class Item> [[nodiscard]] Ids ids_in(const Items &items, Id Item::*id) noexcept {
+    return {items.size() == 0 ? nullptr : std::addressof(items.data()->*id), sizeof(Item), items.size()};
+}
+
+/// A value, and whether it was to be had: the world may have been busy. Turns into the value, which is nothing then.
+template <class T> struct Known {
+    Status status;
+    T value;
+    constexpr operator T() const noexcept { return value; }
+};
+
+/// The first hit of a cast; its id is null where the cast met nothing, and after a refusal, which `status` tells.
+struct FirstHit : Hit {
+    Status status;
+};
 
 /// A piece of a step's work, for the caller's job system to call, any number of times and from any thread, before the
 /// callable that was given it returns.
@@ -268,15 +330,12 @@ public:
         return overlaps_many_with(regions, ids, counts, &c);
     }
 
-    /// The first object that a cast meets, or the null id; the reason of a refusal is written to `status`, if that is given.
-    [[nodiscard]] Hit first_hit(const Cast &cast, Status *status = nullptr) const noexcept {
+    /// The first object that a cast meets, or the null id.
+    [[nodiscard]] FirstHit first_hit(const Cast &cast) const noexcept {
         const Choice of = choice();
         Hit hit = {null_id, 0.0};
-        const Status outcome = trisap_world_first_hit(of.world, &cast, of.condition, of.user, &hit);
-        if (status != nullptr) {
-            *status = outcome;
-        }
-        return hit;
+        const Status status = trisap_world_first_hit(of.world, &cast, of.condition, of.user, &hit);
+        return {hit, status};
     }
 
     /// The first hits of many casts at once, as many as casts; null ids where a cast meets nothing.
@@ -328,7 +387,7 @@ private:
     [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
                                             const trisap_jobs *jobs) const noexcept {
         if (counts.size() < regions.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         const Choice of = choice();
         const std::size_t room = regions.empty() ? 0 : ids.size() / regions.size();
@@ -338,7 +397,7 @@ private:
 
     [[nodiscard]] Status first_hits_with(View<const Cast> casts, View<Hit> hits, const trisap_jobs *jobs) const noexcept {
         if (hits.size() < casts.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         const Choice of = choice();
         return trisap_world_first_hits(of.world, casts.data(), sizeof(Cast), casts.size(), of.condition, of.user, jobs,
@@ -390,34 +449,55 @@ public:
     /// A world whose memory comes from elsewhere.
     explicit World(const Allocator &allocator) noexcept : allocator_(allocator) {}
 
-    /// Makes an empty world, in place of what there was. The only allocation, unless the world grows.
+    /// Makes an empty world, in place of what there was; after another status than OK that is as it was. The only allocation, unless
+    /// the world grows, or is made for one worker and gets a job system of more in its first step.
     [[nodiscard]] Status init(const Config &config) noexcept {
-        memory_ = Memory();
-        world_ = nullptr;
-        return place(trisap_world_size(&config), [&](void *memory, std::size_t bytes, trisap_world **world) {
+        const Status status = place(trisap_world_size(&config), [&](void *memory, std::size_t bytes, trisap_world **world) {
             return trisap_world_init(memory, bytes, &config, world);
         });
+        has_stepped_ = has_stepped_ && status != TRISAP_STATUS_OK;
+        return status;
     }
 
     /// Goes on as the world of which these bytes are a copy, in place of what there was: see `trisap_world_open`.
     [[nodiscard]] Status open(View<const std::byte> copy) noexcept {
-        return place(copy.size(), [&](void *memory, std::size_t bytes, trisap_world **world) {
-            std::memcpy(memory, copy.data(), copy.size());
+        const Status status = place(copy.size(), [&](void *memory, std::size_t bytes, trisap_world **world) {
+            if (!copy.empty()) {
+                std::memcpy(memory, copy.data(), copy.size());
+            }
             return trisap_world_open(memory, bytes, world);
         });
+        has_stepped_ = has_stepped_ || status == TRISAP_STATUS_OK;
+        return status;
     }
 
     /// Moves the world to memory of its own for another configuration: larger, or smaller where all fits. Ids and events go on: see
-    /// `trisap_world_move`. After another status than OK the world is as it was.
+    /// `trisap_world_move`. After another status than OK the world is as it was. Views of the last result stay good until the next
+    /// step or load, and so long the memory that the step was in is kept.
     [[nodiscard]] Status move_to(const Config &config) noexcept {
-        return place(trisap_world_size(&config), [&](void *memory, std::size_t bytes, trisap_world **world) {
-            return trisap_world_move(world_, memory, bytes, &config, world);
-        });
+        return place(
+            trisap_world_size(&config),
+            [&](void *memory, std::size_t bytes, trisap_world **world) {
+                return trisap_world_move(world_, memory, bytes, &config, world);
+            },
+            true);
     }
 
-    /// Whether the world moves by itself to twice the room where objects or pairs do not fit. Off at first. Views of results then end
-    /// with an insertion, too; `result` gives them anew.
-    void set_growing(bool growing) noexcept { growing_ = growing; }
+    /// The same, with room for so many objects and pairs, and references as they suit most scenes.
+    [[nodiscard]] Status move_to(std::uint32_t objects, std::uint32_t pairs) noexcept {
+        Config config = this->config();
+        config.objects = objects;
+        config.leaf_refs = trisap_default_config(objects).leaf_refs;
+        config.pairs = pairs;
+        return move_to(config);
+    }
+
+    /// Whether the world moves by itself to twice the room where objects or pairs do not fit, also those of a snapshot. Off at first.
+    /// What such a world can mend is not reported (see `trisap_set_report`), and views of results stay good as after `move_to`.
+    void set_growing(bool growing) noexcept {
+        growing_ = growing;
+        tell_growing();
+    }
 
     /// What the world is made for, grown or not.
     [[nodiscard]] Config config() const noexcept {
@@ -437,10 +517,25 @@ public:
         return id;
     }
 
+    /// The same with a filter, for which the world needs `Config::filters`.
+    [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, Status *status = nullptr) noexcept {
+        return insert_with(aabb, &filter, nullptr, status);
+    }
+
+    /// The same with a filter and a value, for which the world needs `Config::values`, too.
+    [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, std::uint64_t value, Status *status = nullptr) noexcept {
+        return insert_with(aabb, &filter, &value, status);
+    }
+
+    /// The same with a value alone.
+    [[nodiscard]] Id insert_value(const Aabb &aabb, std::uint64_t value, Status *status = nullptr) noexcept {
+        return insert_with(aabb, nullptr, &value, status);
+    }
+
     /// Adds objects, all or none. There must be room for as many ids as boxes.
     [[nodiscard]] Status insert(const Boxes &boxes, View<Id> ids) noexcept {
         if (ids.size() < boxes.count) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         return grow_and([&] { return trisap_world_insert_many(world_, &boxes, ids.data()); });
     }
@@ -451,9 +546,17 @@ public:
     /// Gives objects other boxes, all or none; as many boxes as ids.
     [[nodiscard]] Status update(View<const Id> ids, const Boxes &boxes) noexcept {
         if (ids.size() != boxes.count) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         return trisap_world_update_many(world_, ids.data(), &boxes);
+    }
+
+    /// The same with ids that stand inside of your own items.
+    [[nodiscard]] Status update(const Ids &ids, const Boxes &boxes) noexcept {
+        if (ids.count != boxes.count) {
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
+        }
+        return trisap_world_update_strided(world_, ids.first, ids.stride, &boxes);
     }
 
     /// Removes an object.
@@ -482,7 +585,7 @@ public:
     /// Sets whom objects meet, all or none; as many filters as ids.
     [[nodiscard]] Status set_filter(View<const Id> ids, View<const Filter> filters) noexcept {
         if (ids.size() != filters.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         return trisap_world_set_filter_many(world_, ids.data(), filters.data(), sizeof(Filter), ids.size());
     }
@@ -505,6 +608,12 @@ public:
         return trisap_world_set_resting(world_, ids.data(), ids.size());
     }
 
+    /// Puts one object to rest.
+    [[nodiscard]] Status set_resting(Id id) noexcept { return trisap_world_set_resting(world_, &id, 1); }
+
+    /// Has steps look at the box of an object again.
+    [[nodiscard]] Status wake(Id id) noexcept { return trisap_world_wake(world_, &id, 1); }
+
     /// Has steps look at the boxes of objects again, all or none.
     [[nodiscard]] Status wake(View<const Id> ids) noexcept {
         return trisap_world_wake(world_, ids.data(), ids.size());
@@ -524,7 +633,7 @@ public:
     /// Gives objects values, all or none; as many values as ids.
     [[nodiscard]] Status set_value(View<const Id> ids, View<const std::uint64_t> values) noexcept {
         if (ids.size() != values.size()) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         return trisap_world_set_value_many(world_, ids.data(), values.data(), sizeof(std::uint64_t), ids.size());
     }
@@ -560,18 +669,41 @@ public:
 
     [[nodiscard]] bool is_resting(Id id) const noexcept { return trisap_world_is_resting(world_, id) != 0; }
 
-    [[nodiscard]] bool contains(Id id) const noexcept {
-        return trisap_world_contains(world_, id) == TRISAP_STATUS_OK;
+    /// Whether an object lives. Another status than OK means that nobody knows.
+    [[nodiscard]] Known<bool> contains(Id id) const noexcept {
+        const Status status = trisap_world_contains(world_, id);
+        return {status == TRISAP_STATUS_STALE_ID ? TRISAP_STATUS_OK : status, status == TRISAP_STATUS_OK};
     }
 
     /// The object that lives in `slot`, or null.
-    [[nodiscard]] Id id_at(std::uint32_t slot) const noexcept { return trisap_world_id_at(world_, slot); }
+    [[nodiscard]] Known<Id> id_at(std::uint32_t slot) const noexcept {
+        Id id = null_id;
+        const Status status = trisap_world_find(world_, slot, &id);
+        return {status, id};
+    }
 
     /// Writes the box of an object to `aabb`.
     [[nodiscard]] Status aabb(Id id, Aabb &aabb) const noexcept { return trisap_world_aabb(world_, id, &aabb); }
 
+    /// Writes the boxes of objects, as many as ids, to `aabbs`.
+    [[nodiscard]] Status aabbs(View<const Id> ids, View<Aabb> aabbs) const noexcept {
+        return this->aabbs(Ids{ids.data(), sizeof(Id), ids.size()}, aabbs);
+    }
+
+    /// The same with ids that stand inside of your own items.
+    [[nodiscard]] Status aabbs(const Ids &ids, View<Aabb> aabbs) const noexcept {
+        if (aabbs.size() < ids.count) {
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
+        }
+        return trisap_world_aabbs(world_, ids.first, ids.stride, ids.count, aabbs.data());
+    }
+
     /// Living objects.
-    [[nodiscard]] std::uint32_t size() const noexcept { return trisap_world_len(world_); }
+    [[nodiscard]] Known<std::uint32_t> size() const noexcept {
+        std::uint32_t count = 0;
+        const Status status = trisap_world_count(world_, &count);
+        return {status, count};
+    }
 
     /// Finds all overlapping pairs, on the calling thread.
     [[nodiscard]] Step step() noexcept { return step_with(nullptr); }
@@ -622,8 +754,8 @@ public:
         return view(status, result);
     }
 
-    /// Visits the objects whose boxes overlap a region: `visit(id)` returns nothing, or false to end the visit. It must not
-    /// call into this world.
+    /// Visits the objects whose boxes overlap a region: `visit(id)` returns nothing, or false to end the visit. It may look at this
+    /// world; what changes it is refused as busy.
     template <class Visit> [[nodiscard]] Status visit_overlaps(const Region &region, Visit &&visit) const noexcept {
         const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
             auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
@@ -638,8 +770,8 @@ public:
         return trisap_world_visit_overlaps(world_, &region, call, &reference);
     }
 
-    /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It must not
-    /// change this world.
+    /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It may
+    /// look at this world; what changes it is refused as busy.
     template <class Visit> [[nodiscard]] Status visit_hits(const Cast &cast, Visit &&visit) const noexcept {
         Reference<Visit> reference{visit};
         return trisap_world_visit_hits(world_, &cast, far_of<Visit>, &reference);
@@ -683,9 +815,9 @@ public:
         return {status, {room.data(), status == TRISAP_STATUS_OK ? count : 0}, count};
     }
 
-    /// Replaces the world by the one that a snapshot was taken of; the configuration must be the same.
+    /// Replaces the world by the one that a snapshot was taken of. Room and workers may differ: see `trisap_world_load`.
     [[nodiscard]] Status load(View<const std::byte> snapshot) noexcept {
-        return trisap_world_load(world_, snapshot.data(), snapshot.size());
+        return renew([&] { return trisap_world_load(world_, snapshot.data(), snapshot.size()); });
     }
 
     /// The leaves of the tree, from left to right, for a debug view.
@@ -727,14 +859,16 @@ public:
     [[nodiscard]] trisap_world *c() noexcept { return world_; }
 
     World(World &&other) noexcept
-        : allocator_(other.allocator_), memory_(std::move(other.memory_)), world_(std::exchange(other.world_, nullptr)),
-          growing_(other.growing_) {}
+        : allocator_(other.allocator_), memory_(std::move(other.memory_)), kept_(std::move(other.kept_)),
+          world_(std::exchange(other.world_, nullptr)), growing_(other.growing_), has_stepped_(other.has_stepped_) {}
 
     World &operator=(World &&other) noexcept {
         allocator_ = other.allocator_;
         memory_ = std::move(other.memory_);
+        kept_ = std::move(other.kept_);
         world_ = std::exchange(other.world_, nullptr);
         growing_ = other.growing_;
+        has_stepped_ = other.has_stepped_;
         return *this;
     }
 
@@ -754,21 +888,65 @@ private:
     };
     using Memory = std::unique_ptr<void, Free>;
 
-    /// Has `make` make the world in new memory, which takes the place of the old one if it can.
-    template <class Make> [[nodiscard]] Status place(std::size_t bytes, Make make) noexcept {
+    /// Has `make` make the world in new memory, which takes the place of the old one if it can. Views of the last result may go on.
+    template <class Make> [[nodiscard]] Status place(std::size_t bytes, Make make, bool goes_on = false) noexcept {
         // For an impossible configuration as much as the library looks at, to say what is wrong.
         const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
         Memory memory(allocator_.allocate(allocator_.user, room, trisap_world_align()), Free(allocator_, room));
         if (memory == nullptr) {
-            return TRISAP_STATUS_MEMORY_TOO_SMALL;
+            return detail::refuse(TRISAP_STATUS_MEMORY_TOO_SMALL, room);
         }
         trisap_world *world = nullptr;
         const Status status = make(memory.get(), room, &world);
         if (status == TRISAP_STATUS_OK) {
+            if (goes_on && kept_ == nullptr) {
+                kept_ = std::move(memory_); // what was given out since is no older
+            } else if (!goes_on) {
+                kept_ = Memory();
+            }
             memory_ = std::move(memory);
             world_ = world;
+            tell_growing();
         }
         return status;
+    }
+
+    void tell_growing() noexcept {
+        if (world_ != nullptr) {
+            static_cast<void>(trisap_world_set_growing(world_, growing_ ? 1 : 0));
+        }
+    }
+
+    /// A step or load, after which the results before it are gone.
+    template <class Call> [[nodiscard]] Status renew(Call call) noexcept {
+        const Status status = grow_and(call);
+        if (status == TRISAP_STATUS_OK || status == TRISAP_STATUS_PAIRS_FULL) {
+            kept_ = Memory();
+            has_stepped_ = true;
+        }
+        return status;
+    }
+
+    /// Makes a world of one worker ready for those of a job system, before its first step: later that would change the order of pairs.
+    /// Where there is no memory for that, it stays as it is.
+    void follow(const trisap_jobs *jobs) noexcept {
+        if (jobs == nullptr || jobs->worker_count <= 1 || has_stepped_) {
+            return;
+        }
+        Config more = config();
+        if (more.workers == 1 && world_ != nullptr) {
+            more.workers = jobs->worker_count < 32 ? jobs->worker_count : 32;
+            static_cast<void>(move_to(more));
+        }
+    }
+
+    [[nodiscard]] Id insert_with(const Aabb &aabb, const Filter *filter, const std::uint64_t *value, Status *status) noexcept {
+        Id id = null_id;
+        const Status outcome = grow_and([&] { return trisap_world_insert_with(world_, &aabb, filter, value, &id); });
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return id;
     }
 
     /// Calls, and once more after each growth where something did not fit.
@@ -816,20 +994,22 @@ private:
     [[nodiscard]] Status values_of(const Id *first, std::size_t stride, std::size_t count,
                                    View<std::uint64_t> values) const noexcept {
         if (values.size() < count) {
-            return TRISAP_STATUS_INVALID_ARGUMENT;
+            return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         return trisap_world_values(world_, first, stride, count, values.data());
     }
 
     [[nodiscard]] Step step_with(const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
-        const Status status = grow_and([&] { return trisap_world_step(world_, jobs, &result); });
+        follow(jobs);
+        const Status status = renew([&] { return trisap_world_step(world_, jobs, &result); });
         return view(status, result);
     }
 
     [[nodiscard]] Step step_over_with(const Boxes &boxes, const trisap_jobs *jobs) noexcept {
         trisap_result result = trisap_default_result();
-        const Status status = grow_and([&] { return trisap_world_step_over(world_, &boxes, jobs, &result); });
+        follow(jobs);
+        const Status status = renew([&] { return trisap_world_step_over(world_, &boxes, jobs, &result); });
         return view(status, result);
     }
 
@@ -842,8 +1022,9 @@ private:
         };
         Reference<Rule> reference{rule};
         trisap_result result = trisap_default_result();
+        follow(jobs);
         const Status status =
-            grow_and([&] { return trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result); });
+            renew([&] { return trisap_world_step_with_rule(world_, boxes, call, &reference, jobs, &result); });
         return view(status, result);
     }
 
@@ -859,8 +1040,10 @@ private:
 
     Allocator allocator_;
     Memory memory_;
+    /// That of the last step, if the world has moved since.
+    Memory kept_;
     trisap_world *world_ = nullptr;
-    bool growing_ = false;
+    bool growing_ = false, has_stepped_ = false;
 };
 
 } // namespace trisap

@@ -50,6 +50,19 @@ pub(crate) unsafe fn read<T: Versioned>(pointer: *const T) -> Result<T, trisap_s
     Ok(unsafe { pointer.read() })
 }
 
+/// What the pointer points to, if it is not null.
+///
+/// # Safety
+/// A pointer that is not null points to a `T`.
+pub(crate) unsafe fn optional<T: Copy>(pointer: *const T) -> Result<Option<T>, trisap_status> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    check(pointer)?;
+    // SAFETY: aligned, not null, and initialised by the caller's promise.
+    Ok(Some(unsafe { pointer.read() }))
+}
+
 /// Whether there can be an array of `count` items outside of `world`.
 pub(crate) fn span<T>(first: *const T, count: usize, world: &Range<usize>) -> Result<(), trisap_status> {
     check(first)?;
@@ -150,7 +163,7 @@ impl<T> Answers<T> {
     pub(crate) fn conclude(self) -> Result<(), Refusal> {
         // SAFETY: `new` has checked the pointer.
         unsafe { self.told.write(self.count) };
-        let full = Refusal { status: trisap_status::OutputFull, detail: self.count as u64 };
+        let full = Refusal { status: trisap_status::OutputFull, detail: self.count as u64, quiet: false };
         if self.count > self.room { Err(full) } else { Ok(()) }
     }
 }
@@ -200,7 +213,11 @@ pub(crate) unsafe fn ids<'a>(
     // Without an exit from the loop, so that it becomes vector code.
     if bits.iter().fold(false, |any, bits| any | Id::from_bits(*bits).is_none()) {
         let stale = bits.iter().find(|bits| Id::from_bits(**bits).is_none());
-        return Err(Refusal { status: trisap_status::StaleId, detail: stale.copied().unwrap_or_default() });
+        return Err(Refusal {
+            status: trisap_status::StaleId,
+            detail: stale.copied().unwrap_or_default(),
+            quiet: false,
+        });
     }
     // SAFETY: an `Id` is its bits (asserted below), and all of these can be those of one.
     Ok(unsafe { core::slice::from_raw_parts(first.cast::<Id>(), count) })

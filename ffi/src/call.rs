@@ -35,6 +35,8 @@ pub(crate) struct Header {
     detail: [AtomicU32; 2],
     /// How many calls look, or `ALONE`.
     inside: AtomicU32,
+    /// Not 0 if full buffers are not reported: see `trisap_world_set_growing`.
+    growing: AtomicU32,
 }
 
 const MAGIC: u32 = u32::from_le_bytes(*b"trsp");
@@ -51,12 +53,18 @@ impl Header {
             slab_bytes: slab_bytes as u64,
             detail: [const { AtomicU32::new(0) }; 2],
             inside: AtomicU32::new(0),
+            growing: AtomicU32::new(0),
         }
     }
 
     /// No call is inside any more.
     pub(crate) fn release(&self) {
         self.inside.store(0, Release);
+    }
+
+    /// Full buffers are reported.
+    pub(crate) fn report_all(&self) {
+        self.growing.store(0, Relaxed);
     }
 
     /// Without atomic exchange there is one thread: refused are calls from inside a call.
@@ -125,10 +133,17 @@ impl Inside {
         low | high << 32
     }
 
-    fn note(&self, detail: u64) {
+    /// Notes what a refusal is about, and whether nobody is told of it.
+    fn note(&self, refusal: &mut Refusal) {
         let [low, high] = &self.header().detail;
-        low.store(detail as u32, Relaxed);
-        high.store((detail >> 32) as u32, Relaxed);
+        low.store(refusal.detail as u32, Relaxed);
+        high.store((refusal.detail >> 32) as u32, Relaxed);
+        let full = matches!(refusal.status, trisap_status::ObjectsFull | trisap_status::PairsFull);
+        refusal.quiet = full && self.header().growing.load(Relaxed) != 0;
+    }
+
+    pub(crate) fn set_growing(&self, growing: bool) {
+        self.header().growing.store(u32::from(growing), Relaxed);
     }
 }
 
@@ -222,8 +237,11 @@ pub(crate) unsafe fn with(
 ) -> trisap_status {
     // SAFETY: the same promise.
     let outcome = unsafe { Call::enter(world) }.map_err(Refusal::from).and_then(|mut call| {
-        let outcome = work(&mut call);
-        outcome.inspect_err(|refusal| call.note(refusal.detail))
+        let mut outcome = work(&mut call);
+        if let Err(refusal) = &mut outcome {
+            call.note(refusal);
+        }
+        outcome
     });
     report::conclude(outcome)
 }
@@ -237,9 +255,12 @@ pub(crate) unsafe fn look(
     work: impl FnOnce(&Look) -> Result<(), Refusal>,
 ) -> trisap_status {
     // SAFETY: the same promise.
-    let outcome = unsafe { Look::enter(world) }
-        .map_err(Refusal::from)
-        .and_then(|look| work(&look).inspect_err(|refusal| look.note(refusal.detail)));
+    let outcome = unsafe { Look::enter(world) }.map_err(Refusal::from).and_then(|look| {
+        work(&look).map_err(|mut refusal| {
+            look.note(&mut refusal);
+            refusal
+        })
+    });
     report::conclude(outcome)
 }
 

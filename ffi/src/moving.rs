@@ -1,7 +1,7 @@
 //! Moves worlds to other memory.
 
 use crate::border;
-use crate::call::{Call, HEADER, Header, Look, check_header, look, memory_range, trisap_world};
+use crate::call::{Call, HEADER, Header, Look, check_header, look, memory_range, trisap_world, with};
 use crate::report;
 use crate::status::trisap_status;
 use crate::structs::trisap_config;
@@ -14,6 +14,21 @@ use core::ffi::c_void;
 pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {
     // SAFETY: the caller's promise.
     unsafe { Look::enter(world) }.map_or(0, |look| look.range().len())
+}
+
+/// Whether full buffers of this world are to be reported: with 1, `TRISAP_STATUS_OBJECTS_FULL` and
+/// `TRISAP_STATUS_PAIRS_FULL` are still the statuses, and the function of `trisap_set_report` is not called for them.
+/// For those who move the world to more memory then, and call `trisap_refuse` where they cannot. A world that was moved
+/// or opened reports everything again. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_growing(world: *mut trisap_world, growing: u32) -> trisap_status {
+    let set = |call: &mut Call| {
+        call.set_growing(growing != 0);
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, set) }
 }
 
 /// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
@@ -44,6 +59,8 @@ pub unsafe extern "C" fn trisap_world_open(
         // A copy may have been made inside of a call.
         // SAFETY: as above.
         unsafe { (*header).release() };
+        // SAFETY: as above.
+        unsafe { (*header).report_all() };
         // SAFETY: a world, as far as the header tells.
         let mut call = unsafe { Call::enter(header.cast())? };
         call.world()?;
@@ -61,7 +78,7 @@ pub unsafe extern "C" fn trisap_world_open(
 /// Everything goes on: ids, boxes, margins, filters, rest, and the last result, so the next step tells what is found
 /// and lost since. After `TRISAP_STATUS_PAIRS_FULL` a world can move to where there is room for the pairs; a step
 /// there tells events as if there had always been room. Capacities, workers and the margin of new objects may change.
-/// The mode, events, filters and whether there are margins may not.
+/// The mode, events, filters, values and whether there are margins may not.
 ///
 /// Errors: those of `trisap_world_init`, `TRISAP_STATUS_OTHER_CONFIG`, and `TRISAP_STATUS_OBJECTS_FULL` or
 /// `TRISAP_STATUS_PAIRS_FULL` if the world does not fit; the detail of `from` then says how much would have to fit.

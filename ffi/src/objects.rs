@@ -1,14 +1,15 @@
 //! Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
 
 use crate::aabb::trisap_aabb;
-use crate::border;
+use crate::border::{self, Items};
 use crate::call::{Call, Look, look, trisap_world, with};
+use crate::filter::{TRISAP_CLASSES, trisap_filter};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
 use trisap_core::{Error, Id};
 
 pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
-    let stale = crate::status::Refusal { status: trisap_status::StaleId, detail: id };
+    let stale = crate::status::Refusal { status: trisap_status::StaleId, detail: id, quiet: false };
     Id::from_bits(id).ok_or(stale)
 }
 
@@ -50,6 +51,56 @@ pub unsafe extern "C" fn trisap_world_insert(
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
         let new = call.world()?.insert(aabb.into())?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { id.write(new.to_bits()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, insert) }
+}
+
+/// Adds an object with its filter and its value, either of which may be null, and writes its id to `id`. O(1).
+///
+/// Errors: those of `trisap_world_insert`; with a filter `TRISAP_STATUS_NO_FILTERS` and `TRISAP_STATUS_BAD_CLASS`, with
+/// a value `TRISAP_STATUS_NO_VALUES`. There is no new object then.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_insert_with(
+    world: *mut trisap_world,
+    aabb: *const trisap_aabb,
+    filter: *const trisap_filter,
+    value: *const u64,
+    id: *mut trisap_id,
+) -> trisap_status {
+    let insert = |call: &mut Call| {
+        border::check(aabb)?;
+        border::span(id, 1, &call.range())?;
+        let (filter, value) = unsafe {
+            // SAFETY: the caller's promise: null, or one of each.
+            (border::optional(filter)?, border::optional(value)?)
+        };
+        // SAFETY: aligned, not null, and initialised by the caller's promise.
+        let aabb = unsafe { aabb.read() };
+        let mut world = call.world()?;
+        let config = world.config();
+        // Everything that would be refused later is found before there is an object.
+        match filter {
+            Some(_) if !config.filters => return Err(Error::NoFilters.into()),
+            Some(filter) if filter.object_class >= TRISAP_CLASSES => {
+                return Err(Error::BadClass { class: filter.object_class }.into());
+            }
+            _ => {}
+        }
+        if value.is_some() && !config.values {
+            return Err(Error::NoValues.into());
+        }
+        let new = world.insert(aabb.into())?;
+        if let Some(filter) = filter {
+            world.set_filter(new, filter.into())?;
+        }
+        if let Some(value) = value {
+            world.set_value(new, value)?;
+        }
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())
@@ -151,6 +202,42 @@ pub unsafe extern "C" fn trisap_world_update_many(
     unsafe { with(world, update) }
 }
 
+/// As `trisap_world_update_many`, with ids that stand `stride` bytes behind each other: inside of the caller's own
+/// items, as their boxes do. O(boxes).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_update_strided(
+    world: *mut trisap_world,
+    ids: *const trisap_id,
+    stride: usize,
+    boxes: *const trisap_boxes,
+) -> trisap_status {
+    let update = |call: &mut Call| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let boxes = unsafe { border::boxes(boxes, &range)? };
+        // SAFETY: the caller's promise.
+        let ids = unsafe { Items::new(ids, stride, boxes.len(), &range)? };
+        let mut world = call.world()?;
+        let all = || (0..boxes.len()).filter_map(|at| Some((at, living(ids.get(at)?), boxes.get(at)?)));
+        for (at, id, aabb) in all() {
+            let id = id?;
+            if !world.contains(id) {
+                return Err(Error::StaleId { id }.into());
+            }
+            if !aabb.is_valid() {
+                return Err(Error::BadBox { index: at as u32 }.into());
+            }
+        }
+        for (_, id, aabb) in all() {
+            world.set_aabb(id?, aabb)?;
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, update) }
+}
+
 /// Removes objects, all or none. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`. It is also the status of an id that comes twice.
@@ -209,7 +296,41 @@ pub unsafe extern "C" fn trisap_world_aabb(
     unsafe { look(world, ask) }
 }
 
-/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer to misuse. O(1).
+/// Writes the boxes of `count` objects to `aabbs`, as `trisap_world_aabb` does of one. Their ids are `stride` bytes
+/// behind each other. After a refusal some may be written. O(n).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_aabbs(
+    world: *const trisap_world,
+    ids: *const trisap_id,
+    stride: usize,
+    count: usize,
+    aabbs: *mut trisap_aabb,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let ids = unsafe { Items::new(ids, stride, count, &range)? };
+        if count > 0 {
+            border::span(aabbs, count, &range)?;
+        }
+        let world = call.world()?;
+        for at in 0..count {
+            let id = living(ids.get(at).unwrap_or_default())?;
+            let known = world.aabb(id).ok_or(Error::StaleId { id })?;
+            // SAFETY: not null, aligned, within the caller's room and outside of the world.
+            unsafe { aabbs.add(at).write(known.into()) };
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
+/// The object that lives in `slot`, or `TRISAP_NULL_ID`, which is also the answer of a busy world and to misuse:
+/// `trisap_world_find` tells them apart. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u32) -> trisap_id {
@@ -223,7 +344,41 @@ pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u3
     id
 }
 
-/// Living objects; 0 for misuse. O(1).
+/// As `trisap_world_id_at`, written to `id`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_find(
+    world: *const trisap_world,
+    slot: u32,
+    id: *mut trisap_id,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        border::span(id, 1, &call.range())?;
+        let found = call.world()?.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { id.write(found) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
+/// Living objects, written to `count`. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_count(world: *const trisap_world, count: *mut u32) -> trisap_status {
+    let ask = |call: &Look| {
+        border::span(count, 1, &call.range())?;
+        let len = call.world()?.len();
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { count.write(len) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
+/// Living objects; 0 also of a busy world and for misuse, which `trisap_world_count` tells apart. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_len(world: *const trisap_world) -> u32 {

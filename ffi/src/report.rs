@@ -9,8 +9,8 @@ use core::sync::atomic::{
 };
 
 /// Called with every refusal, on the thread that is refused, after the call has left the world and before it returns: a place for
-/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, and answers
-/// are not: `trisap_world_contains` is never reported.
+/// an assertion, a breakpoint or a line in a log. `text` is good until it returns. Full buffers are among the refusals, but for those
+/// of worlds that grow (see `trisap_world_set_growing`), and answers are not: `trisap_world_contains` is never reported.
 ///
 /// If trisap finds a mistake of its own, it is called with `TRISAP_STATUS_OTHER` and a text that names the place in its source, and
 /// then the program is aborted.
@@ -27,6 +27,13 @@ pub extern "C" fn trisap_set_report(report: trisap_report, user: *mut c_void) {
     REPORT.store(null_mut(), Release);
     USER.store(user, Release);
     REPORT.store(report.map_or(null_mut(), |report| report as *mut c_void), Release);
+}
+
+/// Has the function of `trisap_set_report` called as for a refusal of the library's own: for covers in other languages,
+/// which refuse some things before they call. O(1).
+#[unsafe(no_mangle)]
+pub extern "C" fn trisap_refuse(status: i32, detail: u64) {
+    tell(trisap_status::of(status), detail, trisap_status_text(status));
 }
 
 /// Tells the host.
@@ -46,8 +53,10 @@ pub(crate) fn tell(status: trisap_status, detail: u64, text: *const c_char) {
 pub(crate) fn conclude(outcome: Result<(), Refusal>) -> trisap_status {
     match outcome {
         Ok(()) => trisap_status::Ok,
-        Err(Refusal { status, detail }) => {
-            tell(status, detail, trisap_status_text(status as i32));
+        Err(Refusal { status, detail, quiet }) => {
+            if !quiet {
+                tell(status, detail, trisap_status_text(status as i32));
+            }
             status
         }
     }

@@ -67,6 +67,15 @@ pub enum trisap_status {
     NoValues = 24,
 }
 
+impl trisap_status {
+    /// The status of this number; `Other` for numbers that are no status.
+    pub(crate) fn of(number: i32) -> Self {
+        // SAFETY: the statuses are the numbers from zero to the last one.
+        let known = |number| unsafe { core::mem::transmute::<i32, Self>(number) };
+        (0..=Self::NoValues as i32).contains(&number).then(|| known(number)).unwrap_or(Self::Other)
+    }
+}
+
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
@@ -107,11 +116,13 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
 pub(crate) struct Refusal {
     pub(crate) status: trisap_status,
     pub(crate) detail: u64,
+    /// Not to be reported.
+    pub(crate) quiet: bool,
 }
 
 impl From<trisap_status> for Refusal {
     fn from(status: trisap_status) -> Self {
-        Self { status, detail: 0 }
+        Self { status, detail: 0, quiet: false }
     }
 }
 
@@ -144,7 +155,7 @@ impl From<Error> for Refusal {
             Error::OtherConfig { field } => (trisap_status::OtherConfig, number(field)),
             _ => (trisap_status::Other, 0),
         };
-        Self { status, detail }
+        Self { status, detail, quiet: false }
     }
 }
 

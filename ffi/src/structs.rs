@@ -156,7 +156,7 @@ pub struct trisap_jobs {
     /// The size of this struct in bytes.
     pub struct_size: u32,
     /// How many calls of `run` can run at once, the calling thread's own included. With 1, the default, `fork_join` is
-    /// never called.
+    /// never called. Neither is it by the steps of a world whose `workers` are 1: those are for as many at most.
     pub worker_count: u32,
     /// Passed to `fork_join`.
     pub user: *mut c_void,

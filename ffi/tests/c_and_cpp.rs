@@ -137,7 +137,7 @@ fn c11() {
 #[test]
 fn cpp17_and_cpp20() {
     for standard in ["-std=c++17", "-std=c++20"] {
-        for test in ["wrapper", "jobs"] {
+        for test in ["wrapper", "owner", "jobs"] {
             let name = format!("{test}{standard}");
             let program = Program::cpp(standard, &format!("{test}.cpp"), &name);
             succeed(&mut program.with(SANITIZERS).with(["-O1"]).with(STATIC).build());

@@ -247,6 +247,60 @@ static void stale_ids(void) {
     CHECK(trisap_world_id_at(world, UINT32_MAX) == TRISAP_NULL_ID);
 }
 
+// What does the work of several calls, or of one for many.
+static void together(void) {
+    const trisap_aabb aabb = cube(0.0f);
+    trisap_aabb bad = aabb, out[2] = {cube(9.0f), cube(9.0f)};
+    bad.max[1] = NAN;
+    const trisap_filter filter = trisap_default_filter();
+    const uint64_t value = 7;
+    trisap_id id = 77;
+    REFUSED(trisap_world_insert_with(world, NULL, NULL, NULL, &id), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_with(world, &bad, NULL, NULL, &id), TRISAP_STATUS_BAD_BOX);
+    REFUSED(trisap_world_insert_with(world, &aabb, &filter, NULL, &id), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, &value, &id), TRISAP_STATUS_NO_VALUES);
+    REFUSED(trisap_world_insert_with(world, &aabb, (const trisap_filter *)(const void *)((const char *)&filter + 1), NULL, &id),
+            TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, (trisap_id *)(void *)world), TRISAP_STATUS_OVERLAP);
+    CHECK(id == 77);
+
+    const trisap_aabb two[2] = {aabb, bad};
+    const trisap_boxes boxes = trisap_default_boxes(two, 2);
+    REFUSED(trisap_world_update_strided(world, ids, sizeof *ids, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_update_strided(world, NULL, sizeof *ids, &boxes), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_update_strided(world, ids, 12, &boxes), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_update_strided(world, ids, 4, &boxes), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_update_strided(world, ids, SIZE_MAX / 2 + 1, &boxes), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_update_strided(world, ids, sizeof *ids, &boxes), TRISAP_STATUS_BAD_BOX);
+    CHECK(trisap_world_error_detail(world) == 1);
+    const trisap_id stale[2] = {ids[0], ids[1] + (1ull << 32)};
+    REFUSED(trisap_world_update_strided(world, stale, sizeof *stale, &boxes), TRISAP_STATUS_STALE_ID);
+    CHECK(trisap_world_error_detail(world) == stale[1]);
+
+    REFUSED(trisap_world_aabbs(world, NULL, sizeof *ids, 2, out), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_aabbs(world, ids, sizeof *ids, 2, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_aabbs(world, ids, 12, 2, out), TRISAP_STATUS_MISALIGNED);
+    REFUSED(trisap_world_aabbs(world, stale, sizeof *stale, 2, out), TRISAP_STATUS_STALE_ID);
+    CHECK(out[1].min[0] == 9.0f);
+    CHECK_OK(trisap_world_aabbs(world, ids, 2 * sizeof *ids, 2, out));
+    CHECK(out[1].min[0] == 1.5f);
+    CHECK_OK(trisap_world_aabbs(world, NULL, 0, 0, NULL));
+
+    uint32_t count = 9;
+    REFUSED(trisap_world_count(world, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_count(NULL, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_find(world, 0, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(count == 9);
+    CHECK_OK(trisap_world_count(world, &count));
+    CHECK(count == OBJECTS);
+    CHECK_OK(trisap_world_find(world, 1, &id));
+    CHECK(id == ids[1]);
+    CHECK_OK(trisap_world_find(world, UINT32_MAX, &id));
+    CHECK(id == TRISAP_NULL_ID);
+    CHECK_STATUS(trisap_world_set_growing(NULL, 1), TRISAP_STATUS_NULL_POINTER);
+}
+
 static void run_no_job(void *user, void (*run)(void *), void *task, uint32_t count, const char *name) {
     (void)user, (void)run, (void)task, (void)count, (void)name;
 }
@@ -471,9 +525,27 @@ static void reports(trisap_id living, trisap_id gone) {
     CHECK(reported.objects > 0);
     CHECK_STATUS(trisap_world_init(NULL, 0, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
     CHECK(reported.count == 2 && reported.status == TRISAP_STATUS_NULL_POINTER);
+    // Full buffers of a world that somebody will move are not, and all else is.
+    trisap_aabb many[CAPACITY];
+    trisap_id many_ids[CAPACITY];
+    for (int i = 0; i < CAPACITY; i++) {
+        many[i] = aabb;
+    }
+    const trisap_boxes boxes = trisap_default_boxes(many, CAPACITY);
+    CHECK_OK(trisap_world_set_growing(world, 1));
+    CHECK_STATUS(trisap_world_insert_many(world, &boxes, many_ids), TRISAP_STATUS_OBJECTS_FULL);
+    CHECK(reported.count == 2);
+    CHECK_STATUS(trisap_world_update(world, gone, &aabb), TRISAP_STATUS_STALE_ID);
+    CHECK(reported.count == 3);
+    CHECK_OK(trisap_world_set_growing(world, 0));
+    CHECK_STATUS(trisap_world_insert_many(world, &boxes, many_ids), TRISAP_STATUS_OBJECTS_FULL);
+    CHECK(reported.count == 4 && reported.status == TRISAP_STATUS_OBJECTS_FULL && reported.detail == OBJECTS + CAPACITY);
+    // Those of a cover in another language.
+    trisap_refuse(TRISAP_STATUS_BAD_BOX, 5);
+    CHECK(reported.count == 5 && reported.status == TRISAP_STATUS_BAD_BOX && reported.detail == 5);
     trisap_set_report(NULL, NULL);
     CHECK_STATUS(trisap_world_update(world, gone, &aabb), TRISAP_STATUS_STALE_ID);
-    CHECK(reported.count == 2);
+    CHECK(reported.count == 5);
 }
 
 static void regions(void) {
@@ -759,6 +831,7 @@ int main(void) {
     configurations();
     boxes();
     stale_ids();
+    together();
     steps();
     no_values();
     no_filters();

@@ -504,9 +504,8 @@ private:
         const trisap::Answers<trisap::Hit> answers = world_.hits(cast, room);
         CHECK_OK(answers.status);
         CHECK(same_hits(answers, expected));
-        trisap::Status status = TRISAP_STATUS_OTHER;
-        const trisap::Hit first = world_.first_hit(cast, &status);
-        CHECK_OK(status);
+        const trisap::FirstHit first = world_.first_hit(cast);
+        CHECK_OK(first.status);
         CHECK(expected.empty() ? first.id == trisap::null_id
                                : first.id == expected[0].id && first.distance == expected[0].distance);
         // A visitor that wants the nearest one gets it, too.

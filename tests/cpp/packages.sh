@@ -83,7 +83,7 @@ cargo_c() {
     fi
     rm -rf "$prefix"
     PATH=$tools/bin:$PATH CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false CARGO_TERM_QUIET=true \
-        cargo cinstall --release --locked -p trisap-ffi --no-default-features --features panic-handler --prefix "$prefix" --libdir "$prefix/lib" \
+        cargo cinstall --release --locked -p trisap-ffi --no-default-features --features panic-handler,sse41,avx2 --prefix "$prefix" --libdir "$prefix/lib" \
         --target-dir "$root/cargo-c-target"
     # The names are those of CMake.
     local abi

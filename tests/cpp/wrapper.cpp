@@ -266,8 +266,8 @@ static void callables() {
     CHECK(world.first_hit(trisap::ray(left, right, 0.5f)).id == trisap::null_id);
     CHECK(world.first_hit(ray).id == ids[0] && world.first_hit(trisap::swept(cube(-3), right)).id == trisap::null_id);
 
-    trisap::Status why = TRISAP_STATUS_OK;
-    CHECK(world.first_hit(trisap::ray(nullptr, right), &why).id == trisap::null_id && why == TRISAP_STATUS_BAD_QUERY);
+    const trisap::FirstHit refused = world.first_hit(trisap::ray(nullptr, right));
+    CHECK(refused.id == trisap::null_id && refused.status == TRISAP_STATUS_BAD_QUERY);
     std::array<trisap::Hit, 1> one = {};
     const std::array<trisap::Cast, 2> two = {ray, ray};
     CHECK_STATUS(world.first_hits(two, one), TRISAP_STATUS_INVALID_ARGUMENT);
@@ -376,9 +376,7 @@ static void values() {
     CHECK(counts[0] == 1 && counts[1] == 1 && found[0] == ids[1] && found[4] == ids[1]);
     CHECK_OK(world.among(has_even_slot).first_hits(rays, hits, jobs));
     CHECK(hits[0].id == ids[2]);
-    trisap::Status why = TRISAP_STATUS_OK;
-    CHECK(world.among(others).first_hit(trisap::ray(nullptr, right), &why).id == trisap::null_id);
-    CHECK_STATUS(why, TRISAP_STATUS_BAD_QUERY);
+    CHECK_STATUS(world.among(others).first_hit(trisap::ray(nullptr, right)).status, TRISAP_STATUS_BAD_QUERY);
 
     // Pairs with one that is awake.
     std::array<trisap::Pair, 4> room = {};

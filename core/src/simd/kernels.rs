@@ -4,7 +4,7 @@ use super::{Phase, narrow, scalar::Scalar};
 
 #[allow(unused_imports, reason = "not for scalar code alone")]
 use super::Simd;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 use super::detect::Avx2;
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
@@ -16,13 +16,39 @@ pub struct Kernels(Level);
 enum Level {
     Scalar(Scalar),
     Narrow(narrow::Level),
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
     Avx2(Avx2),
 }
 
+/// The best vectors that every CPU of the target has.
+const GUARANTEED: Option<Level> = {
+    #[cfg(all(
+        target_arch = "x86_64",
+        feature = "avx2",
+        target_feature = "avx2",
+        target_feature = "bmi1",
+        target_feature = "bmi2",
+        target_feature = "popcnt"
+    ))]
+    let best = Some(Level::Avx2(Avx2(())));
+    #[cfg(not(all(
+        target_arch = "x86_64",
+        feature = "avx2",
+        target_feature = "avx2",
+        target_feature = "bmi1",
+        target_feature = "bmi2",
+        target_feature = "popcnt"
+    )))]
+    let best = match narrow::Level::GUARANTEED {
+        Some(level) => Some(Level::Narrow(level)),
+        None => None,
+    };
+    best
+};
+
 /// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed vectors
 /// needs no other.
-const PLAIN: bool = cfg!(feature = "scalar") || narrow::Level::GUARANTEED.is_none();
+const PLAIN: bool = cfg!(feature = "scalar") || GUARANTEED.is_none();
 
 impl Kernels {
     /// No vectors. On a target that guarantees vectors, and in builds without the feature `scalar`, there is no such
@@ -30,28 +56,11 @@ impl Kernels {
     pub const SCALAR: Self = Self(Self(Level::Scalar(Scalar)).level());
 
     /// The best level that needs no detection, since every CPU of the target has it: NEON of AArch64; simd128 of
-    /// WebAssembly, SSE4.1 and AVX2 of x86 if the program is compiled for these; else scalar code.
-    pub const BASELINE: Self = {
-        #[cfg(all(
-            target_arch = "x86_64",
-            target_feature = "avx2",
-            target_feature = "bmi1",
-            target_feature = "bmi2",
-            target_feature = "popcnt"
-        ))]
-        let best = Self(Level::Avx2(Avx2(())));
-        #[cfg(not(all(
-            target_arch = "x86_64",
-            target_feature = "avx2",
-            target_feature = "bmi1",
-            target_feature = "bmi2",
-            target_feature = "popcnt"
-        )))]
-        let best = match narrow::Level::GUARANTEED {
-            Some(level) => Self(Level::Narrow(level)),
-            None => Self::SCALAR,
-        };
-        best
+    /// WebAssembly, SSE4.1 and AVX2 of x86 if the program is compiled for these; else scalar code. The features `sse41`
+    /// and `avx2`, on by default, are what these two need to be there at all.
+    pub const BASELINE: Self = match GUARANTEED {
+        Some(level) => Self(level),
+        None => Self::SCALAR,
     };
 
     /// The best level of this CPU. Asks the CPU once and remembers.
@@ -70,9 +79,9 @@ impl Kernels {
     /// AVX2 of x86-64, where this CPU has it.
     #[must_use]
     pub fn avx2() -> Option<Self> {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
         return Avx2::detect().map(|token| Self(Level::Avx2(token)));
-        #[cfg(not(target_arch = "x86_64"))]
+        #[cfg(not(all(target_arch = "x86_64", feature = "avx2")))]
         return None;
     }
 
@@ -87,7 +96,7 @@ impl Kernels {
         match self.0 {
             Level::Scalar(_) => "scalar",
             Level::Narrow(_) => narrow::Level::NAME,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
             Level::Avx2(_) => "avx2",
         }
     }
@@ -101,8 +110,8 @@ impl Kernels {
     /// The level, or what replaces scalar code if there is none.
     #[inline(always)]
     const fn level(self) -> Level {
-        match (self.0, narrow::Level::GUARANTEED) {
-            (Level::Scalar(_), Some(vectors)) if !PLAIN => Level::Narrow(vectors),
+        match (self.0, GUARANTEED) {
+            (Level::Scalar(_), Some(vectors)) if !PLAIN => vectors,
             (level, _) => level,
         }
     }
@@ -113,7 +122,7 @@ impl Kernels {
         match self.level() {
             Level::Scalar(simd) => phase.run(simd),
             Level::Narrow(simd) => simd.call(phase),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
             Level::Avx2(simd) => simd.call(phase),
         }
     }

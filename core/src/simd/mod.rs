@@ -6,35 +6,33 @@
 
 #[cfg(any(test, feature = "agreement"))]
 mod agreement;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod casts;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 pub(crate) mod detect;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod encode;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod fours;
 pub(crate) mod kernels;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod lengths;
 #[cfg(any(
-    target_arch = "x86",
-    target_arch = "x86_64",
+    all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128")
 ))]
 mod narrow;
 #[cfg(not(any(
-    target_arch = "x86",
-    target_arch = "x86_64",
+    all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128")
 )))]
 #[path = "absent.rs"]
 mod narrow;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod overlaps;
 pub(crate) mod scalar;
 #[cfg(test)]
