@@ -8,11 +8,12 @@
 #     vcpkg      the portfile, with stand-ins for vcpkg's own functions
 #     windows    the library by mingw-w64, static and shared; its C tests run under Wine
 #     macos      the static library, compiled and looked at
+#     small      one level of vectors, optimised for size: a whole program of at most 250 KB
 #
 # A way that this machine has no tools for says that it is skipped; with TRISAP_NO_SKIP=1 it fails.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows macos
+[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows macos small
 
 root="${CARGO_TARGET_DIR:-$PWD/target}/packages"
 mkdir -p "$root"
@@ -167,6 +168,20 @@ macos() {
     [ "$symbols" -gt 30 ]
 }
 
+small() {
+    local build=$root/small code
+    cmake -S ffi -B "$build" -DCMAKE_BUILD_TYPE=Release -DTRISAP_LEVELS=avx2 -DTRISAP_CPU=x86-64-v3 -DTRISAP_SMALL=ON \
+        -DTRISAP_CARGO_FOLDER="$build/cargo" >/dev/null
+    cmake --build "$build" >/dev/null
+    cc -std=c11 -O2 -Iinclude "$consumers/main.c" "$build/libtrisap.a" -Wl,--gc-sections -s -o "$build/main"
+    if grep -qw avx2 /proc/cpuinfo; then
+        "$build/main"
+    fi
+    code=$(size "$build/main" | tail -1 | awk '{ print $1 + $2 }')
+    echo "code and data of a program with one level of vectors: $code bytes"
+    [ "$code" -le 256000 ]
+}
+
 for way in "$@"; do
     missing=$(lacks "$way" | tr '\n' ' ')
     if [ -n "$missing" ]; then
@@ -176,8 +191,8 @@ for way in "$@"; do
     fi
     case $way in
     cargo-c) (cargo_c) ;;
-    archive | conan | vcpkg | windows | macos) ("$way") ;;
-    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | macos ...]" >&2 && exit 2 ;;
+    archive | conan | vcpkg | windows | macos | small) ("$way") ;;
+    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | macos | small ...]" >&2 && exit 2 ;;
     esac
     echo "$way: passed"
 done

@@ -151,13 +151,13 @@ mod tests {
             levels.push("simd128");
         }
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        if has!("ssse3") && has!("sse4.1") && has!("popcnt") {
+        if cfg!(feature = "sse41") && has!("ssse3") && has!("sse4.1") && has!("popcnt") {
             levels.push("sse4.1");
         }
         #[allow(unused_mut, reason = "of x86-64 alone")]
         let mut best = levels[levels.len() - 1];
         #[cfg(target_arch = "x86_64")]
-        if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
+        if cfg!(feature = "avx2") && has!("avx2") && has!("bmi1") && has!("bmi2") && has!("popcnt") {
             levels.push("avx2");
             best = "avx2";
         }
