@@ -72,7 +72,7 @@ impl trisap_status {
     pub(crate) fn of(number: i32) -> Self {
         // SAFETY: the statuses are the numbers from zero to the last one.
         let known = |number| unsafe { core::mem::transmute::<i32, Self>(number) };
-        (0..=Self::NoValues as i32).contains(&number).then(|| known(number)).unwrap_or(Self::Other)
+        if (0..=Self::NoValues as i32).contains(&number) { known(number) } else { Self::Other }
     }
 }
 
