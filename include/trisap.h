@@ -886,6 +886,16 @@ trisap_status trisap_world_result(struct trisap_world *world,
                                   struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
+/// Puts the result of the last step into an order of its own, and writes it to `result`: the pairs that the complete step
+/// before had in ascending order, behind them the found ones in ascending order; the lost ones ascend, too. So worlds
+/// with the same objects in the same slots give the same bytes, whatever their room, their workers and their past are.
+/// After `TRISAP_STATUS_PAIRS_FULL` nothing is sorted. O(pairs) for each byte of a pair, in place, about as long as a
+/// step takes to find that many; the next step with few movers looks at all pairs once more.
+TRISAP_NODISCARD
+trisap_status trisap_world_sort_results(struct trisap_world *world,
+                                        struct trisap_result *result)
+TRISAP_NOEXCEPT;
+
 /// Writes pairs of the last step by id to `pairs`, which has room for `room`, and how many there are to `count`; `what`
 /// is one of `TRISAP_PAIRS_...`. O(pairs).
 ///
@@ -956,7 +966,8 @@ trisap_status trisap_world_stats(const struct trisap_world *world,
                                  struct trisap_stats *stats)
 TRISAP_NOEXCEPT;
 
-/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs).
+/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs). A library
+/// that was built without the feature `validate`, as the modules for the web are, does not have this function.
 ///
 /// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
 TRISAP_NODISCARD
@@ -1189,8 +1200,10 @@ TRISAP_NOEXCEPT;
 
 /// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For copies within a program, and between programs of the same version on the same kind of machine. The snapshots
-/// of `trisap_world_save` are smaller, and checked when they are loaded.
+/// The way to go back, and for copies between programs of the same version on the same kind of machine: copy
+/// `trisap_world_bytes(world)` bytes from where the world is to other memory of the same alignment, or back, and open it
+/// there. Nothing of the world may run meanwhile. The copy goes on as the world would have, byte for byte. The bytes are
+/// not checked; the snapshots of `trisap_world_save` are, and are smaller.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_NOT_A_WORLD`.
 TRISAP_NODISCARD
@@ -1235,13 +1248,17 @@ trisap_status trisap_world_save(const struct trisap_world *world,
                                 size_t *bytes)
 TRISAP_NOEXCEPT;
 
-/// Replaces the world by that of a snapshot. If the configurations are the same, workers aside, the world goes on
-/// byte for byte. Else it goes on as after `trisap_world_move`, in its own configuration. The result of its last step
-/// comes with it: see `trisap_world_result`. Older results mean nothing any more. O(n + pairs).
+/// Replaces the world by that of a snapshot, in its own configuration, which may differ as for `trisap_world_move`. The
+/// result of its last step comes with it: see `trisap_world_result`. Older results mean nothing any more. O(bytes).
 ///
-/// Everything is checked before anything changes, also in bytes that were forged with a right checksum. A loaded
-/// world is valid, and its steps find all pairs. The first step that would keep pairs looks once whether they are
-/// all, which takes several times as long as to find them anew.
+/// The next step finds all pairs anew, and tells as events what has changed since the result that was saved. The order
+/// of pairs may differ from that of the world that was saved; worlds that load the same snapshot go on alike, byte for
+/// byte, if their configurations are the same. To go back within a program, a copy of the memory is faster: see
+/// `trisap_world_open`.
+///
+/// The checksum notices damage, not intent. Forged bytes with a right checksum are refused, or they are a world: each
+/// object and each pair of it can be, and the pairs of every step are those of its boxes. The saved result and what the
+/// events of the first step compare with are as the bytes say.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
 /// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.

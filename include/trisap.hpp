@@ -471,6 +471,24 @@ public:
         return status;
     }
 
+    /// Becomes a copy of another world, byte for byte, in the memory that there is if that is as long: the way to go
+    /// back to a frame. Not while a call of the other world runs.
+    [[nodiscard]] Status copy_from(const World &other) noexcept {
+        if (other.world_ == nullptr) {
+            return TRISAP_STATUS_NULL_POINTER;
+        }
+        const std::size_t bytes = trisap_world_bytes(other.world_);
+        if (world_ == nullptr || bytes != trisap_world_bytes(world_)) {
+            return open({static_cast<const std::byte *>(other.memory_.get()), bytes});
+        }
+        const Status status = renew([&] {
+            std::memcpy(memory_.get(), other.memory_.get(), bytes);
+            return trisap_world_open(memory_.get(), bytes, &world_);
+        });
+        tell_growing();
+        return status;
+    }
+
     /// Moves the world to memory of its own for another configuration: larger, or smaller where all fits. Ids and events go on: see
     /// `trisap_world_move`. After another status than OK the world is as it was. Views of the last result stay good until the next
     /// step or load, and so long the memory that the step was in is kept.
@@ -818,6 +836,13 @@ public:
     /// Replaces the world by the one that a snapshot was taken of. Room and workers may differ: see `trisap_world_load`.
     [[nodiscard]] Status load(View<const std::byte> snapshot) noexcept {
         return renew([&] { return trisap_world_load(world_, snapshot.data(), snapshot.size()); });
+    }
+
+    /// Puts the last result into an order that depends on its pairs alone: see `trisap_world_sort_results`. Its views
+    /// are those of `result` then.
+    [[nodiscard]] Status sort_results() noexcept {
+        trisap_result result = trisap_default_result();
+        return trisap_world_sort_results(world_, &result);
     }
 
     /// The leaves of the tree, from left to right, for a debug view.

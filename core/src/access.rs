@@ -154,6 +154,7 @@ pub(crate) mod bits {
     }
 
     /// How many bits are set.
+    #[cfg(any(test, feature = "validate"))]
     pub(crate) fn count(words: &[u32]) -> u32 {
         words.iter().map(|word| word.count_ones()).sum()
     }

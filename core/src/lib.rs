@@ -31,6 +31,7 @@ mod query;
 
 mod snapshot;
 
+#[cfg(feature = "validate")]
 mod validate;
 
 #[doc(hidden)]
@@ -46,7 +47,9 @@ pub use memory::stats::{Path, Reason, Stats};
 pub use parallel::executor::{Executor, Serial, Stage};
 pub use query::{Among, Cast, Hit, Region};
 pub use simd::kernels::Kernels;
-pub use validate::Invalid;
+#[cfg(feature = "validate")]
+pub use snapshot::check::Invalid;
+
 pub use world::{InlineWorld, Inserted};
 pub use world::{LeafView, PlaneView};
 pub use world::{Step, Stepper, World};

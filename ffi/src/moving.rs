@@ -33,8 +33,10 @@ pub unsafe extern "C" fn trisap_world_set_growing(world: *mut trisap_world, grow
 
 /// Opens the world in `memory`, a copy of the memory of another one, and writes where it is to `world`. O(1).
 ///
-/// For copies within a program, and between programs of the same version on the same kind of machine. The snapshots
-/// of `trisap_world_save` are smaller, and checked when they are loaded.
+/// The way to go back, and for copies between programs of the same version on the same kind of machine: copy
+/// `trisap_world_bytes(world)` bytes from where the world is to other memory of the same alignment, or back, and open it
+/// there. Nothing of the world may run meanwhile. The copy goes on as the world would have, byte for byte. The bytes are
+/// not checked; the snapshots of `trisap_world_save` are, and are smaller.
 ///
 /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`, `TRISAP_STATUS_NOT_A_WORLD`.
 #[unsafe(no_mangle)]

@@ -1,4 +1,4 @@
-//! Snapshots: a world as plain bytes, for rollback and for files.
+//! Snapshots: a world as plain bytes, for files and for those who join late.
 
 use crate::border;
 use crate::call::{Call, Look, look, trisap_world, with};
@@ -59,13 +59,17 @@ pub unsafe extern "C" fn trisap_world_save(
     unsafe { look(world, save) }
 }
 
-/// Replaces the world by that of a snapshot. If the configurations are the same, workers aside, the world goes on
-/// byte for byte. Else it goes on as after `trisap_world_move`, in its own configuration. The result of its last step
-/// comes with it: see `trisap_world_result`. Older results mean nothing any more. O(n + pairs).
+/// Replaces the world by that of a snapshot, in its own configuration, which may differ as for `trisap_world_move`. The
+/// result of its last step comes with it: see `trisap_world_result`. Older results mean nothing any more. O(bytes).
 ///
-/// Everything is checked before anything changes, also in bytes that were forged with a right checksum. A loaded
-/// world is valid, and its steps find all pairs. The first step that would keep pairs looks once whether they are
-/// all, which takes several times as long as to find them anew.
+/// The next step finds all pairs anew, and tells as events what has changed since the result that was saved. The order
+/// of pairs may differ from that of the world that was saved; worlds that load the same snapshot go on alike, byte for
+/// byte, if their configurations are the same. To go back within a program, a copy of the memory is faster: see
+/// `trisap_world_open`.
+///
+/// The checksum notices damage, not intent. Forged bytes with a right checksum are refused, or they are a world: each
+/// object and each pair of it can be, and the pairs of every step are those of its boxes. The saved result and what the
+/// events of the first step compare with are as the bytes say.
 ///
 /// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
 /// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.

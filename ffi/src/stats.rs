@@ -96,9 +96,11 @@ pub unsafe extern "C" fn trisap_world_stats(
     unsafe { look(world, ask) }
 }
 
-/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs).
+/// Checks all invariants of the world, to find out if something else writes to its memory. O(n log n + pairs). A library
+/// that was built without the feature `validate`, as the modules for the web are, does not have this function.
 ///
 /// Errors: `TRISAP_STATUS_CORRUPT`. An invariant is broken.
+#[cfg(feature = "validate")]
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_validate(world: *const trisap_world) -> trisap_status {

@@ -159,6 +159,27 @@ pub unsafe extern "C" fn trisap_world_result(
     unsafe { with(world, ask) }
 }
 
+/// Puts the result of the last step into an order of its own, and writes it to `result`: the pairs that the complete step
+/// before had in ascending order, behind them the found ones in ascending order; the lost ones ascend, too. So worlds
+/// with the same objects in the same slots give the same bytes, whatever their room, their workers and their past are.
+/// After `TRISAP_STATUS_PAIRS_FULL` nothing is sorted. O(pairs) for each byte of a pair, in place, about as long as a
+/// step takes to find that many; the next step with few movers looks at all pairs once more.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_sort_results(
+    world: *mut trisap_world,
+    result: *mut trisap_result,
+) -> trisap_status {
+    let sort = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let result = unsafe { output(result, call)? };
+        call.world()?.sort_results();
+        conclude(call, Ok(None), result)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, sort) }
+}
+
 /// A result that can be written to.
 struct Output(*mut trisap_result);
 

@@ -1,8 +1,8 @@
 //! Rollback: a game plays on with guessed inputs, and goes back by up to 8 frames when the true ones come. The broad phase is
-//! saved before each frame, and goes back with the game; also from more room than it had when it was saved, as players come all the
-//! time and it grows with them.
+//! copied before each frame, and goes back with the game; also from more room than it had then, as players come all the time and
+//! it grows with them. Results are sorted, so that they do not depend on the room.
 
-use trisap::{Aabb, BroadPhase, Error, Snapshot};
+use trisap::{Aabb, BroadPhase, Error};
 
 /// Frames that can be taken back.
 const KEPT: usize = 8;
@@ -10,7 +10,7 @@ const KEPT: usize = 8;
 const PLAYERS: usize = 300;
 const JOINING: usize = 20;
 
-/// What a frame found: all pairs, new ones, lost ones. In ascending order, as a step in more room may tell them in another one.
+/// What a frame found: all pairs, new ones, lost ones, in their order.
 type Seen = [Vec<[usize; 2]>; 3];
 
 /// What a player wants in a frame: a step to the side.
@@ -24,7 +24,7 @@ fn place(player: usize) -> [f32; 3] {
     [(player % 25) as f32 * 1.15, 0.0, (player / 25) as f32 * 1.15]
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Game {
     players: Vec<[f32; 3]>,
     broad_phase: BroadPhase<usize>,
@@ -42,26 +42,17 @@ impl Game {
             }
             self.broad_phase.insert(player, Aabb::from_center(*place, [0.5; 3]))?;
         }
-        let step = self.broad_phase.step()?;
-        let mut seen = [step.pairs().collect(), step.found().collect(), step.lost().collect()];
-        seen.iter_mut().for_each(|pairs: &mut Vec<_>| pairs.sort_unstable());
-        Ok(seen)
+        self.broad_phase.step()?;
+        self.broad_phase.sort_results();
+        let step = &self.broad_phase;
+        Ok([step.pairs().collect(), step.found().collect(), step.lost().collect()])
     }
 
-    fn save(&self) -> Saved {
-        Saved { players: self.players.clone(), broad_phase: self.broad_phase.save() }
+    /// Becomes a copy of the game as it was or will be, in the memory that there is.
+    fn copy_from(&mut self, other: &Self) {
+        self.players.clone_from(&other.players);
+        self.broad_phase.clone_from(&other.broad_phase);
     }
-
-    fn restore(&mut self, saved: &Saved) -> Result<(), Error> {
-        self.players.clone_from(&saved.players);
-        self.broad_phase.restore(&saved.broad_phase)
-    }
-}
-
-/// The game before a frame.
-struct Saved {
-    players: Vec<[f32; 3]>,
-    broad_phase: Snapshot<usize>,
 }
 
 /// Plays frames; the inputs of half of the players come late by up to `KEPT` frames. Returns what each frame found in the end, how
@@ -70,22 +61,21 @@ fn play_with_rollback(frames: usize) -> Result<(Vec<Seen>, [usize; 2]), Error> {
     let mut game = Game::default();
     let room = |game: &Game| game.broad_phase.config().capacity.objects;
     let (mut seen, mut wrong, mut across_growth) = (Vec::new(), 0, 0);
-    let mut history = Vec::new();
+    // As often as frames can be taken back: memory that is used again.
+    let mut history = vec![Game::default(); KEPT];
     for frame in 0..frames {
-        history.push((game.save(), room(&game)));
+        history[frame % KEPT].copy_from(&game);
         seen.push(game.play(frame, false)?);
         // The inputs of the last frames have come.
-        if history.len() == KEPT {
+        if frame % KEPT == KEPT - 1 {
             let guess = seen[frame].clone();
             let first = frame + 1 - KEPT;
-            let (saved, room_then) = &history[0];
-            across_growth += usize::from(*room_then < room(&game));
-            game.restore(saved)?;
+            across_growth += usize::from(room(&history[0]) < room(&game));
+            game.copy_from(&history[0]);
             for again in first..=frame {
                 seen[again] = game.play(again, true)?;
             }
             wrong += usize::from(guess != seen[frame]);
-            history.clear();
         }
     }
     Ok((seen, [wrong, across_growth]))
@@ -102,7 +92,7 @@ fn main() -> Result<(), Error> {
     let (seen, [wrong, across_growth]) = play_with_rollback(frames)?;
     assert!(seen == play_in_time(frames)?, "a world that went back is another one");
     println!("{frames} frames, gone back by {KEPT} every {KEPT}: the same pairs, found and lost, as in time");
-    println!("{wrong} guesses were wrong; {across_growth} times the world had grown since it was saved");
+    println!("{wrong} guesses were wrong; {across_growth} times the world had grown since it was copied");
     Ok(())
 }
 

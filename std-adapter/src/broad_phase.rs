@@ -1,6 +1,7 @@
 //! A world that is keyed by the caller's own type, and grows by itself.
 
 mod among;
+mod bytes;
 mod error;
 mod names;
 mod room;
@@ -49,6 +50,30 @@ pub struct BroadPhase<K> {
     complete: bool,
     #[cfg(feature = "rayon")]
     executor: crate::Rayon<'static>,
+}
+
+/// A copy goes on as the broad phase would have, byte for byte: the way to go back to a frame is to keep copies.
+/// [`clone_from`](Clone::clone_from) uses the memory that there is.
+///
+/// # Panics
+/// If there is no memory for a copy.
+impl<K: Copy + Eq + Hash> Clone for BroadPhase<K> {
+    fn clone(&self) -> Self {
+        Self {
+            owned: self.owned.clone(),
+            config: self.config,
+            names: self.names.clone(),
+            complete: self.complete,
+            #[cfg(feature = "rayon")]
+            executor: crate::Rayon::global(),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.owned.clone_from(&source.owned);
+        (self.config, self.complete) = (source.config, source.complete);
+        self.names.copy_from(&source.names);
+    }
 }
 
 /// Room for so many objects at first.

@@ -178,6 +178,25 @@ fn open<I: Index>(memory: &mut Memory) -> World<'_, I> {
         .expect("a world of this width was made in the memory, and nobody else can write to it")
 }
 
+/// A copy goes on as the world would have, byte for byte: the way to go back to a frame is to keep copies.
+/// [`clone_from`](Clone::clone_from) uses the memory that there is, and takes at most as long as a copy of it.
+///
+/// # Panics
+/// If there is no memory for a copy.
+impl<I: Index> Clone for OwnedWorld<I> {
+    fn clone(&self) -> Self {
+        let mut copy = Self::with_index(&self.as_world().config()).expect("memory for a copy");
+        copy.world().copy_from(self.as_world()).expect("a world of the same configuration");
+        copy
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        if self.world().copy_from(source.as_world()).is_err() {
+            *self = source.clone();
+        }
+    }
+}
+
 impl<I: Index> fmt::Debug for OwnedWorld<I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("OwnedWorld").field("bytes", &self.bytes()).finish_non_exhaustive()
@@ -245,6 +264,26 @@ mod tests {
         }
         owned.world().clear();
         assert!(owned.as_world().is_empty() && owned.world().is_empty());
+        Ok(())
+    }
+
+    /// A copy knows nothing of what happens later, and the other way round; also in other memory.
+    #[test]
+    fn a_copy_is_the_world_as_it_was() -> Result<(), Error> {
+        let config = Config::new(Capacity::for_objects(8)).with_events();
+        let mut owned = OwnedWorld::<u16>::with_index(&config)?;
+        let ids = [owned.world().insert(CUBE)?, owned.world().insert(CUBE)?];
+        owned.world().step()?;
+        let kept = owned.clone();
+        owned.world().remove(ids[0])?;
+        assert_eq!(owned.world().step()?.lost(), [[0, 1]]);
+        assert_eq!((kept.as_world().len(), kept.as_world().pairs()), (2, &[[0, 1]][..]));
+        owned.clone_from(&kept);
+        assert_eq!(owned.world().step()?.pairs(), [[0, 1]]);
+        assert!(owned.as_world().contains(ids[0]) && owned.as_world().lost().is_empty());
+        owned.move_to(&config.with_capacity(Capacity::for_objects(700)))?;
+        owned.clone_from(&kept);
+        assert_eq!((owned.as_world().config(), owned.bytes()), (config, kept.bytes()));
         Ok(())
     }
 

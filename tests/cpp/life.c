@@ -538,6 +538,45 @@ static void saved(void) {
     free(world);
 }
 
+// Sorted results are the same in a world of other room, which has loaded a snapshot.
+static void sorted(void) {
+    trisap_config config = trisap_default_config(700);
+    config.events = 1;
+    trisap_world *world = make(&config);
+    config = trisap_default_config(2000);
+    config.events = 1;
+    trisap_world *other = make(&config);
+    trisap_id ids[600];
+    trisap_result results[2] = {trisap_default_result(), trisap_default_result()};
+    for (uint32_t i = 0; i < 600; i++) {
+        const trisap_aabb aabb = cube((float)(i * 7 % 600) * 0.4f);
+        CHECK_OK(trisap_world_insert(world, &aabb, &ids[i]));
+    }
+    CHECK_OK(trisap_world_step(world, NULL, &results[0]));
+    CHECK_OK(trisap_world_remove(world, ids[9]));
+    CHECK_OK(trisap_world_step(world, NULL, &results[0]));
+    const size_t room = trisap_world_snapshot_size(world);
+    void *snapshot = malloc(room);
+    size_t size = 0;
+    CHECK_OK(trisap_world_save(world, snapshot, room, &size));
+    CHECK_OK(trisap_world_load(other, snapshot, size));
+    free(snapshot);
+    const trisap_aabb moved = cube(100.0f);
+    trisap_world *const worlds[] = {world, other};
+    for (size_t i = 0; i < 2; i++) {
+        CHECK_OK(trisap_world_update(worlds[i], ids[3], &moved));
+        CHECK_OK(trisap_world_step(worlds[i], NULL, &results[i]));
+        CHECK_OK(trisap_world_sort_results(worlds[i], &results[i]));
+        CHECK(results[i].found_count > 0 && results[i].lost_count > 0);
+    }
+    CHECK(results[0].pair_count == results[1].pair_count && results[0].pair_count > 1000);
+    CHECK(memcmp(results[0].pairs, results[1].pairs, results[0].pair_count * sizeof(trisap_pair)) == 0);
+    CHECK(memcmp(results[0].found, results[1].found, results[0].found_count * sizeof(trisap_pair)) == 0);
+    CHECK(memcmp(results[0].lost, results[1].lost, results[0].lost_count * sizeof(trisap_pair)) == 0);
+    free(other);
+    free(world);
+}
+
 // A copy of the memory goes on as the world does.
 static void copies(void) {
     const trisap_config config = trisap_default_config(16);
@@ -595,6 +634,7 @@ int main(void) {
     doubles();
     fixed_and_shifted();
     saved();
+    sorted();
     saved_after_a_shift();
     copies();
     statics();

@@ -250,7 +250,7 @@ private:
             saved_.erase(saved_.begin());
         }
         // Another world goes on as this one does, byte for byte.
-        CHECK_OK(twin_.load(saved_.back().bytes));
+        CHECK_OK(twin_.copy_from(world_));
         CHECK_OK(twin_.validate());
         CHECK(twin_.size() == model_.objects.size());
         twin_follows_ = true;

@@ -315,6 +315,19 @@ static void callables() {
     CHECK_STATUS(none.step_with_rule(odd_sum).status, TRISAP_STATUS_NULL_POINTER);
     CHECK(none.overlaps(regions[0], ids).status == TRISAP_STATUS_NULL_POINTER && none.snapshot_size() == 0);
     allocations_left = 1000;
+
+    // Copies, in new memory and in memory that is there.
+    trisap::World kept;
+    for (int round = 0; round < 2; round++) {
+        CHECK_OK(kept.copy_from(world));
+        CHECK_OK(world.remove(ids));
+        CHECK(world.size() == 0 && kept.size() == 8);
+        CHECK_OK(world.copy_from(kept));
+        CHECK(world.size() == 8 && world.result().pairs.size() == 8);
+    }
+    CHECK_OK(world.sort_results());
+    CHECK(world.result().pairs[0].a == 0 && world.result().pairs.size() == 8);
+    CHECK_STATUS(kept.copy_from(trisap::World()), TRISAP_STATUS_NULL_POINTER);
 }
 
 /// Values, and queries that leave objects out.

@@ -17,7 +17,8 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// Memory for a world of this configuration, exactly as much as it asks for.
+    /// Memory for a world of this configuration, exactly as much as it asks for; all of its bits are set, as what was
+    /// there before does not matter.
     ///
     /// # Panics
     /// If there is no such world.
@@ -25,7 +26,7 @@ impl Slab {
     pub fn new<I: Index>(config: &Config) -> Self {
         let layout = layout::<I>(config).expect("the capacity of a test fits");
         assert!(layout.align <= align_of::<Block>(), "worlds ask for an alignment of {}", layout.align);
-        Self { blocks: vec![Block::zeroed(); layout.bytes.div_ceil(64)], bytes: layout.bytes }
+        Self { blocks: vec![Block([0xff; 64]); layout.bytes.div_ceil(64)], bytes: layout.bytes }
     }
 
     /// The bytes.

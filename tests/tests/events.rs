@@ -216,10 +216,12 @@ fn worlds_that_move_or_are_loaded_go_on_with_their_events() {
                 copy.step_over(two.advance(), setup);
             }
         }
-        // What was loaded goes on in the same order.
+        // Worlds that load the same snapshot go on in the same order.
         let mut copied = Slab::new::<u32>(&config);
         let mut copy = copied.world::<u32>(&config);
-        copy.load(&saved(world.world())).expect("a good snapshot");
+        let snapshot = saved(world.world());
+        copy.load(&snapshot).expect("a good snapshot");
+        world.world_mut().load(&snapshot).expect("a good snapshot");
         let (mut one, mut two) = (scene.clone(), scene);
         let mut copy = Checked::resume(copy, world.model().clone());
         for _ in 0..3 {

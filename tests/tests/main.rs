@@ -10,6 +10,7 @@ mod capacity;
 mod choices;
 mod cliffs;
 mod contents;
+mod copies;
 mod documents;
 mod edges;
 mod errata;

@@ -1,16 +1,22 @@
-//! Snapshots: a world that is loaded goes on as the one that was saved, byte for byte; and bytes that
-//! are no snapshot are refused. What is forged with care is in `forged`.
+//! Snapshots: a world that is loaded goes on with the pairs and events of the one that was saved; and bytes that are
+//! no snapshot are refused. What is forged with care is in `forged`.
 
 use trisap_core::{Aabb, Boxes, Capacity, Choice, Config, Error, Field, Index, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::{self, Brownian, Rng, shifted, uniform};
-use trisap_tests::sorted;
 use trisap_tests::worlds::{Setup, Slab, ample};
+use trisap_tests::{SlotPair, sorted};
 
-/// At any point of a life: a snapshot goes to a world that has lived otherwise, with other workers, and both go on alike;
-/// and the first one goes back and does all of it again. Returns how many steps found no room for their pairs.
+/// What a step says, in ascending order. After [`Error::PairsFull`] any pairs that fit are right.
+fn sets(said: Result<Outcome, Error>) -> Result<[Vec<SlotPair>; 3], Error> {
+    said.map(|o| [&o.pairs, &o.found, &o.lost].map(|pairs| sorted(pairs)))
+}
+
+/// At any point of a life: a snapshot goes to a world that has lived otherwise, with other workers, and both go on with
+/// the same pairs and events; and the first one goes back and does all of it again, byte for byte as that other one.
+/// Returns how many steps found no room for their pairs.
 fn follow<I: Index>(config: Config, count: usize, pairs: usize, setup: Setup) -> usize {
     let config = config.with_capacity(ample(count + count / 8, pairs));
     let config = setup.configure(config);
@@ -21,11 +27,6 @@ fn follow<I: Index>(config: Config, count: usize, pairs: usize, setup: Setup) ->
     let mut world = slab.world::<I>(&config);
     let _ = room.world::<I>(&copied);
     let rng = &mut Rng::new(count as u64 * 31 + pairs as u64);
-    let compare = |one: &Result<Outcome, Error>, other: &Result<Outcome, Error>, round: usize| {
-        let stats = |said: &Result<Outcome, Error>| said.as_ref().map(|o| o.stats).map_err(|e| *e);
-        assert_eq!(stats(one), stats(other), "round {round}");
-        assert!(one == other, "round {round}: the same pairs in another order, or others");
-    };
     let mut full = 0;
     for round in 0..40 {
         let snapshot = saved(&world);
@@ -43,28 +44,22 @@ fn follow<I: Index>(config: Config, count: usize, pairs: usize, setup: Setup) ->
         copy.validate().expect("a valid world");
         assert_eq!(copy.config(), copied);
         assert_eq!((world.pairs(), world.found(), world.lost()), (copy.pairs(), copy.found(), copy.lost()));
-        assert_eq!(world.stats(), copy.stats());
-        let again = rng.clone();
-        let outcome = act(&mut world, rng, setup);
-        full += usize::from(outcome.is_err());
-        compare(&outcome, &act(&mut copy, &mut again.clone(), other), round);
-        // Two more steps without a load between them.
-        let after = saved(&world);
-        for _ in 0..2 {
-            let again = rng.clone();
-            let outcome = act(&mut world, rng, setup);
-            compare(&outcome, &act(&mut copy, &mut again.clone(), other), round);
+        assert!(saved(&copy) == snapshot, "round {round}: what was loaded is saved as it was");
+        let start = rng.clone();
+        let mut told = Vec::new();
+        for _ in 0..3 {
+            let said = act(&mut copy, &mut rng.clone(), other);
+            full += usize::from(said.is_err());
+            assert!(sets(act(&mut world, rng, setup)) == sets(said.clone()), "round {round}: other pairs");
+            told.push(said);
         }
-        let last = saved(&world);
+        // Byte for byte: pairs, their order, events, statistics.
         world.load(&snapshot).expect("a good snapshot");
-        assert!(saved(&world) == snapshot, "round {round}: what was loaded is saved as it was");
-        let mut again = again;
-        compare(&outcome, &act(&mut world, &mut again, setup), round);
-        assert!(saved(&world) == after, "round {round}: the same step leaves the same world");
-        for _ in 0..2 {
-            let _ = act(&mut world, &mut again, setup);
+        let again = &mut start.clone();
+        for said in told {
+            assert!(act(&mut world, again, setup) == said, "round {round}: another order");
         }
-        assert!(saved(&world) == last, "round {round}: the same steps leave the same world");
+        assert!(saved(&world) == saved(&copy), "round {round}: the same steps leave the same world");
         world.validate().expect("a valid world");
     }
     full
@@ -88,12 +83,11 @@ fn a_loaded_world_goes_on_as_the_one_that_was_saved() {
     }
 }
 
-/// Hooks are no part of a snapshot: it brings the tree, parked pairs and divided leaves to a world that would have made others, and
-/// both go on with the same pairs, in orders of their own.
+/// Hooks are no part of a snapshot: worlds go on with the same pairs, in orders of their own.
 #[test]
 fn a_snapshot_loads_whatever_the_hooks_are() {
     let choices = [Choice::Automatic, Choice::Never, Choice::Always];
-    let (mut divided, mut parted) = (0, 0);
+    let mut parted = 0;
     for config in configs() {
         for (seed, [from, to]) in choices.iter().flat_map(|a| choices.map(|b| [*a, b])).enumerate() {
             let config = config.with_capacity(ample(1800, 300_000));
@@ -108,22 +102,20 @@ fn a_snapshot_loads_whatever_the_hooks_are() {
                 copy.load(&snapshot).expect("a good snapshot");
                 copy.validate().expect("a valid world");
                 assert!(saved(&copy) == snapshot, "what was loaded is saved as it was");
-                assert_eq!((world.stats(), copy.config()), (copy.stats(), copied));
-                divided += usize::from(copy.stats().fine_leaves);
+                assert_eq!(copy.config(), copied);
                 for _ in 0..3 {
                     let mut again = rng.clone();
                     let one = act(&mut world, &mut rng, Setup::REFERENCE).expect("room");
                     let other = act(&mut copy, &mut again, Setup::REFERENCE).expect("room");
-                    let sets = |o: &Outcome| [&o.pairs, &o.found, &o.lost].map(|pairs| sorted(pairs));
-                    assert!(sets(&one) == sets(&other), "{from:?} to {to:?}, round {round}");
-                    assert_eq!((one.surplus, one.rejected), (other.surplus, other.rejected));
+                    assert_eq!(one.rejected, other.rejected);
                     parted += usize::from(one.stats.path != other.stats.path);
+                    assert!(sets(Ok(one)) == sets(Ok(other)), "{from:?} to {to:?}, round {round}");
                 }
                 copy.validate().expect("a valid world");
             }
         }
     }
-    assert!(divided > 20 && parted > 100, "{divided} trees were divided, {parted} steps took other paths");
+    assert!(parted > 100, "{parted} steps took other paths");
 }
 
 #[test]
@@ -245,6 +237,27 @@ fn a_snapshot_is_small() {
         }
         println!("{name}: {sizes:?}, {:.1} bytes an object when settled", sizes[7] as f64 / COUNT as f64);
         assert!(name != "plain" || sizes[7] <= 64 * COUNT, "{sizes:?}");
+    }
+}
+
+/// A load leaves no more to the next step than to find all pairs, as in a world that has just been made.
+#[test]
+fn the_first_step_after_a_load_is_one_that_finds_all_pairs() {
+    for config in configs() {
+        let config = config.with_capacity(ample(2000, 60_000));
+        let (mut slab, mut room) = (Slab::new::<u32>(&config), Slab::new::<u32>(&config));
+        let mut world = lived::<u32>(&mut slab, &config, 1900, 4);
+        let mut fresh = room.world::<u32>(&config);
+        let boxes: Vec<Aabb> = world.iter().map(|(_, aabb)| aabb).collect();
+        fresh.insert_many(Boxes::new(&boxes)).expect("room");
+        world.load(&saved(&world)).expect("a good snapshot");
+        let [loaded, made] = [&mut world, &mut fresh].map(|world| {
+            let setup = Setup::REFERENCE;
+            world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room").stats()
+        });
+        assert_eq!((loaded.path, loaded.rebalanced), (made.path, made.rebalanced));
+        // Fat boxes may have grown apart.
+        assert!(loaded.candidates <= made.candidates * 5 / 4 && loaded.copies <= made.copies * 5 / 4);
     }
 }
 

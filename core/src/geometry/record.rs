@@ -28,12 +28,6 @@ impl Frame {
         Self { origin: twice(origin), scale: twice(scale) }
     }
 
-    /// The arguments of [`new`](Self::new).
-    pub(crate) const fn parts(&self) -> [[f32; 3]; 2] {
-        let ([a, b, c, ..], [d, e, f, ..]) = (self.origin, self.scale);
-        [[a, b, c], [d, e, f]]
-    }
-
     /// The longest axis. Any axis is right to sweep along (errata E16 and E17); along the longest one a box meets the
     /// fewest others.
     pub(crate) const fn longest_axis(&self) -> usize {
@@ -43,6 +37,7 @@ impl Frame {
     }
 
     /// Whether the frame keeps the order of coordinates. Then sweeps lose no pair, wherever its grid lies.
+    #[cfg(test)]
     pub(crate) fn is_sound(&self) -> bool {
         let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];
         let finite = |x: &f32| x.abs() <= f32::MAX;

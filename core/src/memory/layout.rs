@@ -1,21 +1,13 @@
-//! Computes how many items of each kind a world has, and how many bytes they take.
-//!
-//! `Sizes::bytes` adds up the sections that `Parts::carve` in `slab.rs` cuts, in the same order.
+//! Computes how many items of each kind a world has.
 
-use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::{
     CHUNK, LEAF_TARGET, LEAVES_PER_BLOCK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, histogram_row,
 };
 use super::scratch;
-use super::slot_set::SlotSet;
-use super::state::State;
-use crate::access::bits;
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
-use crate::filter::{CLASSES, FILTERS, Filter};
-use crate::geometry::key::KeyBox;
-use crate::geometry::record::{Frame, Record};
-use crate::id::{Index, Pair};
+use crate::filter::{CLASSES, FILTERS};
+use crate::id::Index;
 use crate::simd::{CACHE_LINE, EIGHT};
 
 /// The memory that a world needs.
@@ -42,7 +34,8 @@ pub(crate) const ALIGN: usize = CACHE_LINE;
 pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     match Sizes::of::<I>(config) {
         Some(sizes) => match sizes.bytes::<I>() {
-            Some(bytes) => Some(Layout { bytes, align: ALIGN }),
+            // Below `isize::MAX`, which is no multiple.
+            Some(bytes) => Some(Layout { bytes: bytes.next_multiple_of(ALIGN), align: ALIGN }),
             None => None,
         },
         None => None,
@@ -178,72 +171,16 @@ impl Sizes {
         if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.depth - SUB_LEVELS) } else { 0 }
     }
 
-    const fn bytes<I: Index>(&self) -> Option<usize> {
-        let objects = self.objects;
-        let mut plan = Plan::new();
-        plan.add::<State>(1);
-        plan.add::<KeyBox>(objects);
-        plan.add::<KeyBox>(self.fat);
-        plan.add::<f32>(self.fat);
-        plan.add::<KeyBox>(self.before);
-        plan.add::<u32>(self.before);
-        plan.add::<u32>(SlotSet::len(self.before));
-        plan.add::<Filter>(self.filters);
-        plan.add::<u32>(self.classes);
-        plan.add::<u32>(SlotSet::len(self.filters));
-        plan.add::<u64>(self.values + self.former_values);
-        plan.add::<u32>(objects);
-        plan.add::<u32>(2 * bits::words(objects) + SlotSet::len(objects));
-        plan.add::<u32>(SlotSet::len(self.changed) + SlotSet::len(self.before));
-        plan.add::<u32>(bits::words(self.tree));
-        plan.add::<I>(3 * objects);
-        plan.add::<I>(2 * self.tree);
-        plan.add::<Record>(self.records);
-        plan.add::<Straddler>(self.straddlers);
-        plan.add::<i32>(self.leaves);
-        plan.add::<Cell>(self.leaves);
-        plan.add::<Frame>(self.whole_leaves);
-        plan.add::<Leaf>(self.leaves);
-        plan.add::<Record>(self.leaves);
-        plan.add::<KeyBox>(2 * self.whole_leaves);
-        plan.add::<u32>(self.histogram());
-        plan.add::<[u32; 2]>(3 * self.event_blocks);
-        plan.add::<u32>((self.event_blocks > 0) as usize);
-        plan.add::<Pair<I>>(self.pairs);
-        plan.add::<Pair<I>>(self.previous);
-        match self.staged.checked_mul(CHUNK) {
-            Some(pairs) => plan.add::<Pair<I>>(pairs),
-            None => return None,
-        }
-        plan.add::<[u32; 3]>(self.staged);
-        plan.add::<Record>(self.workers * scratch::records::<I>(self.bucket));
-        plan.bytes
+    /// Where sections start: on a cache line, or in worlds without a tree, which are small, where any item may.
+    const fn align(&self) -> usize {
+        if self.tree > 0 { ALIGN } else { 16 }
     }
 }
 
-/// Adds up sections. Each starts on a cache line.
-struct Plan {
-    bytes: Option<usize>,
-}
-
-impl Plan {
-    const fn new() -> Self {
-        Self { bytes: Some(0) }
-    }
-
-    const fn add<T>(&mut self, count: usize) {
-        self.bytes = match (self.bytes, section::<T>(count)) {
-            // No slice is longer than `isize::MAX`.
-            (Some(sum), Some(more)) if more <= isize::MAX as usize - sum => Some(sum + more),
-            _ => None,
-        };
-    }
-}
-
-/// The bytes of a section of `count` items, to the next cache line.
-pub(crate) const fn section<T>(count: usize) -> Option<usize> {
-    match count.checked_mul(size_of::<T>()) {
-        Some(bytes) => bytes.checked_next_multiple_of(ALIGN),
-        None => None,
-    }
+/// The bytes of so many before and a section of `count` items, to where the next section starts.
+pub(super) const fn section<T>(count: usize, before: Option<usize>, sizes: &Sizes) -> Option<usize> {
+    let (Some(before), Some(bytes)) = (before, count.checked_mul(size_of::<T>())) else { return None };
+    let Some(bytes) = bytes.checked_next_multiple_of(sizes.align()) else { return None };
+    // No slice is longer than `isize::MAX`.
+    if bytes > isize::MAX as usize - before { None } else { Some(before + bytes) }
 }

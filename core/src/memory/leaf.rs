@@ -51,6 +51,7 @@ impl Cell {
     }
 
     /// Whether a minimum corner is at home here.
+    #[cfg(test)]
     pub(crate) fn holds(&self, min: &[i32; 3]) -> bool {
         (0..3).all(|k| self.low()[k] <= min[k] && min[k] < self.high()[k])
     }

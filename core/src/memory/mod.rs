@@ -6,6 +6,7 @@ pub(crate) mod leaf;
 pub(crate) mod limits;
 pub(crate) mod prefetch;
 pub(crate) mod scratch;
+pub(crate) mod sections;
 pub(crate) mod slab;
 pub(crate) mod slot_set;
 pub(crate) mod state;

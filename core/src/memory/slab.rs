@@ -1,13 +1,14 @@
-//! Carves the slab of a world into slices, each for the layer that owns it.
+//! The slab of a world, divided into slices for the layers that own them: see [`sections`].
 
 use super::layout::{ALIGN, Sizes, beyond, layout, section};
 use super::leaf::{Cell, Leaf, Straddler};
 use super::limits::CHUNK;
 use super::scratch;
+use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
 use crate::access::{Access, bits, faults};
-use crate::config::{Config, Mode};
+use crate::config::{Capacity, Config, Mode};
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::geometry::key::KeyBox;
@@ -15,80 +16,261 @@ use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
 use bytemuck::Pod;
 
-/// The slices of a world, by slot unless said otherwise.
-pub(crate) struct Parts<'m, I> {
-    pub(crate) sizes: Sizes,
-    pub(crate) state: &'m mut State,
-    pub(crate) boxes: BoxParts<'m>,
-    pub(crate) filters: FilterParts<'m>,
-    pub(crate) values: ValueParts<'m>,
-    pub(crate) former: FormerParts<'m>,
-    /// How many objects have had the slot.
-    pub(crate) generations: &'m mut [u32],
-    /// The swept box has changed since the last complete step (the paper's dynamic objects).
-    pub(crate) moved: SlotSet<'m>,
-    /// One bit a slot: the caller has put the object to rest.
-    pub(crate) resting: &'m mut [u32],
-    /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter has
-    /// changed since the last complete step.
-    pub(crate) changed: SlotSet<'m>,
-    /// With events: `before` may be out of date, since the slot changed before the last complete step.
-    pub(crate) outdated: SlotSet<'m>,
-    /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
-    pub(crate) active: &'m mut [u32],
-    /// One bit a slot: it is in the sorted lists.
-    pub(crate) listed: &'m mut [u32],
-    /// The tri-linked lists: slots by ascending minimum on x, y and z.
-    pub(crate) order: [&'m mut [I]; 3],
-    /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
-    pub(crate) home: &'m mut [I],
-    /// The position of the record in its leaf, or in the list of large objects.
-    pub(crate) place: &'m mut [I],
-    pub(crate) tree: TreeParts<'m>,
-    pub(crate) output: OutputParts<'m, I>,
+/// An array of a world, or what stands for it.
+pub(crate) trait Section<'m, T: Pod> {
+    /// Takes its memory.
+    fn of(memory: &'m mut [T]) -> Self;
+    /// The items, in up to three slices.
+    fn items(&self) -> [&[T]; 3];
+    fn fill(&mut self, value: T);
+    /// Takes over so many items, or all.
+    fn copy(&mut self, from: [&[T]; 3], count: usize);
+    /// Takes over the bytes of the first items.
+    fn load(&mut self, bytes: &[u8]);
 }
 
-/// The boxes of all slots.
-pub(crate) struct BoxParts<'m> {
-    /// The box as given last. A free slot has an empty one, which holds the next free slot.
-    pub(crate) now: &'m mut [KeyBox],
-    /// With margins: the fat box (erratum E5).
-    pub(crate) fat: &'m mut [KeyBox],
-    /// With margins: the length that the box is grown by (erratum E2).
-    pub(crate) margins: &'m mut [f32],
-    /// With events: the box that the last complete step reported, if the object has [changed](Parts::changed) since;
-    /// empty if the object is new. If it has not changed, this is its reported box, unless it is
-    /// [outdated](Parts::outdated).
-    pub(crate) before: &'m mut [KeyBox],
-    /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are left unused.
-    /// Fat boxes then mean nothing.
-    pub(crate) tight: bool,
+impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
+    fn of(memory: &'m mut [T]) -> Self {
+        memory
+    }
+
+    fn items(&self) -> [&[T]; 3] {
+        [self, &[], &[]]
+    }
+
+    fn fill(&mut self, value: T) {
+        <[T]>::fill(self, value);
+    }
+
+    fn copy(&mut self, [from, ..]: [&[T]; 3], count: usize) {
+        self.copy_in(from.get(..count).unwrap_or(from));
+    }
+
+    fn load(&mut self, bytes: &[u8]) {
+        bytemuck::try_cast_slice_mut::<T, u8>(self).unwrap_or_default().copy_in(bytes);
+    }
 }
 
-/// With events: who had the slots that new objects have got since the complete step before, so that lost pairs can be
-/// named.
-pub(crate) struct FormerParts<'m> {
-    /// Of these slots: the generation of the former object.
-    pub(crate) generations: &'m mut [u32],
-    /// These slots.
-    pub(crate) reused: SlotSet<'m>,
+impl<'m, T: Pod> Section<'m, T> for [&'m mut [T]; 3] {
+    fn of(memory: &'m mut [T]) -> Self {
+        let mut rest = memory.chunks_exact_mut((memory.len() / 3).max(1));
+        [(); 3].map(|()| rest.next().unwrap_or_default())
+    }
+
+    fn items(&self) -> [&[T]; 3] {
+        self.each_ref().map(|part| &**part)
+    }
+
+    fn fill(&mut self, value: T) {
+        self.iter_mut().for_each(|part| part.fill(value));
+    }
+
+    fn copy(&mut self, from: [&[T]; 3], count: usize) {
+        self.iter_mut().zip(from).for_each(|(part, from)| part.copy([from, &[], &[]], count));
+    }
+
+    fn load(&mut self, _: &[u8]) {}
 }
 
-/// With filters: whom the objects meet.
-pub(crate) struct FilterParts<'m> {
-    pub(crate) of: &'m mut [Filter],
-    /// One bit for each class that a class meets.
-    pub(crate) classes: &'m mut [u32],
-    /// The filter may answer differently since the last complete step.
-    pub(crate) changed: SlotSet<'m>,
+impl<'m> Section<'m, u32> for SlotSet<'m> {
+    fn of(memory: &'m mut [u32]) -> Self {
+        Self::carve(memory)
+    }
+
+    fn items(&self) -> [&[u32]; 3] {
+        [self.words, &[], &[]]
+    }
+
+    fn fill(&mut self, value: u32) {
+        self.words.fill(value);
+        self.regroup();
+    }
+
+    fn copy(&mut self, from: [&[u32]; 3], count: usize) {
+        self.words.copy(from, count);
+        self.regroup();
+    }
+
+    fn load(&mut self, bytes: &[u8]) {
+        self.words.load(bytes);
+        self.regroup();
+    }
 }
 
-/// With values: the caller's number for each object.
-pub(crate) struct ValueParts<'m> {
-    /// A free slot keeps the value of the object that had it.
-    pub(crate) of: &'m mut [u64],
-    /// With events: the values of the objects in [`FormerParts::generations`].
-    pub(crate) former: &'m mut [u64],
+macro_rules! clear {
+    (new $section:expr, $value:expr) => {
+        $section.fill($value);
+    };
+    (used $section:expr, $count:expr) => {};
+}
+
+macro_rules! copy {
+    (new $to:expr, $from:expr, $value:expr) => {
+        $to.copy($from.items(), usize::MAX);
+    };
+    (used $to:expr, $from:expr, $count:expr) => {
+        $to.copy($from.items(), $count);
+    };
+}
+
+macro_rules! slab {
+    (
+        |$s:ident, $state:ident, $n:ident| {
+        $($(#[$doc:meta])* $name:ident: $type:ty = [$item:ty; $count:expr], $how:ident $what:expr
+            $(, saved $saved:ident [$len:expr])?;)*
+        }
+        $($(#[$about:meta])* $group:ident: $Group:ident [$($of:tt)*] {
+            $($(#[$gdoc:meta])* $gname:ident: $gtype:ty = [$gitem:ty; $gcount:expr], $ghow:ident $gwhat:expr
+                $(, saved $gsaved:ident [$glen:expr])?;)*
+            $(+ $(#[$pdoc:meta])* $plain:ident: $ptype:ty = $pvalue:expr;)*
+        })*
+    ) => {
+        /// The slices of a world, by slot unless said otherwise.
+        pub(crate) struct Parts<'m, I> {
+            pub(crate) sizes: Sizes,
+            pub(crate) state: &'m mut State,
+            $($(#[$doc])* pub(crate) $name: $type,)*
+            $($(#[$about])* pub(crate) $group: $Group<$($of)*>,)*
+        }
+
+        $($(#[$about])*
+        pub(crate) struct $Group<$($of)*> {
+            $($(#[$gdoc])* pub(crate) $gname: $gtype,)*
+            $($(#[$pdoc])* pub(crate) $plain: $ptype,)*
+        })*
+
+        impl Sizes {
+            /// The bytes of all sections, one after another.
+            pub(super) const fn bytes<I: Index>(&self) -> Option<usize> {
+                let $s = self;
+                let mut bytes = section::<State>(1, Some(0), $s);
+                $(bytes = section::<$item>($count, bytes, $s);)*
+                $($(bytes = section::<$gitem>($gcount, bytes, $s);)*)*
+                bytes
+            }
+        }
+
+        impl<'m, I: Index> Parts<'m, I> {
+            /// Carves a slab that is long enough and aligned.
+            fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
+                let $s = &sizes;
+                let mut slab = Carver { rest: slab, sizes };
+                let $state: &mut State = slab.take(1)?.first_mut()?;
+                let swapped = $state.pairs.swapped != 0;
+                let mut parts = Self {
+                    $($name: Section::of(slab.take::<$item>($count)?),)*
+                    $($group: $Group {
+                        $($gname: Section::of(slab.take::<$gitem>($gcount)?),)*
+                        $($plain: $pvalue,)*
+                    },)*
+                    state: $state,
+                    sizes,
+                };
+                if swapped {
+                    core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
+                }
+                Some(parts)
+            }
+
+            /// Empties the world. What is never read before it is written stays as it was.
+            pub(crate) fn clear(&mut self) {
+                $(clear!($how self.$name, $what);)*
+                $($(clear!($ghow self.$group.$gname, $gwhat);)*)*
+            }
+
+            /// Becomes a copy of a world of the same sizes.
+            pub(crate) fn copy(&mut self, from: &Parts<'_, I>) {
+                let ($s, $state) = (&from.sizes, &*from.state);
+                $(copy!($how self.$name, from.$name, $what);)*
+                $($(copy!($ghow self.$group.$gname, from.$group.$gname, $gwhat);)*
+                  $(self.$group.$plain = from.$group.$plain;)*)*
+                let swapped = self.state.pairs.swapped;
+                *self.state = *from.state;
+                self.state.pairs.swapped = swapped;
+            }
+        }
+    };
+}
+
+sections!(slab);
+
+/// With events and a tree: the last complete result divided by blocks of leaves. First come the persisting pairs of
+/// each block, in order, then the found pairs of each block, the last block first.
+pub(crate) struct Segments<'m> {
+    /// How many blocks there are; zero if the result is in another order.
+    count: &'m mut [u32],
+    /// Where each segment ends.
+    pub(crate) ends: &'m mut [u32],
+    /// For each block: how many persisting and found pairs the step has.
+    pub(crate) counts: &'m mut [[u32; 2]],
+    /// For each block: how many pairs of its two segments are lost.
+    pub(crate) lost: &'m mut [[u32; 2]],
+}
+
+impl<'m> Section<'m, u32> for Segments<'m> {
+    fn of(memory: &'m mut [u32]) -> Self {
+        let count = usize::from(!memory.is_empty());
+        let (count, rest) = memory.split_at_mut_checked(count).unwrap_or_default();
+        let blocks = rest.len() / 6;
+        let (ends, rest) = rest.split_at_mut_checked(2 * blocks).unwrap_or_default();
+        let (counts, lost) = rest.as_chunks_mut().0.split_at_mut_checked(blocks).unwrap_or_default();
+        Self { count, ends, counts, lost }
+    }
+
+    fn items(&self) -> [&[u32]; 3] {
+        [self.count, self.ends, &[]]
+    }
+
+    fn fill(&mut self, blocks: u32) {
+        self.set_blocks(blocks as usize);
+    }
+
+    fn copy(&mut self, [blocks, ends, _]: [&[u32]; 3], _: usize) {
+        self.count.copy_in(blocks);
+        self.ends.copy_in(ends);
+    }
+
+    fn load(&mut self, _: &[u8]) {}
+}
+
+impl Segments<'_> {
+    /// The length of the memory for so many blocks.
+    pub(crate) const fn len(blocks: usize) -> usize {
+        if blocks == 0 { 0 } else { 1 + 6 * blocks }
+    }
+
+    /// The blocks of the last complete result; zero if it is not divided.
+    pub(crate) fn blocks(&self) -> usize {
+        self.count.first().map_or(0, |count| *count as usize)
+    }
+
+    pub(crate) fn set_blocks(&mut self, blocks: usize) {
+        if let Some(count) = self.count.first_mut() {
+            *count = blocks as u32;
+        }
+    }
+
+    /// The pairs get another order.
+    pub(crate) fn forget(&mut self) {
+        if cfg!(feature = "large") {
+            self.set_blocks(0);
+        }
+    }
+}
+
+/// Cuts sections off the slab.
+struct Carver<'m> {
+    rest: &'m mut [u8],
+    sizes: Sizes,
+}
+
+impl<'m> Carver<'m> {
+    fn take<T: Pod>(&mut self, count: usize) -> Option<&'m mut [T]> {
+        let bytes = section::<T>(count, Some(0), &self.sizes)?;
+        let (section, rest) = core::mem::take(&mut self.rest).split_at_mut_checked(bytes)?;
+        self.rest = rest;
+        bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
+    }
 }
 
 impl FormerParts<'_> {
@@ -131,178 +313,7 @@ impl BoxParts<'_> {
     }
 }
 
-/// The KD-tree.
-pub(crate) struct TreeParts<'m> {
-    /// By node.
-    pub(crate) planes: &'m mut [i32],
-    /// By leaf.
-    pub(crate) cells: &'m mut [Cell],
-    /// By leaf of a full step. Its sub-leaves share it.
-    pub(crate) frames: &'m mut [Frame],
-    /// By leaf.
-    pub(crate) leaves: &'m mut [Leaf],
-    /// By leaf, while leaves are divided: a box around its members, as a record in their frame. Else it means
-    /// nothing.
-    pub(crate) bounds: &'m mut [Record],
-    /// By node down to the leaves of a full step: a box around its members. There is no node zero.
-    pub(crate) nodes: &'m mut [KeyBox],
-    /// The records of all leaves, one leaf after another, each with some room.
-    pub(crate) records: &'m mut [Record],
-    /// The straddlers of all leaves, one leaf after another, and behind them the list of large objects.
-    pub(crate) straddlers: &'m mut [Straddler],
-    /// In a fill: a row of counts for each block of slots, see
-    /// [`histogram_row`](crate::memory::limits::histogram_row). Between two fills: where the movers of each leaf end.
-    pub(crate) histogram: &'m mut [u32],
-}
-
-/// The pairs, and all that a sweep writes to.
-pub(crate) struct OutputParts<'m, I> {
-    /// The overlaps of swept boxes: see `PairState::swept`.
-    pub(crate) pairs: &'m mut [Pair<I>],
-    /// With events: the pairs of the last complete step, in a step with few movers without the parked ones. After a
-    /// step the lost pairs come first. This buffer and `pairs` change places, so nothing is copied: see
-    /// [`PairState::swapped`].
-    pub(crate) previous: &'m mut [Pair<I>],
-    pub(crate) segments: Segments<'m>,
-    /// With workers: chunks of pairs in the order in which they were found.
-    pub(crate) staged: &'m mut [Pair<I>],
-    /// The block, the position and the length of each chunk.
-    pub(crate) chunks: &'m mut [[u32; 3]],
-    /// The workers' scratch, in equal areas.
-    pub(crate) scratch: &'m mut [Record],
-}
-
-/// With events and a tree: the last complete result divided by blocks of leaves. First come the persisting pairs of
-/// each block, in order, then the found pairs of each block, the last block first.
-pub(crate) struct Segments<'m> {
-    /// How many blocks there are; zero if the result is in another order.
-    count: &'m mut [u32],
-    /// Where each segment ends.
-    pub(crate) ends: &'m mut [u32],
-    /// For each block: how many persisting and found pairs the step has.
-    pub(crate) counts: &'m mut [[u32; 2]],
-    /// For each block: how many pairs of its two segments are lost.
-    pub(crate) lost: &'m mut [[u32; 2]],
-}
-
-impl Segments<'_> {
-    /// The blocks of the last complete result; zero if it is not divided.
-    pub(crate) fn blocks(&self) -> usize {
-        self.count.first().map_or(0, |count| *count as usize)
-    }
-
-    pub(crate) fn set_blocks(&mut self, blocks: usize) {
-        if let Some(count) = self.count.first_mut() {
-            *count = blocks as u32;
-        }
-    }
-
-    /// The pairs get another order.
-    pub(crate) fn forget(&mut self) {
-        if cfg!(feature = "large") {
-            self.set_blocks(0);
-        }
-    }
-}
-
-/// Cuts sections off the slab.
-struct Carver<'m>(&'m mut [u8]);
-
-impl<'m> Carver<'m> {
-    fn take<T: Pod>(&mut self, count: usize) -> Option<&'m mut [T]> {
-        let (section, rest) = core::mem::take(&mut self.0).split_at_mut_checked(section::<T>(count)?)?;
-        self.0 = rest;
-        bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
-    }
-}
-
 impl<'m, I: Index> Parts<'m, I> {
-    /// Carves a slab that is long enough and aligned, in the order of [`Sizes::bytes`].
-    fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
-        let mut slab = Carver(slab);
-        let state: &mut State = slab.take(1)?.first_mut()?;
-        let now = slab.take(sizes.objects)?;
-        let fat = slab.take(sizes.fat)?;
-        let margins = slab.take(sizes.fat)?;
-        let before = slab.take(sizes.before)?;
-        let former = FormerParts {
-            generations: slab.take(sizes.before)?,
-            reused: SlotSet::carve(slab.take(SlotSet::len(sizes.before))?, sizes.before)?,
-        };
-        let filters = FilterParts {
-            of: slab.take(sizes.filters)?,
-            classes: slab.take(sizes.classes)?,
-            changed: SlotSet::carve(slab.take(SlotSet::len(sizes.filters))?, sizes.filters)?,
-        };
-        let values = slab.take::<u64>(sizes.values + sizes.former_values)?;
-        let (of, former_values) = values.split_at_mut_checked(sizes.values)?;
-        let values = ValueParts { of, former: former_values };
-        let generations = slab.take(sizes.objects)?;
-        let words = bits::words(sizes.objects);
-        let (listed, rest) =
-            slab.take(2 * words + SlotSet::len(sizes.objects))?.split_at_mut_checked(words)?;
-        let (resting, rest) = rest.split_at_mut_checked(words)?;
-        let moved = SlotSet::carve(rest, sizes.objects)?;
-        let len = SlotSet::len(sizes.changed);
-        let (changed, outdated) = slab.take(len + SlotSet::len(sizes.before))?.split_at_mut_checked(len)?;
-        let changed = SlotSet::carve(changed, sizes.changed)?;
-        let outdated = SlotSet::carve(outdated, sizes.before)?;
-        let active = slab.take(bits::words(sizes.tree))?;
-        let (x, rest) = slab.take(3 * sizes.objects)?.split_at_mut_checked(sizes.objects)?;
-        let (y, z) = rest.split_at_mut_checked(sizes.objects)?;
-        let (swapped, blocks) = (state.pairs.swapped != 0, sizes.event_blocks);
-        let unused = state.step.margins_in > 0;
-        let (home, place) = slab.take(2 * sizes.tree)?.split_at_mut_checked(sizes.tree)?;
-        // Fields are evaluated in the order in which they are written here.
-        let tree = TreeParts {
-            records: slab.take(sizes.records)?,
-            straddlers: slab.take(sizes.straddlers)?,
-            planes: slab.take(sizes.leaves)?,
-            cells: slab.take(sizes.leaves)?,
-            frames: slab.take(sizes.whole_leaves)?,
-            leaves: slab.take(sizes.leaves)?,
-            bounds: slab.take(sizes.leaves)?,
-            nodes: slab.take(2 * sizes.whole_leaves)?,
-            histogram: slab.take(sizes.histogram())?,
-        };
-        let (ends, counts) = slab.take::<[u32; 2]>(3 * blocks)?.split_at_mut_checked(blocks)?;
-        let (counts, lost) = counts.split_at_mut_checked(blocks)?;
-        let (count, ends) = (slab.take(usize::from(blocks > 0))?, ends.as_flattened_mut());
-        let segments = Segments { count, ends, counts, lost };
-        let mut pairs = slab.take(sizes.pairs)?;
-        let mut previous = slab.take(sizes.previous)?;
-        if swapped {
-            core::mem::swap(&mut pairs, &mut previous);
-        }
-        Some(Self {
-            state,
-            boxes: BoxParts { now, fat, margins, before, tight: unused },
-            former,
-            filters,
-            values,
-            generations,
-            moved,
-            resting,
-            changed,
-            outdated,
-            active,
-            listed,
-            order: [x, y, z],
-            home,
-            place,
-            tree,
-            output: OutputParts {
-                pairs,
-                previous,
-                segments,
-                staged: slab.take(sizes.staged * CHUNK)?,
-                chunks: slab.take(sizes.staged)?,
-                scratch: slab.take(sizes.workers * scratch::records::<I>(sizes.bucket))?,
-            },
-            sizes,
-        })
-    }
-
     /// The sizes of a world of this configuration.
     pub(crate) fn sizes(config: &Config) -> Result<Sizes, Error> {
         if let Some(margin) = config.margin {
@@ -318,47 +329,13 @@ impl<'m, I: Index> Parts<'m, I> {
         check(slab, needed)?;
         let given = slab.len();
         let slab = slab.get_mut(..needed).unwrap_or_default();
-        slab.fill(0);
+        // Only the state decides how a slab is carved.
+        slab.span_mut(0, size_of::<State>()).fill(0);
         let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })?;
         *parts.state = State::new(config, size_of::<I>());
         parts.state.faults = faults();
         parts.clear();
         Ok(parts)
-    }
-
-    /// Empties all arrays, so that every slot is as new.
-    pub(crate) fn clear(&mut self) {
-        self.boxes.now.fill(KeyBox::EMPTY);
-        self.boxes.fat.fill(KeyBox::EMPTY);
-        self.boxes.before.fill(KeyBox::EMPTY);
-        self.filters.classes.fill(u32::MAX);
-        self.generations.fill(0);
-        self.former.generations.fill(0);
-        for mut set in [
-            self.moved.reborrow(),
-            self.changed.reborrow(),
-            self.outdated.reborrow(),
-            self.filters.changed.reborrow(),
-            self.former.reused.reborrow(),
-        ] {
-            set.words.fill(0);
-            set.regroup();
-        }
-        for bits in [&mut *self.active, self.resting, self.listed] {
-            bits.fill(0);
-        }
-        self.home.fill(I::NONE);
-        let tree = &mut self.tree;
-        tree.planes.fill(0);
-        tree.cells.fill(Cell::default());
-        tree.frames.fill(Frame::default());
-        tree.leaves.fill(Leaf::default());
-        tree.bounds.fill(Record::default());
-        tree.nodes.fill(KeyBox::NOTHING);
-        self.output.segments.forget();
-        for pairs in [&mut *self.output.pairs, self.output.previous] {
-            pairs.fill([I::default(); 2]);
-        }
     }
 
     /// Opens the world in a slab.
@@ -372,6 +349,12 @@ impl<'m, I: Index> Parts<'m, I> {
         check(slab, needed)?;
         let given = slab.len();
         Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })
+    }
+
+    /// What the world was made for.
+    pub(crate) fn config(&self) -> Config {
+        // Opening a world has checked it.
+        self.state.setup.config(size_of::<I>()).unwrap_or(Config::new(Capacity::for_objects(0)))
     }
 
     /// Which pairs the world returns.

@@ -30,8 +30,9 @@ impl<'m> SlotSet<'m> {
     }
 
     /// Divides that memory.
-    pub(crate) fn carve(memory: &'m mut [u32], slots: usize) -> Option<Self> {
-        memory.split_at_mut_checked(bits::words(slots)).map(Self::from)
+    pub(crate) fn carve(memory: &'m mut [u32]) -> Self {
+        let groups = if GROUPED { memory.len().div_ceil(33) } else { 0 };
+        Self::from(memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default())
     }
 
     /// The same set, borrowed.
@@ -145,7 +146,7 @@ mod tests {
             picks in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>()), 0..99),
         ) {
             let mut memory = vec![0; SlotSet::len(slots)];
-            let mut set = SlotSet::carve(&mut memory, slots).unwrap();
+            let mut set = SlotSet::carve(&mut memory);
             let mut expected = BTreeSet::new();
             for (pick, bits) in picks {
                 let slot = pick.index(slots);

@@ -23,7 +23,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     context.executor.enter(Stage::Build);
     clean_lists(parts);
     let Parts { state, boxes, order, output, .. } = parts;
-    let boxes = boxes.swept();
+    let boxes = boxes.swept().span(0, state.objects.slots as usize);
     let coarse = choose_axes(order[0].span(0, state.objects.live as usize), state, boxes);
     let axis = state.lists.axis as usize;
     let order = list_of(order, axis, state);

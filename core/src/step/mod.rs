@@ -6,7 +6,6 @@ mod full;
 mod incremental;
 mod lists;
 pub(crate) mod policy;
-pub(crate) mod recount;
 
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -22,7 +21,7 @@ pub(crate) fn find<I: Index>(
     settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    parts.state.pairs.without_surplus = 0;
+    parts.state.pairs.unkept = 0;
     match route.path {
         Path::Unchanged => (route, unchanged(parts)),
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
@@ -49,7 +48,7 @@ pub(crate) fn find_without_surplus<I: Index>(
     let (route, progress) = find(parts, route, None, context);
     parts.boxes.tight = false;
     parts.state.tree.filled = 0;
-    parts.state.pairs.without_surplus = 1;
+    parts.state.pairs.unkept = 1;
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> b
 /// The path for a number of moved objects, and why.
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
-    let known = state.pairs.complete != 0 && state.pairs.without_surplus == 0;
+    let known = state.pairs.complete != 0 && state.pairs.unkept == 0;
     let fixed = state.setup.hooks().movers_only.fixed();
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED

@@ -176,7 +176,7 @@ pub(crate) fn build_planes<I: Index>(parts: &mut Parts<'_, I>, context: StepCont
     // Zero would mean that there are no planes.
     parts.state.tree.built = parts.state.objects.live.max(1);
     parts.state.tree.divisible = 0;
-    let boxes = parts.boxes.swept();
+    let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
     let slots = parts.order[0].span(0, live);
     let extent = super::assign::scan_bounds(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
     parts.state.tree.set_extent(&extent);

@@ -1,77 +1,159 @@
-//! Checks pairs: those of the last step, parked ones, and those that events compare with.
+//! Checks the pairs that a snapshot does not have: which are parked or surplus, how they are divided, and that those
+//! which the next step would keep are all that there are.
+//!
+//! Whether a pair is missing or double is seen from a sum over all pairs and one over all overlaps, 64 mixed bits each:
+//! there is no memory to write them down twice.
 
-use super::content::{Content, Set};
-use super::{Invalid, check};
-use crate::config::Mode;
-use crate::filter::meet;
-use crate::id::{Index, Pair};
-use crate::memory::state::State;
+use crate::access::{Access, bits};
+use crate::geometry::key::KeyBox;
+use crate::id::Index;
+use crate::memory::limits::LEAF_TARGET;
+use crate::memory::slab::Parts;
+use crate::pairs::persistent::is_clear_of;
+use crate::simd::kernels::Kernels;
+use crate::simd::{Phase, Simd, limit};
+use crate::snapshot::check::{Invalid, check};
+use crate::tree::first_of_eight;
+use crate::tree::visit::Visit;
 
-/// Checks each pair by itself. It has two slots in order. If it is parked, neither object is active. If nothing has
-/// changed since, the boxes overlap and the filters let it through. O(pairs).
-pub(crate) fn pairs<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
-    let state = content.state();
-    let slots = state.objects.slots as usize;
-    let touches = |set, pair: &Pair<I>| content.is_in(set, pair[0].at()) || content.is_in(set, pair[1].at());
-    for at in 0..state.pairs.swept as usize {
-        let pair = content.pair(at);
-        check(pair[0] < pair[1] && pair[1].at() < slots, "a pair is not of two slots in order", at)?;
+/// Checks all of it.
+pub(super) fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let state = &*parts.state;
+    let (swept, now, result) = (parts.boxes.swept(), &*parts.boxes.now, state.pairs.result());
+    let keeps_changed = !parts.changed.words.is_empty();
+    for (at, pair) in parts.output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {
+        let [a, b] = pair.map(Index::at);
+        check(a < b && b < state.objects.slots as usize, "a pair is not of two slots in order", at)?;
         let is_parked = at < state.pairs.parked as usize;
-        check(!is_parked || !touches(Set::Active, &pair), "a pair of an active object is parked", at)?;
-        if !touches(Set::Moved, &pair) {
-            unmoved(content, &pair, at, touches(Set::Changed, &pair))?;
+        check(!is_parked || is_clear_of(parts.active, pair), "a pair of an active object is parked", at)?;
+        if !is_clear_of(parts.moved.words, pair) || state.pairs.unkept != 0 {
+            continue;
+        }
+        check(swept.at(a).overlaps(&swept.at(b)), "a pair does not overlap", at)?;
+        // Without a move inside a margin the next step divides no pairs, whatever is marked as changed.
+        let unchanged =
+            state.objects.moved_inside_margin == 0 || keeps_changed && is_clear_of(parts.changed.words, pair);
+        let divided =
+            !unchanged || !parts.has_surplus() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
+        check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;
+    }
+    segments(parts)?;
+    kept_pairs(parts)
+}
+
+/// Segments divide the last result: each ends where the next one starts, and the last one at its end.
+fn segments<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let (pairs, mut end) = (&parts.state.pairs, 0);
+    let segments = parts.output.segments.ends.span(0, 2 * parts.output.segments.blocks());
+    for (at, next) in segments.iter().enumerate() {
+        check(end <= *next, "a segment of the last result ends before it starts", at)?;
+        end = *next;
+    }
+    let last = if pairs.complete != 0 { pairs.reported } else { pairs.previous };
+    let whole = segments.is_empty() || u64::from(end) == last;
+    check(whole, "the segments are not those of the last result", end as usize)
+}
+
+/// A sum over pairs, the same in any order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Sum {
+    count: u64,
+    bits: u64,
+}
+
+impl Sum {
+    /// Adds a pair, the lower slot first.
+    fn add(&mut self, [a, b]: [u32; 2]) {
+        // SplitMix64: each bit of a number changes each bit of the result for half of all numbers.
+        let mut bits = (u64::from(a) << 32 | u64::from(b)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        self.count += 1;
+        self.bits = self.bits.wrapping_add(bits ^ bits >> 31);
+    }
+}
+
+/// The sum over the pairs that a step would keep.
+fn kept<I: Index>(parts: &Parts<'_, I>) -> Sum {
+    let mut sum = Sum::default();
+    let pairs = parts.output.pairs.span(0, parts.state.pairs.swept as usize);
+    pairs
+        .iter()
+        .filter(|pair| is_clear_of(parts.moved.words, pair))
+        .for_each(|pair| sum.add(pair.map(Index::slot)));
+    sum
+}
+
+/// The pairs that the next step would keep are all that there are. Not checked if the step itself looks, or if a rule
+/// may have refused pairs.
+fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let state = &*parts.state;
+    let known = state.pairs.complete != 0 && state.pairs.unkept == 0;
+    let filled = !parts.sizes.is_small() && state.tree.filled != 0;
+    let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() == 0;
+    if !known || !parts.filters.of.is_empty() || !filled && !few {
+        return Ok(());
+    }
+    let all = if filled { Kernels::detect().run(InTree(parts)) } else { one_by_one(parts) };
+    check(all == kept(parts), "pairs are missing, or there twice", 0)
+}
+
+/// Whether an object lives and has not moved.
+fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
+    !KeyBox::of(parts.boxes.now, slot).is_empty() && !bits::test(parts.moved.words, slot)
+}
+
+/// The sum over all overlaps of objects that have not moved.
+fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
+    let (boxes, mut all) = (parts.boxes.swept(), Sum::default());
+    let slots = 0..parts.state.objects.slots as usize;
+    for a in slots.clone().filter(|slot| stays(parts, *slot)) {
+        for b in a + 1..slots.end {
+            if stays(parts, b) && KeyBox::of(boxes, a).overlaps(KeyBox::of(boxes, b)) {
+                all.add([a as u32, b as u32]);
+            }
         }
     }
-    for at in 0..previous(state) as usize {
-        let pair = content.previous(at);
-        check(pair[0] < pair[1] && pair[1].at() < slots, "a pair of the last step is not of two slots", at)?;
-    }
-    segments(content)
+    all
 }
 
-/// Checks a pair of two objects that have not moved. One may have changed inside its margin.
-fn unmoved<I: Index>(
-    content: &impl Content<I>,
-    pair: &Pair<I>,
-    at: usize,
-    changed: bool,
-) -> Result<(), Invalid> {
-    let state = content.state();
-    let [a, b] = pair.map(Index::at);
-    check(content.swept(a).overlaps(&content.swept(b)), "a pair does not overlap", at)?;
-    let keeps_changed = content.word(Set::Changed, 0).is_some();
-    // Without a move inside a margin the next step divides no pairs, whatever is marked as changed.
-    let unchanged = state.objects.moved_inside_margin == 0 || keeps_changed && !changed;
-    if content.sizes().fat > 0 && state.setup.mode() == Mode::Exact && unchanged {
-        check(
-            content.now(a).overlaps(&content.now(b)) == state.pairs.result().contains(&at),
-            "a pair overlaps and is surplus, or does not and is reported",
-            at,
-        )?;
-    }
-    let lets_through = || meet(&content.filter(a), &content.filter(b), |class| content.class(class));
-    check(content.sizes().filters == 0 || lets_through(), "a pair that the filters do not let through", at)
-}
+/// As [`one_by_one`], in a tree.
+struct InTree<'p, 'm, I>(&'p Parts<'m, I>);
 
-/// Checks that segments divide the last result: each ends where the next one starts, and the last one at its end.
-fn segments<I: Index>(content: &impl Content<I>) -> Result<(), Invalid> {
-    let (state, segments, mut end) = (content.state(), content.segments(), 0);
-    check(segments <= 2 * content.sizes().event_blocks, "segments of leaves that there are not", segments)?;
-    for at in 0..segments {
-        let next = content.segment(at);
-        check(end <= next, "a segment of the last result ends before it starts", at)?;
-        end = next;
-    }
-    let last = if state.pairs.complete != 0 { state.pairs.reported } else { state.pairs.previous };
-    check(
-        segments == 0 || u64::from(end) == last,
-        "the segments are not those of the last result",
-        end as usize,
-    )
-}
+impl<I: Index> Phase for InTree<'_, '_, I> {
+    type Output = Sum;
 
-/// How many pairs of the step before mean something: those that are lost; if the last step had no room for its pairs,
-/// all.
-pub(crate) fn previous(state: &State) -> u64 {
-    if state.pairs.complete != 0 { state.pairs.lost } else { state.pairs.previous }
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Sum {
+        let Self(parts) = self;
+        let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
+        let (mut all, sub_levels) = (Sum::default(), state.tree.sub_levels());
+        for slot in (0..state.objects.slots as usize).filter(|slot| stays(parts, *slot)) {
+            let bounds = KeyBox::of(boxes, slot);
+            // No vectors: a closure does not have the instruction set of its function.
+            let mut meet = |other: usize| {
+                if other > slot && stays(parts, other) && KeyBox::of(boxes, other).overlaps(bounds) {
+                    all.add([slot as u32, other as u32]);
+                }
+            };
+            let mut visit = Visit::new(simd, tree.nodes, state.tree.depth, 0, *bounds);
+            while let Some(whole) = visit.next(simd) {
+                let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
+                for part in whole << sub_levels..(whole + 1) << sub_levels {
+                    for (eight, left) in tree.leaves.at(part).chunks_of_eight(tree.records) {
+                        let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
+                        while mask != 0 {
+                            meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
+                            mask &= mask - 1;
+                        }
+                    }
+                }
+            }
+            for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize)
+            {
+                meet(straddler.slot as usize);
+            }
+        }
+        all
+    }
 }

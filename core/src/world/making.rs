@@ -1,8 +1,8 @@
 //! Makes worlds in memory, and opens them there again.
 
 use super::World;
-use crate::config::{Capacity, Config};
-use crate::error::Error;
+use crate::config::Config;
+use crate::error::{Error, Field};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::kernels::Kernels;
@@ -49,10 +49,41 @@ impl<'m, I: Index> World<'m, I> {
         Self { parts, kernels: Kernels::detect() }
     }
 
+    /// Becomes a copy of another world, which has the same memory and kind: it goes on as that one would, byte for
+    /// byte. To go back, keep a copy from before. Takes at most as long as a copy of the memory, less where room is not
+    /// used. A copy of the memory itself, opened again, is the same.
+    ///
+    /// # Errors
+    /// [`Error::OtherConfig`]; nothing is done then.
+    ///
+    /// ```
+    /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
+    /// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
+    /// # const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
+    /// let (mut memory, mut kept) = (InlineWorld::<BYTES>::EMPTY, InlineWorld::<BYTES>::EMPTY);
+    /// let mut world = memory.init::<u16>(&CONFIG)?;
+    /// let mut kept = kept.init::<u16>(&CONFIG)?;
+    ///
+    /// kept.copy_from(&world)?; // before the frame
+    /// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+    /// world.step()?;
+    /// world.copy_from(&kept)?; // as if it had not been
+    /// assert!(world.is_empty());
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn copy_from(&mut self, other: &World<'_, I>) -> Result<(), Error> {
+        let (own, others) = (&self.parts, &other.parts);
+        let field = others.state.setup.difference(&own.state.setup);
+        if let Some(field) = field.or((own.sizes != others.sizes).then_some(Field::Bytes)) {
+            return Err(Error::OtherConfig { field });
+        }
+        self.parts.copy(&other.parts);
+        Ok(())
+    }
+
     /// What the world was made for.
     #[must_use]
     pub fn config(&self) -> Config {
-        // Opening a world has checked it.
-        self.parts.state.setup.config(size_of::<I>()).unwrap_or(Config::new(Capacity::for_objects(0)))
+        self.parts.config()
     }
 }

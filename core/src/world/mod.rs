@@ -44,7 +44,7 @@ use crate::parallel::context::StepContext;
 use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
-use crate::step::{policy, recount};
+use crate::step::policy;
 use crate::tree::keep;
 
 /// Boxes, and which of them overlap.
@@ -99,10 +99,7 @@ impl<I: Index> World<'_, I> {
         if cfg!(feature = "large") && policy::weigh_margins(parts, moved) {
             settled = None;
         }
-        let mut route = policy::choose(parts, moved);
-        if cfg!(feature = "large") && parts.state.pairs.unproven != 0 {
-            route = recount::prove(parts, route, moved, context);
-        }
+        let route = policy::choose(parts, moved);
         policy::subdivide_when_calm(parts, route.path, moved, context);
         if route.path == Path::Unchanged && parts.state.objects.moved_inside_margin == 0 {
             Self::keep(parts, shared);

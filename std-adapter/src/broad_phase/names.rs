@@ -27,11 +27,11 @@ pub(super) struct Names<K> {
     /// By slot.
     living: Vec<Option<Named<K>>>,
     /// Objects of the last step that were removed since, and those of the step before.
-    removed: HashMap<Id, Named<K>>,
-    removed_before: HashMap<Id, Named<K>>,
+    pub(super) removed: HashMap<Id, Named<K>>,
+    pub(super) removed_before: HashMap<Id, Named<K>>,
     /// The serial of the next object, and at the last step: what is younger is in no pair.
-    next: u64,
-    stepped: u64,
+    pub(super) next: u64,
+    pub(super) stepped: u64,
     /// Behind the slot of the last key that was looked up: the next one is often here.
     guess: usize,
     /// The pairs of the last step by serials, if the world was made anew since.
@@ -53,6 +53,23 @@ impl<K: Copy + Eq + Hash> Names<K> {
             before: None,
             events: None,
         }
+    }
+
+    /// Becomes a copy, in the memory that there is.
+    pub(super) fn copy_from(&mut self, from: &Self) {
+        self.ids.clone_from(&from.ids);
+        self.living.clone_from(&from.living);
+        self.removed.clone_from(&from.removed);
+        self.removed_before.clone_from(&from.removed_before);
+        (self.next, self.stepped, self.guess) = (from.next, from.stepped, from.guess);
+        self.before.clone_from(&from.before);
+        self.events.clone_from(&from.events);
+    }
+
+    /// Keeps the names of living objects alone that are there.
+    pub(super) fn retain(&mut self, is_there: impl Fn(Id) -> bool) {
+        self.living.iter_mut().for_each(|name| *name = name.filter(|named| is_there(named.id)));
+        self.ids.retain(|_, id| is_there(*id));
     }
 
     pub(super) fn len(&self) -> usize {
@@ -100,7 +117,7 @@ impl<K: Copy + Eq + Hash> Names<K> {
         self.put(Named { id, key, serial });
     }
 
-    fn put(&mut self, named: Named<K>) {
+    pub(super) fn put(&mut self, named: Named<K>) {
         let slot = named.id.slot() as usize;
         if slot >= self.living.len() {
             self.living.resize(slot + 1, None);

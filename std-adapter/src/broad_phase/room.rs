@@ -9,10 +9,10 @@ use trisap_core::{Capacity, Config, Error, Id, World};
 /// A broad phase as it was: see [`BroadPhase::save`].
 #[derive(Clone, Debug)]
 pub struct Snapshot<K> {
-    bytes: Vec<u8>,
-    capacity: Capacity,
-    names: Names<K>,
-    complete: bool,
+    pub(super) bytes: Vec<u8>,
+    pub(super) capacity: Capacity,
+    pub(super) names: Names<K>,
+    pub(super) complete: bool,
 }
 
 /// Room, and snapshots.
@@ -67,7 +67,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Ok(())
     }
 
-    /// Everything, to go back to later: boxes, keys, and what the next events are compared with.
+    /// Boxes, keys, and what the next events are compared with: for files and for those who join late. To go back within
+    /// a program, a copy is faster: see [`clone_from`](Clone::clone_from).
     #[must_use]
     pub fn save(&self) -> Snapshot<K> {
         let world = self.as_world();
@@ -79,7 +80,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         Snapshot { bytes, capacity, names, complete }
     }
 
-    /// Goes back to a snapshot of this broad phase, or of another one of the same kind. It may have grown since: its room stays.
+    /// Becomes the broad phase of a snapshot, which is of the same kind: the next step has the pairs and events that it would
+    /// have had, in any order. It may have grown since: its room stays.
     ///
     /// # Errors
     /// [`Error::OtherConfig`], or [`Error::NoMemory`]; nothing has changed then.
@@ -99,6 +101,9 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             said => said?,
         }
         self.names = snapshot.names.clone();
+        // Bytes of a snapshot may name what is not there.
+        let world = self.owned.as_world();
+        self.names.retain(|id| world.contains(id));
         self.complete = snapshot.complete;
         Ok(())
     }

@@ -81,6 +81,12 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.run(|world, _, executor| world.on(executor).step().map(|_| ()))
     }
 
+    /// Puts the pairs of the last step into an order that depends on them alone, whatever the room, the workers and the past
+    /// of the broad phase are: by the [slots](trisap_core::Id::slot) of their objects. See [`World::sort_results`].
+    pub fn sort_results(&mut self) {
+        self.owned.change(|world| world.sort_results());
+    }
+
     /// Steps on the workers of a job system of your own: `broad_phase.on(&executor).step()`. At most
     /// [`Config::workers`](crate::Config::workers) work at once.
     pub fn on<'b>(&'b mut self, executor: &'b dyn Executor) -> KeyedStepper<'b, K> {

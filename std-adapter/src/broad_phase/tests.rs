@@ -167,16 +167,25 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
             resting.clear();
         }
         if round % 16 == 3 {
-            saved = Some((broad_phase.save(), boxes.clone(), last.clone(), resting.clone()));
+            saved =
+                Some((broad_phase.save(), broad_phase.clone(), boxes.clone(), last.clone(), resting.clone()));
         }
         if round % 16 == 13
-            && let Some((snapshot, then, pairs, asleep)) = &saved
+            && let Some((snapshot, copy, then, pairs, asleep)) = &saved
         {
             let into_another = numbers.below(2) == 0;
             if into_another {
                 broad_phase = BroadPhase::with_config(config).expect("a small world");
             }
-            broad_phase.restore(snapshot).expect("memory");
+            match numbers.below(3) {
+                0 => broad_phase.restore(snapshot).expect("memory"),
+                1 => {
+                    let bytes = snapshot.to_bytes(|key| !key);
+                    let snapshot = Snapshot::from_bytes(&bytes, |number| Some(!number)).expect("good bytes");
+                    broad_phase.restore(&snapshot).expect("memory");
+                }
+                _ => broad_phase.clone_from(copy),
+            }
             (boxes, last, resting) = (then.clone(), pairs.clone(), asleep.clone());
         }
         let step = broad_phase.step().expect("memory");
@@ -366,4 +375,39 @@ fn a_crowd_that_has_gone_gives_its_memory_back() {
     }
     let id = broad_phase.id(&17_003).expect("its id");
     assert_eq!(broad_phase.as_world().filter(id), Some(Filter::class(3)));
+}
+
+#[test]
+fn bytes_that_are_no_snapshot_are_refused() {
+    let mut broad_phase = BroadPhase::new();
+    for key in 0..9u32 {
+        let x = key as f32 * 0.75;
+        broad_phase.insert(key, Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0])).expect("memory");
+    }
+    broad_phase.step().expect("memory");
+    broad_phase.remove(&4);
+    let bytes = broad_phase.save().to_bytes(u64::from);
+    let read = |bytes: &[u8]| -> Result<BroadPhase<u32>, Error> {
+        let snapshot = Snapshot::from_bytes(bytes, |number| u32::try_from(number).ok())?;
+        let mut late = BroadPhase::new();
+        late.restore(&snapshot).map(|()| late)
+    };
+    let mut late = read(&bytes).expect("a good snapshot");
+    let [one, other] = [&mut broad_phase, &mut late].map(|broad_phase| {
+        broad_phase.step().expect("memory");
+        broad_phase.sort_results();
+        [broad_phase.pairs().collect::<Vec<_>>(), broad_phase.lost().collect()]
+    });
+    assert_eq!((one[0].len(), one[1].len()), (6, 2));
+    assert_eq!(one, other);
+    for len in 0..bytes.len() {
+        assert_eq!(read(&bytes[..len]).map(drop), Err(Error::BadSnapshot), "cut to {len}");
+    }
+    for at in 0..bytes.len() {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 1 << (at % 8);
+        assert_eq!(read(&bytes).map(drop), Err(Error::BadSnapshot), "changed at {at}");
+    }
+    let narrow = Snapshot::from_bytes(&bytes, |number| u32::try_from(number).ok().filter(|key| *key < 8));
+    assert_eq!(narrow.map(drop).err(), Some(Error::BadSnapshot), "a number that is no key");
 }

@@ -258,8 +258,13 @@ fn snapshot(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("load", &name), |bencher| {
         bencher.iter(|| world.load(&bytes).expect("a snapshot of this world"));
     });
-    // The first step after it sees whether the pairs that it keeps are all.
-    group.bench_function(BenchmarkId::new("load and an idle step", &name), |bencher| {
+    let mut other = Fixture::new(config(count, 20 * count).with_events());
+    let mut other = other.world(&frames[0], kernels);
+    group.bench_function(BenchmarkId::new("copy", &name), |bencher| {
+        bencher.iter(|| other.copy_from(&world).expect("the same configuration"));
+    });
+    // The first step after a load finds all pairs anew.
+    group.bench_function(BenchmarkId::new("load and a step", &name), |bencher| {
         bencher.iter(|| {
             world.load(&bytes).expect("a snapshot of this world");
             world.set_kernels(kernels).step().expect("room for the pairs");

@@ -35,50 +35,30 @@ impl State {
         if self.tree.filled != 0 { 1 << (self.tree.depth + self.tree.sub_levels()) } else { self.step.leaves }
     }
 
-    /// The state as a snapshot has it: without lists, and without what belongs to the memory or to the build. The
-    /// number of workers decides about scratch memory alone, features about the slab alone, hooks about the time of
-    /// later steps alone.
+    /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus, and
+    /// without what belongs to the memory, the build or the hooks. The next step finds all pairs anew.
     pub(crate) fn portable(&self) -> Self {
+        let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
         Self {
             setup: self.setup.portable(),
-            pairs: PairState { unproven: 0, swapped: 0, ..self.pairs },
-            lists: ListState { listed: 0, stale: 1, ..self.lists },
+            tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
+            pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
+            step: StepState { calm: 0, kept: 0, margins_in: 0, margins_failed: 0, ..self.step },
+            objects: self.objects,
+            lists: ListState { stale: 1, ..ListState::zeroed() },
             faults: 0,
-            ..*self
         }
+    }
+
+    /// With events: the parked pairs among those of the step before, if the last one had no room for its pairs.
+    pub(crate) const fn previous_parked(&self) -> core::ops::Range<usize> {
+        let PairState { complete, surplus_parked, parked, .. } = self.pairs;
+        if complete != 0 || !self.setup.events() { 0..0 } else { surplus_parked as usize..parked as usize }
     }
 
     /// Whether this is such a state.
-    pub(crate) const fn is_portable(&self) -> bool {
-        let ListState { listed, stale, .. } = self.lists;
-        self.setup.is_portable()
-            && self.pairs.unproven == 0
-            && self.faults == 0
-            && listed == 0
-            && stale == 1
-            && self.pairs.swapped == 0
-    }
-
-    /// Takes over what a snapshot does not have.
-    pub(crate) fn adopt(&mut self, other: &Self) {
-        self.setup.adopt(&other.setup);
-        self.faults = other.faults;
-        self.pairs.swapped = other.pairs.swapped;
-    }
-
-    /// The state of a world into which another one has moved: the objects and the last result of that one, without
-    /// tree, lists and parked pairs. The caller counts the pairs of the step before.
-    pub(crate) fn with_objects_of(&self, other: &Self) -> Self {
-        let TreeState { leaves_in_use, fullest_leaf, .. } = other.tree;
-        Self {
-            setup: self.setup,
-            tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
-            pairs: PairState { swapped: self.pairs.swapped, ..other.pairs.reported_alone() },
-            step: StepState { calm: 0, kept: 0, margins_in: 0, ..other.step },
-            objects: other.objects,
-            lists: ListState { stale: 1, ..ListState::zeroed() },
-            faults: self.faults,
-        }
+    pub(crate) fn is_portable(&self) -> bool {
+        bytemuck::bytes_of(self) == bytemuck::bytes_of(&self.portable())
     }
 
     pub(crate) fn stats(&self) -> Stats {

@@ -132,10 +132,10 @@ pub(crate) struct PairState {
     pub(crate) active: u32,
     /// Whether the last step had room for all its pairs.
     pub(crate) complete: u8,
-    /// Whether the last step swept the boxes as given though there are fat ones: its pairs cannot be kept.
-    pub(crate) without_surplus: u8,
-    /// Whether the pairs were loaded and no step has checked yet that they are all: see `recount`.
-    pub(crate) unproven: u8,
+    /// Whether the pairs cannot be kept, since the last step swept the boxes as given though there are fat ones, or
+    /// since they come from a snapshot: the next step finds all anew.
+    pub(crate) unkept: u8,
+    pub(crate) unused: u8,
     /// With events: whether the two pair buffers have changed places.
     pub(crate) swapped: u8,
 }
@@ -147,10 +147,18 @@ impl PairState {
         start..start + self.reported as usize
     }
 
-    /// The same pairs, none of them parked.
-    pub(super) fn reported_alone(&self) -> Self {
-        // No more can be active, so the next step looks which pairs it can park.
-        Self { previous: 0, parked: 0, surplus_parked: 0, active: u32::MAX, ..*self }
+    /// How many pairs of the step before stand in the other buffer: those that are lost; if the last step had no room
+    /// for its pairs, all that are not parked.
+    pub(crate) const fn previous(&self) -> u64 {
+        if self.complete != 0 { self.lost } else { self.previous }
+    }
+
+    /// See [`State::portable`](super::State::portable). None of the pairs are parked: no more can be active, so the
+    /// next step looks which it can park.
+    pub(super) fn portable(&self, previous: u64) -> Self {
+        let Self { reported, found, lost, complete, .. } = *self;
+        let counts = Self { swept: reported, reported, found, lost, previous, ..Self::default() };
+        Self { active: u32::MAX, complete, unkept: 1, ..counts }
     }
 }
 

@@ -74,7 +74,7 @@ impl Setup {
             capacity: Capacity { objects: self.objects, leaf_refs: self.leaf_refs, pairs: self.pairs },
             mode: self.mode(),
             margin: self.margin(),
-            events: self.flags & EVENTS != 0,
+            events: self.events(),
             lean: self.flags & LEAN != 0,
             filters: self.flags & FILTERS != 0,
             values: self.flags & VALUES != 0,
@@ -102,6 +102,10 @@ impl Setup {
         self.flags & FIXED_MARGINS != 0
     }
 
+    pub(crate) const fn events(&self) -> bool {
+        self.flags & EVENTS != 0
+    }
+
     pub(crate) const fn mode(&self) -> Mode {
         if self.flags & FAT == 0 { Mode::Exact } else { Mode::Fat }
     }
@@ -110,15 +114,6 @@ impl Setup {
     pub(crate) fn margin(&self) -> Option<Margin> {
         let [per_extent, min, max] = self.margin;
         (self.flags & MARGIN != 0).then_some(Margin { per_extent, min, max })
-    }
-
-    /// Whether the configurations are the same, workers and hooks aside. Snapshots have a version of their own.
-    pub(crate) fn is_like(&self, other: &Self) -> bool {
-        let key = |setup: &Self| {
-            let Self { index_bytes, objects, leaf_refs, pairs, flags, .. } = *setup;
-            ([index_bytes, objects, leaf_refs, pairs, flags & PORTABLE], setup.margin.map(f32::to_bits))
-        };
-        key(self) == key(other)
     }
 
     /// The first difference that cannot change while there are objects.
@@ -140,17 +135,8 @@ impl Setup {
         Self { workers: 1, magic: 0, flags: self.flags & PORTABLE, ..*self }
     }
 
-    pub(super) const fn is_portable(&self) -> bool {
-        self.workers == 1 && self.magic == 0 && self.flags & !PORTABLE == 0
-    }
-
     /// The configuration of a portable state.
     pub(crate) fn portable_config(&self, index_bytes: usize) -> Option<Config> {
         Self { magic: MAGIC, ..*self }.config(index_bytes)
-    }
-
-    pub(super) const fn adopt(&mut self, other: &Self) {
-        (self.workers, self.magic) = (other.workers, other.magic);
-        self.flags |= other.flags & !PORTABLE;
     }
 }

@@ -1,0 +1,126 @@
+//! The table of all arrays of a world. A line here and the use of the array is all that a new one needs: its bytes, its
+//! place in the slab, what it is in a new world, copies, snapshots and the figure in `ARCHITECTURE.md` follow.
+
+/// Calls another macro with the table. A line has the name of an array, its type, its items and how many there are;
+/// and then what is in it where nothing has been written: `new` the value that all items have in a new world, or
+/// `used` how many items mean something between two steps, the first ones. `saved` arrays are in snapshots, by another
+/// name, with so many items.
+///
+/// `s` are the [`Sizes`](super::layout::Sizes), `state` is the [`State`](super::state::State), `n` the numbers of a
+/// snapshot. Here are arrays by slot, if nothing else is said.
+macro_rules! sections {
+    ($then:ident) => {
+        $then! { |s, state, n| {
+            /// How many objects have had the slot.
+            generations: &'m mut [u32] = [u32; s.objects], new 0, saved generations [n.slots];
+            /// The swept box has changed since the last complete step (the paper's dynamic objects).
+            moved: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved moved [n.words];
+            /// One bit a slot: the caller has put the object to rest.
+            resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
+            /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter
+            /// has changed since the last complete step.
+            changed: SlotSet<'m> = [u32; SlotSet::len(s.changed)], new 0, saved changed [n.event_words];
+            /// With events: `before` may be out of date, since the slot changed before the last complete step.
+            outdated: SlotSet<'m> = [u32; SlotSet::len(s.before)], new 0;
+            /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
+            active: &'m mut [u32] = [u32; bits::words(s.tree)], new 0;
+            /// One bit a slot: it is in the sorted lists.
+            listed: &'m mut [u32] = [u32; bits::words(s.objects)], new 0;
+            /// The tri-linked lists: slots by ascending minimum on x, y and z. Worlds with a tree use them as scratch.
+            order: [&'m mut [I]; 3] = [I; 3 * s.objects], used state.lists.listed as usize;
+            /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
+            home: &'m mut [I] = [I; s.tree], new I::NONE;
+            /// The position of the record in its leaf, or in the list of large objects.
+            place: &'m mut [I] = [I; s.tree], used state.objects.slots as usize;
+            }
+
+            /// The boxes of all slots.
+            boxes: BoxParts ['m] {
+                /// The box as given last. A free slot has an empty one, which holds the next free slot.
+                now: &'m mut [KeyBox] = [KeyBox; s.objects], used state.objects.slots as usize, saved now [n.slots];
+                /// With margins: the fat box (erratum E5).
+                fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
+                /// With margins: the length that the box is grown by (erratum E2).
+                margins: &'m mut [f32] = [f32; s.fat], used state.objects.slots as usize, saved margins [n.fat];
+                /// With events: the box that the last complete step reported, if the object has
+                /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this is its
+                /// reported box, unless it is [outdated](Parts::outdated).
+                before: &'m mut [KeyBox] = [KeyBox; s.before], used state.objects.slots as usize;
+                + /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are
+                /// left unused. Fat boxes then mean nothing.
+                tight: bool = state.step.margins_in > 0;
+            }
+
+            /// With filters: whom the objects meet.
+            filters: FilterParts ['m] {
+                of: &'m mut [Filter] = [Filter; s.filters], used state.objects.slots as usize,
+                    saved filters [n.filters];
+                /// One bit for each class that a class meets.
+                classes: &'m mut [u32] = [u32; s.classes], new u32::MAX, saved classes [n.classes];
+                /// The filter may answer differently since the last complete step.
+                changed: SlotSet<'m> = [u32; SlotSet::len(s.filters)], new 0, saved refiltered [n.filter_words];
+            }
+
+            /// With values: the caller's number for each object.
+            values: ValueParts ['m] {
+                /// A free slot keeps the value of the object that had it.
+                of: &'m mut [u64] = [u64; s.values], used state.objects.slots as usize, saved values [n.values];
+                /// With events: the values of the objects in [`FormerParts::generations`].
+                former: &'m mut [u64] = [u64; s.former_values], used state.objects.slots as usize;
+            }
+
+            /// With events: who had the slots that new objects have got since the complete step before, so that lost
+            /// pairs can be named.
+            former: FormerParts ['m] {
+                /// Of these slots: the generation of the former object.
+                generations: &'m mut [u32] = [u32; s.before], used state.objects.slots as usize;
+                /// These slots.
+                reused: SlotSet<'m> = [u32; SlotSet::len(s.before)], new 0, saved reused [n.event_words];
+            }
+
+            /// The KD-tree.
+            tree: TreeParts ['m] {
+                /// The records of all leaves, one leaf after another, each with some room.
+                records: &'m mut [Record] = [Record; s.records], used s.records;
+                /// The straddlers of all leaves, one leaf after another, and behind them the list of large objects.
+                straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],
+                    used (state.tree.large_start + state.tree.large) as usize;
+                /// By node.
+                planes: &'m mut [i32] = [i32; s.leaves], used s.leaves;
+                /// By leaf.
+                cells: &'m mut [Cell] = [Cell; s.leaves], used s.leaves;
+                /// By leaf of a full step. Its sub-leaves share it.
+                frames: &'m mut [Frame] = [Frame; s.whole_leaves], used s.whole_leaves;
+                /// By leaf.
+                leaves: &'m mut [Leaf] = [Leaf; s.leaves], new Leaf::default();
+                /// By leaf, while leaves are divided: a box around its members, as a record in their frame. Else it
+                /// means nothing.
+                bounds: &'m mut [Record] = [Record; s.leaves], used s.leaves;
+                /// By node down to the leaves of a full step: a box around its members. There is no node zero.
+                nodes: &'m mut [KeyBox] = [KeyBox; 2 * s.whole_leaves], new KeyBox::NOTHING;
+                /// In a fill: a row of counts for each block of slots, see
+                /// [`histogram_row`](crate::memory::limits::histogram_row). Then: where the movers of each leaf end.
+                histogram: &'m mut [u32] = [u32; s.histogram()], used 0;
+            }
+
+            /// The pairs, and all that a sweep writes to.
+            output: OutputParts ['m, I] {
+                segments: Segments<'m> = [u32; Segments::len(s.event_blocks)], new 0;
+                /// The overlaps of swept boxes: see `PairState::swept`.
+                pairs: &'m mut [Pair<I>] = [Pair<I>; s.pairs], used state.pairs.swept as usize;
+                /// With events: the pairs of the last complete step, in a step with few movers without the parked ones.
+                /// After a step the lost pairs come first. This buffer and `pairs` change places, so nothing is copied:
+                /// see [`PairState::swapped`](super::state::PairState::swapped).
+                previous: &'m mut [Pair<I>] = [Pair<I>; s.previous], used state.pairs.previous as usize;
+                /// With workers: chunks of pairs in the order in which they were found.
+                staged: &'m mut [Pair<I>] = [Pair<I>; s.staged.saturating_mul(CHUNK)], used 0;
+                /// The block, the position and the length of each chunk.
+                chunks: &'m mut [[u32; 3]] = [[u32; 3]; s.staged], used 0;
+                /// The workers' scratch, in equal areas.
+                scratch: &'m mut [Record] = [Record; s.workers * scratch::records::<I>(s.bucket)], used 0;
+            }
+        }
+    };
+}
+
+pub(crate) use sections;

@@ -1,0 +1,159 @@
+//! Checks what a snapshot has, before a world is replaced by it.
+
+use super::stored::{Packed, Stored};
+use crate::config::Margin;
+use crate::filter::{CLASSES, meet};
+use crate::geometry::key::KeyBox;
+use crate::id::{Index, Pair};
+use core::fmt;
+
+/// The first broken invariant that [`World::validate`](crate::World::validate) met: a fault of this library, or
+/// something wrote to the slab.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(feature = "validate"), allow(unreachable_pub))]
+pub struct Invalid {
+    what: &'static str,
+    at: usize,
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (at {})", self.what, self.at)
+    }
+}
+
+impl core::error::Error for Invalid {}
+
+#[inline(always)]
+pub(crate) fn check(holds: bool, what: &'static str, at: usize) -> Result<(), Invalid> {
+    if holds { Ok(()) } else { Err(Invalid { what, at }) }
+}
+
+/// Checks all of it. O(slots + pairs).
+pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
+    numbers(stored)?;
+    sets(stored)?;
+    let mut free = 0;
+    for slot in 0..stored.now.len() {
+        free += usize::from(stored.now.at(slot).is_empty());
+        object(stored, slot)?;
+    }
+    let living = stored.now.len() - free;
+    check(stored.state.objects.live as usize == living, "the living objects are not counted right", living)?;
+    chain(stored, free)?;
+    last_step(stored)?;
+    pairs(stored)
+}
+
+/// Flags are flags, and counts agree.
+fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
+    let (objects, pairs) = (&stored.state.objects, &stored.state.pairs);
+    let flags =
+        [objects.dirty, objects.resting, objects.has_inserted, objects.moved_inside_margin, pairs.complete];
+    for (at, flag) in flags.into_iter().enumerate() {
+        check(flag <= 1, "a number that is neither yes nor no", at)?;
+    }
+    let margins = stored.state.setup.margin().is_some();
+    check(margins || objects.moved_inside_margin == 0, "movement in margins that there are not", 0)?;
+    check(stored.state.step.is_known(), "a path that there is not", 0)?;
+    check(pairs.found <= pairs.reported, "more pairs are found than there are", pairs.found as usize)?;
+    check(pairs.lost <= pairs.previous, "more pairs are lost than there were", pairs.lost as usize)?;
+    let events = stored.state.setup.events();
+    check(events || pairs.found == 0 && pairs.previous == 0, "events in a world without events", 0)
+}
+
+/// Sets hold only slots that there are. Moved objects have changed, and objects with another filter count as moved.
+fn sets<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
+    let Stored { moved, resting, changed, refiltered, reused, .. } = stored;
+    let slots = stored.now.len();
+    for set in [moved, resting, changed, refiltered, reused] {
+        let last = if slots / 32 < set.len() { set.at(slots / 32) } else { 0 };
+        check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
+    }
+    let is_part = |set: &Packed<'_, u32>, of: &Packed<'_, u32>| {
+        set.len() != of.len() || set.iter().zip(of.iter()).all(|(word, of)| word & !of == 0)
+    };
+    check(is_part(moved, changed), "an object has moved and not changed", 0)?;
+    check(is_part(refiltered, moved), "a filter has changed of an object that has not moved", 0)?;
+    let any = |set: &Packed<'_, u32>| set.iter().any(|word| word != 0);
+    let objects = &stored.state.objects;
+    check(objects.dirty != 0 || !any(moved), "objects have moved and nothing is noted as changed", 0)?;
+    check(objects.resting != 0 || !any(resting), "objects rest that were not put to rest", 0)
+}
+
+/// Checks a slot by itself.
+fn object<I: Index>(stored: &Stored<'_, I>, slot: usize) -> Result<(), Invalid> {
+    let now = stored.now.at(slot);
+    check(stored.generations.at(slot) != 0, "a slot has no generation", slot)?;
+    check(now.is_valid() || is_free(&now), "a box is none", slot)?;
+    check(!now.is_empty() || !stored.resting.has(slot), "a free slot rests", slot)?;
+    if stored.fat.len() > 0 {
+        let fat = stored.fat.at(slot);
+        let holds = if now.is_empty() { is_free(&fat) } else { fat.is_valid() && fat.contains(&now) };
+        check(holds, "a fat box does not hold its box", slot)?;
+        check(Margin::length(stored.margins.at(slot)).is_valid(), "a margin is none", slot)?;
+    }
+    let class = if stored.filters.len() > 0 { stored.filters.at(slot).class } else { 0 };
+    check((class as usize) < CLASSES, "a class that there is not", slot)
+}
+
+/// Whether a box is that of a free slot: any other empty box might overlap something.
+fn is_free(bounds: &KeyBox) -> bool {
+    *bounds == KeyBox::free(bounds.next_free())
+}
+
+/// The chain of free slots has each of them once, and ends.
+fn chain<I: Index>(stored: &Stored<'_, I>, free: usize) -> Result<(), Invalid> {
+    let mut next = stored.state.objects.free as usize;
+    for _ in 0..free {
+        check(next >= 1 && next <= stored.now.len(), "the chain of free slots leaves the slots", next)?;
+        let bounds = stored.now.at(next - 1);
+        check(bounds.is_empty(), "a living object is in the chain of free slots", next - 1)?;
+        next = bounds.next_free() as usize;
+    }
+    // A chain that comes back to a slot never ends.
+    check(next == 0, "the chain of free slots does not end", next)
+}
+
+/// The boxes of the last complete step, of objects that may have others now; and who had slots before.
+fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
+    let has_inserted = stored.state.objects.has_inserted != 0;
+    for (slot, before) in stored.of_set(&stored.changed, &stored.before) {
+        check(before.is_valid() || is_free(&before), "a box of the last step is none", slot)?;
+        let fresh = before.is_empty() && !stored.now.at(slot).is_empty();
+        check(!fresh || has_inserted, "a new object that has not come", slot)?;
+    }
+    for (slot, generation) in stored.of_set(&stored.reused, &stored.former) {
+        let another = generation != 0 && generation != stored.generations.at(slot);
+        check(another, "no object had a slot that was given to another one", slot)?;
+    }
+    Ok(())
+}
+
+/// Each pair has two slots in order. If nothing has changed since, the boxes of a pair of the result overlap, and the
+/// filters let it through.
+fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
+    let slots = stored.now.len();
+    let in_order = |pair: &Pair<I>| pair[0] < pair[1] && pair[1].at() < slots;
+    let boxes = stored.reported();
+    // A world without events does not note which objects moved inside their margins.
+    let events = stored.changed.len() > 0;
+    let known = events || stored.state.objects.moved_inside_margin == 0;
+    let changed = if events { &stored.changed } else { &stored.moved };
+    for (at, pair) in stored.pairs.iter().enumerate() {
+        check(in_order(&pair), "a pair is not of two slots in order", at)?;
+        let [a, b] = pair.map(Index::at);
+        if !known || changed.has(a) || changed.has(b) {
+            continue;
+        }
+        check(boxes.at(a).overlaps(&boxes.at(b)), "a pair does not overlap", at)?;
+        let filters = &stored.filters;
+        let meets = || meet(&filters.at(a), &filters.at(b), |class| stored.classes.at(class));
+        check(filters.len() == 0 || meets(), "a pair that the filters do not let through", at)?;
+    }
+    let previous = stored.previous.iter().flat_map(Packed::iter);
+    for (at, pair) in previous.enumerate() {
+        check(in_order(&pair), "a pair of the last step is not of two slots", at)?;
+    }
+    Ok(())
+}

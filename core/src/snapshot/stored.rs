@@ -1,0 +1,248 @@
+//! What a snapshot has, as it stands in a slab or in the bytes of a snapshot: so one function each saves, checks and
+//! loads it.
+
+use crate::access::{Access, bits};
+use crate::config::{Config, Mode};
+use crate::filter::Filter;
+use crate::geometry::key::KeyBox;
+use crate::id::{Index, Pair};
+use crate::memory::sections::sections;
+use crate::memory::slab::{BoxParts, Parts, Section as _};
+use crate::memory::state::{PairState, State};
+use bytemuck::Pod;
+use core::marker::PhantomData;
+
+/// Items in bytes of any alignment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Packed<'b, T> {
+    bytes: &'b [u8],
+    items: PhantomData<T>,
+}
+
+impl<'b, T: Pod + Default> Packed<'b, T> {
+    fn new(items: &'b [T]) -> Self {
+        Self { bytes: bytemuck::try_cast_slice(items).unwrap_or_default(), items: PhantomData }
+    }
+
+    /// Cuts so many items off the bytes.
+    fn cut(bytes: &mut &'b [u8], count: usize) -> Option<Self> {
+        let (own, rest) = bytes.split_at_checked(count.checked_mul(size_of::<T>())?)?;
+        *bytes = rest;
+        Some(Self { bytes: own, items: PhantomData })
+    }
+
+    pub(crate) const fn len(&self) -> usize {
+        self.bytes.len() / size_of::<T>()
+    }
+
+    /// The item, or the default: see [`Access`].
+    #[inline(always)]
+    pub(crate) fn at(&self, index: usize) -> T {
+        debug_assert!(index < self.len(), "read {index} of {}", self.len());
+        let bytes = self.bytes.chunks_exact(size_of::<T>()).nth(index).unwrap_or_default();
+        bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default()
+    }
+
+    /// The items in order.
+    #[inline(always)]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = T> + use<'b, T> {
+        let item = |bytes| bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default();
+        self.bytes.chunks_exact(size_of::<T>()).map(item)
+    }
+}
+
+impl Packed<'_, u32> {
+    /// Whether a slot is in a set. False if the world does not keep the set.
+    #[inline(always)]
+    pub(crate) fn has(&self, slot: usize) -> bool {
+        slot / 32 < self.len() && self.at(slot / 32) >> (slot % 32) & 1 != 0
+    }
+
+    /// The slots of a set in ascending order.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).flat_map(|word| bits::of_word(self.at(word)).map(move |bit| word * 32 + bit))
+    }
+
+    fn count(&self) -> usize {
+        self.iter().map(|word| word.count_ones() as usize).sum()
+    }
+}
+
+/// How many items there are.
+struct Counts {
+    slots: usize,
+    /// Slots with a fat box, with a filter, with a value, with a box of the last step; and the words of their sets.
+    fat: usize,
+    filters: usize,
+    classes: usize,
+    values: usize,
+    words: usize,
+    filter_words: usize,
+    event_words: usize,
+    pairs: usize,
+}
+
+impl Counts {
+    fn new(state: &State, config: &Config) -> Self {
+        let slots = state.objects.slots as usize;
+        let words = bits::words(slots);
+        let of = |kept: bool, count: usize| if kept { count } else { 0 };
+        Self {
+            slots,
+            fat: of(config.margin.is_some(), slots),
+            filters: of(config.filters, slots),
+            classes: of(config.filters, crate::filter::CLASSES),
+            values: of(config.values, slots),
+            words,
+            filter_words: of(config.filters, words),
+            event_words: of(config.events, words),
+            pairs: state.pairs.reported as usize,
+        }
+    }
+}
+
+macro_rules! stored {
+    (
+        |$s:ident, $state:ident, $n:ident| {
+        $($(#[$doc:meta])* $name:ident: $type:ty = [$item:ty; $count:expr], $how:ident $what:expr
+            $(, saved $saved:ident [$len:expr])?;)*
+        }
+        $($(#[$about:meta])* $group:ident: $Group:ident [$($of:tt)*] {
+            $($(#[$gdoc:meta])* $gname:ident: $gtype:ty = [$gitem:ty; $gcount:expr], $ghow:ident $gwhat:expr
+                $(, saved $gsaved:ident [$glen:expr])?;)*
+            $(+ $(#[$pdoc:meta])* $plain:ident: $ptype:ty = $pvalue:expr;)*
+        })*
+    ) => {
+        /// The sections of a snapshot: those that the table of all arrays says are saved, and these. The state comes
+        /// before them.
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) struct Stored<'b, I> {
+            /// See [`State::portable`].
+            pub(crate) state: State,
+            $($(pub(crate) $saved: Packed<'b, $item>,)?)*
+            $($($(pub(crate) $gsaved: Packed<'b, $gitem>,)?)*)*
+            pub(crate) pairs: Packed<'b, Pair<I>>,
+            /// With events: pairs of the step before. In a slab some of them are parked pairs.
+            pub(crate) previous: [Packed<'b, Pair<I>>; 2],
+            /// Of changed slots: the boxes of the last complete step.
+            pub(crate) before: Packed<'b, KeyBox>,
+            /// Of reused slots: the generations and values of former objects.
+            pub(crate) former: Packed<'b, u32>,
+            pub(crate) former_values: Packed<'b, u64>,
+            /// Whether the last three have an item for each slot, as in a slab, or for each slot of their set.
+            by_slot: bool,
+        }
+
+        impl<'b, I: Index> Stored<'b, I> {
+            /// What is saved of a world.
+            pub(crate) fn of(parts: &'b Parts<'_, I>) -> Self {
+                let state = parts.state.portable();
+                let $n = Counts::new(&state, &parts.config());
+                let pairs = &parts.state.pairs;
+                let (first, parked) = (pairs.previous() as usize, parts.state.previous_parked());
+                let first = parts.output.previous.span(0, first);
+                let parked = parts.output.pairs.span(parked.start, parked.len());
+                let mut stored = Self {
+                    state,
+                    $($($saved: Packed::new(parts.$name.items()[0].span(0, $len)),)?)*
+                    $($($($gsaved: Packed::new(parts.$group.$gname.items()[0].span(0, $glen)),)?)*)*
+                    pairs: Packed::new(parts.output.pairs.span(pairs.result().start, $n.pairs)),
+                    previous: [first, parked].map(Packed::new),
+                    before: Packed::new(parts.boxes.before),
+                    former: Packed::new(parts.former.generations),
+                    former_values: Packed::new(parts.values.former),
+                    by_slot: true,
+                };
+                // The fat boxes of a world that leaves them unused mean nothing.
+                stored.fat = Packed::new(parts.boxes.swept().span(0, $n.fat));
+                stored
+            }
+
+            /// Cuts the bytes behind a state of this configuration. `None` if they are too few, or too many.
+            pub(crate) fn cut(state: State, config: &Config, mut bytes: &'b [u8]) -> Option<Self> {
+                let $n = Counts::new(&state, config);
+                let bytes = &mut bytes;
+                let mut stored = Self {
+                    state,
+                    $($($saved: Packed::cut(bytes, $len)?,)?)*
+                    $($($($gsaved: Packed::cut(bytes, $glen)?,)?)*)*
+                    pairs: Packed::cut(bytes, $n.pairs)?,
+                    previous: [Packed::cut(bytes, state.pairs.previous as usize)?, Packed::cut(bytes, 0)?],
+                    before: Packed::cut(bytes, 0)?,
+                    former: Packed::cut(bytes, 0)?,
+                    former_values: Packed::cut(bytes, 0)?,
+                    by_slot: false,
+                };
+                let reused = stored.reused.count();
+                stored.before = Packed::cut(bytes, stored.changed.count())?;
+                stored.former = Packed::cut(bytes, reused)?;
+                stored.former_values = Packed::cut(bytes, if config.values { reused } else { 0 })?;
+                bytes.is_empty().then_some(stored)
+            }
+
+            /// Gives the bytes of all sections to `to`, one after another.
+            pub(crate) fn write(&self, to: &mut impl FnMut(&[u8])) {
+                to(bytemuck::bytes_of(&self.state));
+                $($(to(self.$saved.bytes);)?)*
+                $($($(to(self.$gsaved.bytes);)?)*)*
+                to(self.pairs.bytes);
+                self.previous.iter().for_each(|pairs| to(pairs.bytes));
+                self.of_set(&self.changed, &self.before).for_each(|(_, item)| to(bytemuck::bytes_of(&item)));
+                self.of_set(&self.reused, &self.former).for_each(|(_, item)| to(bytemuck::bytes_of(&item)));
+                let values = self.of_set(&self.reused, &self.former_values);
+                values.for_each(|(_, item)| to(bytemuck::bytes_of(&item)));
+            }
+
+            /// Puts all into an empty world with enough room. The next step finds all pairs anew.
+            pub(crate) fn put(&self, to: &mut Parts<'_, I>) {
+                let pairs = PairState { swapped: to.state.pairs.swapped, ..self.state.pairs };
+                *to.state = State { setup: to.state.setup, faults: to.state.faults, pairs, ..self.state };
+                $($(to.$name.load(self.$saved.bytes);)?)*
+                $($($(to.$group.$gname.load(self.$gsaved.bytes);)?)*)*
+                self.finish(to);
+            }
+        }
+    };
+}
+
+sections!(stored);
+
+impl<I: Index> Stored<'_, I> {
+    /// The slots of a set, and what belongs to each of them.
+    pub(crate) fn of_set<'s, T: Pod + Default>(
+        &'s self,
+        set: &'s Packed<'_, u32>,
+        items: &'s Packed<'_, T>,
+    ) -> impl Iterator<Item = (usize, T)> + 's {
+        let count = if items.len() == 0 { 0 } else { usize::MAX };
+        let at = |(rank, slot)| (slot, items.at(if self.by_slot { slot } else { rank }));
+        set.slots().enumerate().map(at).take(count)
+    }
+
+    /// The boxes whose overlaps the last result has.
+    pub(crate) fn reported(&self) -> &Packed<'_, KeyBox> {
+        if self.fat.len() > 0 && self.state.setup.mode() == Mode::Fat { &self.fat } else { &self.now }
+    }
+
+    /// What is no more than to [load](Section::load) a section.
+    fn finish(&self, to: &mut Parts<'_, I>) {
+        let BoxParts { before, tight, .. } = &mut to.boxes;
+        *tight = false;
+        if !before.is_empty() {
+            before.load(self.reported().bytes);
+            self.of_set(&self.changed, &self.before).for_each(|(slot, bounds)| before.put(slot, bounds));
+        }
+        // Nothing else tells which boxes have changed, and all pairs are found anew.
+        if self.changed.len() == 0 {
+            to.changed.load(self.moved.bytes);
+        }
+        let former = &mut to.former.generations;
+        self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));
+        let former = &mut to.values.former;
+        self.of_set(&self.reused, &self.former_values).for_each(|(slot, item)| former.put(slot, item));
+        to.output.pairs.load(self.pairs.bytes);
+        let [first, parked] = &self.previous;
+        to.output.previous.load(first.bytes);
+        to.output.previous.get_mut(first.len()..).unwrap_or_default().load(parked.bytes);
+    }
+}

@@ -1,0 +1,179 @@
+//! Copies of worlds go on byte for byte, whatever was in the memory before; and sorted results are the same bytes in
+//! worlds of other room and another past.
+
+use trisap_core::{Config, Error, Field, Filter, Id, Index, InlineWorld, Margin, World, layout};
+use trisap_tests::lives::{act, configs, lived, saved};
+use trisap_tests::scenes::{Rng, cube, shifted};
+use trisap_tests::sorted;
+use trisap_tests::worlds::{Setup, Slab, ample};
+
+/// Worlds of all kinds: without a tree, lean, small, and with leaves that are divided.
+fn kinds() -> impl Iterator<Item = (Config, usize)> {
+    let [plain, events, margin, fat] = configs();
+    let values = margin.with_filters().with_values();
+    [plain, events, margin, fat, values, plain.with_margin(Margin::length(0.3))].into_iter().flat_map(
+        |config| {
+            let sized = |objects: usize, count| (config.with_capacity(ample(objects, 40 * count)), count);
+            let (lean, count) = sized(220, 200);
+            [sized(40, 30), (lean.with_lean(), count), sized(500, 450), sized(1800, 1600)]
+        },
+    )
+}
+
+fn go_on_alike<I: Index>(one: &mut World<'_, I>, other: &mut World<'_, I>, rng: &mut Rng, rounds: usize) {
+    let setup = Setup::REFERENCE;
+    for round in 0..rounds {
+        let said = act(other, &mut rng.clone(), setup);
+        assert!(act(one, rng, setup) == said, "round {round}: other pairs, or another order");
+        assert!(saved(one) == saved(other), "round {round}");
+    }
+    one.validate().expect("a valid world");
+    other.validate().expect("a valid world");
+}
+
+#[test]
+fn a_copy_goes_on_byte_for_byte() {
+    for (at, (config, count)) in kinds().enumerate() {
+        let (mut slab, mut room) = (Slab::new::<u32>(&config), Slab::new::<u32>(&config));
+        let mut world = lived::<u32>(&mut slab, &config, count, at % 6);
+        // What lived in the memory of the copy before, and has more slots.
+        let mut copy = lived::<u32>(&mut room, &config, count + 5, 5 - at % 6);
+        let rng = &mut Rng::new(at as u64);
+        for _ in 0..6 {
+            copy.copy_from(&world).expect("the same configuration");
+            assert_eq!(copy.stats(), world.stats());
+            assert_eq!(
+                (world.pairs(), world.found(), world.lost()),
+                (copy.pairs(), copy.found(), copy.lost())
+            );
+            copy.validate().expect("a valid world");
+            go_on_alike(&mut world, &mut copy, rng, 4);
+            // Another way, and back.
+            let kept = saved(&world);
+            let _ = act(&mut world, &mut Rng::new(5), Setup::REFERENCE);
+            world.copy_from(&copy).expect("the same configuration");
+            assert!(saved(&world) == kept);
+            go_on_alike(&mut world, &mut copy, rng, 2);
+        }
+        // The bytes themselves, opened again.
+        let mut bytes = slab.clone();
+        let mut copy = World::<u32>::open(bytes.bytes_mut()).expect("a copy of a world");
+        let mut world = World::<u32>::open(slab.bytes_mut()).expect("the world");
+        go_on_alike(&mut world, &mut copy, rng, 3);
+    }
+}
+
+#[test]
+fn only_a_world_of_the_same_memory_is_copied() {
+    let config = Config::new(ample(40, 100)).with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let world = lived::<u32>(&mut slab, &config, 30, 3);
+    let others = [
+        (config.with_filters(), Field::Filters),
+        (config.with_capacity(ample(41, 100)), Field::Bytes),
+        (config.with_capacity(ample(40, 101)), Field::Bytes),
+    ];
+    for (other, field) in others {
+        let mut room = Slab::new::<u32>(&other);
+        let mut there = lived::<u32>(&mut room, &other, 20, 1);
+        let before = saved(&there);
+        assert_eq!(there.copy_from(&world), Err(Error::OtherConfig { field }));
+        assert!(saved(&there) == before);
+    }
+    const SMALL: Config = Config::new(ample(8, 28));
+    let mut memory = InlineWorld::<{ layout::<u16>(&SMALL).unwrap().bytes }>::EMPTY;
+    memory.init::<u16>(&SMALL).expect("room").insert(cube(0.0, 0.0, 0.0)).expect("room");
+    assert_eq!(memory.clone().world::<u16>().expect("a copy").len(), 1);
+}
+
+#[test]
+fn what_was_in_the_memory_does_not_matter() {
+    for (at, (config, count)) in kinds().enumerate() {
+        let config = config.with_workers(1 + at as u32 % 2);
+        let (mut ones, mut zeros) = (Slab::new::<u16>(&config), Slab::new::<u16>(&config));
+        zeros.bytes_mut().fill(0);
+        assert!(ones.bytes().iter().all(|byte| *byte == 0xff));
+        let mut one = lived::<u16>(&mut ones, &config, count, at % 5);
+        let mut other = lived::<u16>(&mut zeros, &config, count, at % 5);
+        go_on_alike(&mut one, &mut other, &mut Rng::new(at as u64), 30);
+    }
+}
+
+/// Room for pairs is written when there are pairs.
+#[test]
+fn a_new_world_writes_only_what_must_be_clear() {
+    let written = |config: &Config| {
+        let mut slab = Slab::new::<u32>(config);
+        slab.bytes_mut().fill(0xa5);
+        slab.world::<u32>(config);
+        slab.bytes().iter().filter(|byte| **byte != 0xa5).count()
+    };
+    for config in configs().map(|config| config.with_workers(2)) {
+        let [few, many] = [10, 500_000].map(|pairs| config.with_capacity(ample(20_000, pairs)));
+        assert_eq!(written(&few), written(&many));
+        // Sets, generations, leaves; no boxes and no records.
+        assert!(written(&few) < 20 * 20_000, "{} bytes", written(&few));
+    }
+}
+
+/// Objects move, some go and as many come; then a step. The same for the same random numbers, whatever the room is.
+fn play(world: &mut World<'_, u32>, rng: &mut Rng, movers: usize) {
+    let ids: Vec<Id> = world.ids().collect();
+    for at in 0..movers {
+        let id = ids[rng.below(ids.len())];
+        let Some(aabb) = world.aabb(id) else { continue };
+        match rng.below(20) {
+            0 => {
+                world.remove(id).expect("alive");
+                world.insert(shifted(&aabb, rng.point(-1.0, 1.0))).expect("room");
+            }
+            1 if world.config().filters => {
+                world.set_filter(id, Filter::groups(1 << (at % 2), 3)).expect("filters");
+            }
+            _ => world.set_aabb(id, shifted(&aabb, rng.point(-1.0, 1.0))).expect("alive"),
+        }
+    }
+    let setup = Setup::REFERENCE;
+    world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room");
+}
+
+#[test]
+fn sorted_results_are_the_same_whatever_the_room_and_the_past_are() {
+    for (at, (config, count)) in kinds().enumerate() {
+        let mut large = config.with_capacity(ample(3 * count, 60 * count)).with_workers(3);
+        large.lean = false;
+        let [mut slab, mut plain] = [(); 2].map(|()| Slab::new::<u32>(&config));
+        let mut room = Slab::new::<u32>(&large);
+        let mut world = lived::<u32>(&mut slab, &config, count, at % 6);
+        let mut unsorted = lived::<u32>(&mut plain, &config, count, at % 6);
+        let mut loaded = room.world::<u32>(&large);
+        let rng = &mut Rng::new(at as u64);
+        let mut told = 0;
+        for round in 0..24 {
+            // Late joiners, now and then.
+            let mut more = Slab::new::<u32>(&large);
+            let mut moved = world.move_into(more.bytes_mut(), &large).expect("more room");
+            if round % 6 == 0 {
+                loaded.load(&saved(&world)).expect("more room");
+            }
+            let movers = [count / 2, 3, 0, 20][round % 4];
+            for world in [&mut unsorted, &mut world, &mut loaded] {
+                play(world, &mut rng.clone(), movers);
+            }
+            play(&mut moved, rng, movers);
+            let sets = [unsorted.pairs(), unsorted.found(), unsorted.lost()].map(sorted);
+            let sort = |world: &mut World<'_, u32>| {
+                world.sort_results();
+                world.validate().expect("a valid world");
+                [world.pairs(), world.found(), world.lost()].map(|pairs| pairs.to_vec())
+            };
+            let (one, two, three) = (sort(&mut world), sort(&mut loaded), sort(&mut moved));
+            assert!(one == two && one == three, "round {round}: another order");
+            let (persisting, found) = one[0].split_at(one[0].len() - one[1].len());
+            assert!(persisting.is_sorted() && found.is_sorted() && one[2].is_sorted());
+            assert!(one.each_ref().map(|pairs| sorted(pairs)) == sets, "round {round}: other pairs");
+            told += one[1].len() + one[2].len();
+        }
+        assert!(!config.events || told > 0);
+    }
+}
