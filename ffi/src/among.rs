@@ -1,9 +1,9 @@
 //! Which objects may answer a query.
 
 use crate::border;
+use crate::border::living;
 use crate::call::{Look, look, trisap_world};
 use crate::filter::trisap_filter;
-use crate::objects::living;
 use crate::structs::trisap_id;
 use core::ffi::c_void;
 use trisap_core::Id;

@@ -9,6 +9,12 @@ use core::ffi::c_void;
 use core::ops::Range;
 use trisap_core::{Boxes, Hit, Id};
 
+/// An id that an object has, or had.
+pub(crate) fn living(id: trisap_id) -> Result<Id, Refusal> {
+    let stale = Refusal { status: trisap_status::StaleId, detail: id, quiet: false };
+    Id::from_bits(id).ok_or(stale)
+}
+
 /// Structs that begin with their `struct_size`.
 pub(crate) trait Versioned: Copy {}
 impl Versioned for trisap_config {}

@@ -1,8 +1,8 @@
 //! Whom an object meets.
 
 use crate::border;
+use crate::border::living;
 use crate::call::{Call, Look, look, trisap_world, with};
-use crate::objects::living;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
 use trisap_core::{Error, Filter};

@@ -1,17 +1,12 @@
 //! Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
 
 use crate::aabb::trisap_aabb;
-use crate::border::{self, Items};
+use crate::border::{self, Items, living};
 use crate::call::{Call, Look, look, trisap_world, with};
 use crate::filter::{TRISAP_CLASSES, trisap_filter};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
 use trisap_core::{Error, Id};
-
-pub(crate) fn living(id: trisap_id) -> Result<Id, crate::status::Refusal> {
-    let stale = crate::status::Refusal { status: trisap_status::StaleId, detail: id, quiet: false };
-    Id::from_bits(id).ok_or(stale)
-}
 
 /// A view of boxes one after another. For others, point `first` to the first minimum and set `stride` and
 /// `max_offset`. O(1).

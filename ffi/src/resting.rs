@@ -1,8 +1,7 @@
 //! Objects that the caller knows to rest.
 
-use crate::border::{self, Answers};
+use crate::border::{self, Answers, living};
 use crate::call::{Call, Look, look, trisap_world, with};
-use crate::objects::living;
 use crate::status::trisap_status;
 use crate::structs::{trisap_id, trisap_pair};
 

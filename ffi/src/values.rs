@@ -1,9 +1,8 @@
 //! Gives objects values for the caller's use.
 
-use crate::border::{self, Answers, Items};
+use crate::border::{self, Answers, Items, living};
 use crate::call::{Call, Look, look, trisap_world, with};
 use crate::events::{TRISAP_PAIRS_ALL, TRISAP_PAIRS_FOUND, TRISAP_PAIRS_LOST};
-use crate::objects::living;
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
 use trisap_core::{Error, Id, World};
