@@ -99,10 +99,10 @@ pub enum Error {
         /// Items that were given.
         given: usize,
     },
-    /// An index inside the library was out of range since the last step, in any world of the process. That is a fault
-    /// of this library, or something wrote to the memory of a world. Pairs may be missing. The next step finds all
-    /// pairs anew; found and lost are then relative to the last complete step.
-    /// [`World::validate`](crate::World::validate) tells more.
+    /// An index into the memory of this world was out of range since the last step or since it was opened.
+    /// That is a fault of this library, or something wrote to that memory. Pairs were missing, so the world
+    /// has none. The next step finds all pairs anew; found and lost are then relative to the last complete
+    /// step. [`World::validate`](crate::World::validate) tells more.
     InvariantBroken,
     /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit. Found and
     /// lost are empty; the next complete step tells them relative to the last complete one.

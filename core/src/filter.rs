@@ -49,7 +49,7 @@ impl Default for Filter {
 ///
 /// Any worker may ask it at any time during the step, and only about boxes that overlap with their margins. It has to
 /// answer the same until one of the objects is [refiltered](crate::World::refilter), since pairs of resting objects
-/// are not asked about again.
+/// are not asked about again. What a panic in it leaves behind: see [`World::step`](crate::World::step).
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 
 /// Whether two filters meet; `row` gives the rows of the class matrix.

@@ -320,7 +320,11 @@ impl<'m, I: Index> Checked<'m, I> {
         self.settle(result, rejected)
     }
 
-    fn settle(
+    /// Compares what a step said with the model, which has the boxes of that step.
+    ///
+    /// # Errors
+    /// That of the step.
+    pub fn settle(
         &mut self,
         result: Result<Outcome, Error>,
         rejected: Option<Rejected>,

@@ -1,7 +1,6 @@
 //! Whatever an executor does, a step gives the same bytes: results, statistics, and all of the world that outlives
 //! the step.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 use std::thread;
 use trisap_core::{
@@ -321,58 +320,5 @@ fn a_call_needs_little_stack() {
     let reference = play::<u32>(&config, &acts, Kernels::SCALAR, &Jobs::Serial);
     for kernels in Kernels::all() {
         compare(&play::<u32>(&config, &acts, kernels, &Cramped), &reference, "a small stack");
-    }
-}
-
-/// Panics in one of its `fork_join`s: after none, one or all of the work.
-struct Unwinding {
-    at: u32,
-    calls: u32,
-    joins: Mutex<u32>,
-}
-
-impl Executor for Unwinding {
-    fn workers(&self) -> u32 {
-        2
-    }
-
-    fn fork_join(&self, _: u32, job: &(dyn Fn() + Sync)) {
-        let join = {
-            let mut joins = self.joins.lock().expect("no panic while it is held");
-            *joins += 1;
-            *joins
-        };
-        (0..self.calls).for_each(|_| job());
-        if join == self.at {
-            resume_unwind(Box::new("the executor's own"));
-        }
-    }
-}
-
-#[test]
-fn a_world_can_be_made_anew_after_an_executor_has_unwound() {
-    let config = modes(TREE)[2].with_workers(WORKERS);
-    let acts = script(TREE);
-    let reference = play::<u32>(&config, &acts, Kernels::SCALAR, &Jobs::Serial);
-    let Act::Insert(boxes) = &acts[0] else { panic!("the first act inserts") };
-    let others = scenes::uniform(TREE, 8);
-    // Ingest, two passes that fill the leaves, their reach, the sweep.
-    for (at, calls) in (1..=5).flat_map(|at| [(at, 0), (at, 1)]) {
-        let mut slab = Slab::new::<u32>(&config);
-        let mut world: World<'_> = slab.world(&config);
-        world.insert_many(Boxes::new(&others)).expect("room");
-        let executor = Unwinding { at, calls, joins: Mutex::default() };
-        let mut step = |executor: &dyn Executor| {
-            let step = || world.on(executor).step_over(Boxes::new(&others)).map(|_| ());
-            catch_unwind(AssertUnwindSafe(step))
-        };
-        let payload = step(&executor).expect_err("the executor's panic comes through");
-        assert!(payload.is::<&str>(), "join {at}: a panic of another kind");
-        // Wrong results are allowed until it is made anew, and panics are not.
-        assert!(step(&Jobs::Threads(2)).is_ok(), "join {at}");
-        let mut world: World<'_> = slab.world(&config);
-        world.insert_many(Boxes::new(boxes)).expect("room");
-        let outcome = world.on(&Jobs::Serial).step().map(|step| Outcome::of(&step));
-        assert!(outcome == reference[0].result, "the world that was made anew");
     }
 }

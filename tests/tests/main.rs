@@ -26,6 +26,7 @@ mod large;
 mod layers;
 mod numerics;
 mod packages;
+mod panics;
 mod properties;
 mod queries;
 mod real_scenes;

@@ -79,7 +79,7 @@ impl KeyBox {
         match boxes.get(slot) {
             Some(bounds) => bounds,
             None => {
-                note_fault();
+                note_fault(boxes.as_ptr().addr());
                 &Self::EMPTY
             }
         }

@@ -7,7 +7,7 @@ use super::scratch;
 use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
-use crate::access::{Access, bits, faults};
+use crate::access::{Access, Watch, bits};
 use crate::config::{Capacity, Config, Mode};
 use crate::error::Error;
 use crate::filter::Filter;
@@ -129,6 +129,7 @@ macro_rules! slab {
         pub(crate) struct Parts<'m, I> {
             pub(crate) sizes: Sizes,
             pub(crate) state: &'m mut State,
+            pub(crate) watch: Watch,
             $($(#[$doc])* pub(crate) $name: $type,)*
             $($(#[$about])* pub(crate) $group: $Group<$($of)*>,)*
         }
@@ -154,6 +155,7 @@ macro_rules! slab {
             /// Carves a slab that is long enough and aligned.
             fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
                 let $s = &sizes;
+                let watch = Watch::over(slab);
                 let mut slab = Carver { rest: slab, sizes };
                 let $state: &mut State = slab.take(1)?.first_mut()?;
                 let swapped = $state.pairs.swapped != 0;
@@ -164,6 +166,7 @@ macro_rules! slab {
                         $($plain: $pvalue,)*
                     },)*
                     state: $state,
+                    watch,
                     sizes,
                 };
                 if swapped {
@@ -333,7 +336,6 @@ impl<'m, I: Index> Parts<'m, I> {
         slab.span_mut(0, size_of::<State>()).fill(0);
         let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })?;
         *parts.state = State::new(config, size_of::<I>());
-        parts.state.faults = faults();
         parts.clear();
         Ok(parts)
     }

@@ -167,8 +167,9 @@ pub(crate) fn conclude<I: Index>(parts: &mut Parts<'_, I>) -> usize {
         let block = if found == 0 { index } else { 2 * blocks - 1 - index };
         let count = lost.at(block)[found] as usize;
         if start > all_lost {
+            // None is overwritten, in case that the step is given up.
             for offset in 0..count {
-                previous.put(all_lost + offset, previous.at(start + offset));
+                previous.swap_at(all_lost + offset, start + offset);
             }
         }
         all_lost += count;

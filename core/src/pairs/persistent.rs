@@ -69,12 +69,14 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         let parked = output.pairs.span(parked.start, parked.len());
         output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
+    state.pairs.complete = 0;
     state.pairs.parked = 0;
     state.pairs.surplus_parked = 0;
     state.pairs.active = u32::MAX;
 }
 
-/// With events, copies the result without the parked pairs to the other buffer.
+/// With events, copies the result without the parked pairs to the other buffer. From now on it is the last
+/// complete one.
 fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.sizes.previous > 0 {
         parts.output.segments.forget();
@@ -83,6 +85,7 @@ fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
         parts.output.previous.span_mut(0, count).copy_in(parts.output.pairs.span(first, count));
         parts.state.pairs.previous = count as u64;
     }
+    parts.state.pairs.complete = 0;
 }
 
 /// Whether neither object of a pair is in a set.

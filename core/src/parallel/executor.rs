@@ -47,8 +47,8 @@ use core::cell::Cell;
 ///
 /// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
 ///
-/// If `fork_join` unwinds, so does the step, and the world is then half way through it: make it anew with
-/// [`World::new_in`](crate::World::new_in). Memory stays sound.
+/// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
+/// [`Stage::Done`] comes after the step.
 ///
 /// Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which has no threads, never call
 /// `fork_join`: steps are serial there.

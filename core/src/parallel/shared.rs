@@ -62,7 +62,7 @@ impl<'a, T: Pod> Shared<'a, T> {
         let start = index * Self::WORDS;
         let Some(target) = self.words.get(start..start + Self::WORDS) else {
             debug_assert!(false, "store {index} of {}", self.words.len() / Self::WORDS);
-            note_fault();
+            note_fault(self.words.as_ptr().addr());
             return;
         };
         let bytes = bytemuck::bytes_of(item);

@@ -196,7 +196,7 @@ macro_rules! stored {
             /// Puts all into an empty world with enough room. The next step finds all pairs anew.
             pub(crate) fn put(&self, to: &mut Parts<'_, I>) {
                 let pairs = PairState { swapped: to.state.pairs.swapped, ..self.state.pairs };
-                *to.state = State { setup: to.state.setup, faults: to.state.faults, pairs, ..self.state };
+                *to.state = State { setup: to.state.setup, pairs, ..self.state };
                 $($(to.$name.load(self.$saved.bytes);)?)*
                 $($($(to.$group.$gname.load(self.$gsaved.bytes);)?)*)*
                 self.finish(to);

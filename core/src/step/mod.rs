@@ -42,7 +42,6 @@ pub(crate) fn find_without_surplus<I: Index>(
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     // The last result is already kept for the events.
-    parts.state.pairs.complete = 0;
     parts.boxes.tight = true;
     let route = policy::choose(parts, parts.state.objects.live);
     let (route, progress) = find(parts, route, None, context);

@@ -92,7 +92,7 @@ impl<'v, P: Probe> Visit<'v, P> {
     #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
         if self.probe.is_met(node.when) && self.stack.try_push(node).is_err() {
-            note_fault();
+            note_fault(self.nodes.as_ptr().addr());
         }
     }
 

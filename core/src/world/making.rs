@@ -1,6 +1,6 @@
 //! Makes worlds in memory, and opens them there again.
 
-use super::World;
+use super::{Unfinished, World};
 use crate::config::Config;
 use crate::error::{Error, Field};
 use crate::id::Index;
@@ -42,7 +42,11 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        Parts::open(slab).map(Self::of)
+        let mut parts = Parts::open(slab)?;
+        if parts.state.stepping != 0 {
+            drop(Unfinished(&mut parts));
+        }
+        Ok(Self::of(parts))
     }
 
     fn of(parts: Parts<'m, I>) -> Self {

@@ -31,15 +31,16 @@ pub use result::Step;
 pub use stepper::Stepper;
 pub use view::{LeafView, PlaneView};
 
-use crate::access::{Access, faults};
+use crate::access::Access;
 use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
 use crate::memory::limits::SHARED_FROM;
 use crate::memory::slab::Parts;
+use crate::memory::state::PairState;
 use crate::memory::stats::{Path, Progress, Route};
 use crate::objects::intake::ingest;
-use crate::pairs::results;
+use crate::pairs::{persistent, results};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
@@ -65,7 +66,8 @@ pub struct World<'m, I: Index = u32> {
 /// A step.
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
-        let parts = &mut self.parts;
+        let unfinished = Unfinished::begin(&mut self.parts);
+        let parts = &mut *unfinished.0;
         let shared =
             parts.state.setup.hooks().sharing.fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
         // A world without a tree shares nothing.
@@ -73,28 +75,27 @@ impl<I: Index> World<'_, I> {
         let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
         let (rejected, settled) = Self::take_in(parts, bounds, context);
-        let mut result = Self::find(parts, settled, shared, context);
-        if faults() != parts.state.faults {
-            parts.state.faults = faults();
-            parts.state.pairs.complete = 0;
-            parts.state.tree.built = 0;
-            parts.state.tree.baseline = 0;
-            parts.state.tree.filled = 0;
-            parts.state.lists.stale = 1;
-            result = Err(Error::InvariantBroken);
-        }
+        let needed = Self::find(parts, settled, shared, context);
+        let result = if parts.watch.sees_fault() {
+            Err(Error::InvariantBroken)
+        } else {
+            parts.state.stepping = 0;
+            needed.map_or(Ok(()), |needed| Self::conclude(parts, needed))
+        };
+        drop(unfinished);
         context.executor.enter(Stage::Done);
         result?;
         Ok(Step { rejected, world: self })
     }
 
-    /// All pairs of the boxes as they are now, and which of them are new or gone.
+    /// All pairs of the boxes as they are now, and which of them are new or gone. Returns how many pairs
+    /// there are, or `None` if nothing has changed.
     fn find(
         parts: &mut Parts<'_, I>,
         mut settled: Option<u32>,
         shared: bool,
         context: StepContext<'_>,
-    ) -> Result<(), Error> {
+    ) -> Option<u64> {
         let moved = parts.moved.count();
         if cfg!(feature = "large") && policy::weigh_margins(parts, moved) {
             settled = None;
@@ -103,7 +104,7 @@ impl<I: Index> World<'_, I> {
         policy::subdivide_when_calm(parts, route.path, moved, context);
         if route.path == Path::Unchanged && parts.state.objects.moved_inside_margin == 0 {
             Self::keep(parts, shared);
-            return Ok(());
+            return None;
         }
         results::remember(parts);
         let (mut route, mut progress) = step::find(parts, route, settled, context);
@@ -112,7 +113,10 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.step.record(moved, parts.state.objects.outran, route, shared, &progress);
         context.executor.enter(Stage::Results);
-        Self::conclude(parts, &progress, context)
+        let fitting = progress.pairs.min(parts.output.pairs.len() as u64);
+        let complete = progress.pairs == fitting;
+        results::sort_out(parts, fitting as usize, complete, progress.found, context);
+        Some(progress.pairs)
     }
 
     /// Takes in the caller's boxes, if there are any (paper, section III.B). Returns which were refused, and how many
@@ -144,21 +148,13 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.dirty = 0;
     }
 
-    /// Makes the result and the events, if all pairs fit. Else the result has those that fit, and everything else
-    /// stays for the next complete step.
-    fn conclude(
-        parts: &mut Parts<'_, I>,
-        progress: &Progress,
-        context: StepContext<'_>,
-    ) -> Result<(), Error> {
-        let pairs = progress.pairs;
-        let fitting = pairs.min(parts.output.pairs.len() as u64);
-        let complete = pairs == fitting;
-        results::sort_out(parts, fitting as usize, complete, progress.found, context);
-        parts.state.pairs.complete = u8::from(complete);
-        if !complete {
-            return Err(Error::PairsFull { needed: pairs, room: fitting as u32 });
+    /// The step is complete, if all pairs fit. Else the result has those that fit, and everything else stays
+    /// for the next complete step.
+    fn conclude(parts: &mut Parts<'_, I>, needed: u64) -> Result<(), Error> {
+        if needed > parts.output.pairs.len() as u64 {
+            return Err(Error::PairsFull { needed, room: parts.output.pairs.len() as u32 });
         }
+        parts.state.pairs.complete = 1;
         parts.changed.move_to(&mut parts.outdated);
         parts.moved.clear();
         parts.state.objects.moved_inside_margin = 0;
@@ -171,5 +167,35 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.has_inserted = 0;
         parts.state.objects.dirty = 0;
         Ok(())
+    }
+}
+
+/// A step that has begun. Dropped before it has ended, as when the caller's code panics in it, it leaves no
+/// result, and all that the next step needs to find all pairs anew, with events relative to the last complete
+/// step.
+struct Unfinished<'p, 'm, I: Index>(&'p mut Parts<'m, I>);
+
+impl<'p, 'm, I: Index> Unfinished<'p, 'm, I> {
+    fn begin(parts: &'p mut Parts<'m, I>) -> Self {
+        parts.state.stepping = 1;
+        Self(parts)
+    }
+}
+
+impl<I: Index> Drop for Unfinished<'_, '_, I> {
+    fn drop(&mut self) {
+        let Self(parts) = self;
+        if parts.state.stepping == 0 {
+            return;
+        }
+        parts.boxes.tight = parts.state.step.margins_in > 0;
+        persistent::start_over(parts);
+        parts.output.segments.forget();
+        let PairState { swept, reported, found, lost, .. } = &mut parts.state.pairs;
+        (*swept, *reported, *found, *lost) = (0, 0, 0, 0);
+        parts.state.tree.forget();
+        parts.state.lists.stale = 1;
+        parts.state.objects.dirty = 1;
+        parts.state.stepping = 0;
     }
 }

@@ -70,9 +70,7 @@ impl<I: Index> World<'_, I> {
         }
         // Planes and records are those of the old origin.
         parts.state.objects.dirty = 1;
-        parts.state.tree.built = 0;
-        parts.state.tree.baseline = 0;
-        parts.state.tree.filled = 0;
+        parts.state.tree.forget();
         Ok(rounded)
     }
 }

@@ -45,6 +45,11 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`](crate::Stats::path).
     ///
+    /// If a [rule](Self::with_rule) or an [executor](Self::on) panics, the world stays valid and has no
+    /// pairs; each box of [`step_over`](Self::step_over) may have been taken in or not. The next step finds
+    /// all pairs anew, and its events are relative to the last complete step. A world that was in a step when
+    /// its process ended does the same when it is [opened](Self::open).
+    ///
     /// # Errors
     /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
     pub fn step(&mut self) -> Result<Step<'_, I>, Error> {

@@ -20,8 +20,8 @@ pub(crate) struct State {
     pub(crate) step: StepState,
     pub(crate) objects: ObjectState,
     pub(crate) lists: ListState,
-    /// The indices out of range that the last step knew of: see [`access`](crate::access).
-    pub(crate) faults: u32,
+    /// Whether a step has begun and not ended: it is set first and cleared last.
+    pub(crate) stepping: u32,
 }
 
 impl State {
@@ -46,7 +46,7 @@ impl State {
             step: StepState { calm: 0, kept: 0, margins_in: 0, margins_failed: 0, ..self.step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
-            faults: 0,
+            stepping: 0,
         }
     }
 

@@ -85,6 +85,11 @@ pub(crate) struct TreeState {
 }
 
 impl TreeState {
+    /// The next step makes new planes and fills all leaves.
+    pub(crate) const fn forget(&mut self) {
+        (self.baseline, self.built, self.filled) = (0, 0, 0);
+    }
+
     /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
         (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
