@@ -91,8 +91,6 @@ pub(crate) struct Events<'e, I> {
     ends: &'e [u32],
     counts: &'e mut [[u32; 2]],
     lost: &'e mut [[u32; 2]],
-    /// Whether the lost pairs are already at the front of their segments.
-    lost_known: bool,
 }
 
 impl<'e, I: Index> Events<'e, I> {
@@ -105,15 +103,14 @@ impl<'e, I: Index> Events<'e, I> {
     ) -> Self {
         let previous = previous.span_mut(0, state.pairs.previous as usize);
         let ends = segments.ends.span(0, 2 * segments.blocks());
-        Self { boxes, previous, ends, counts: segments.counts, lost: segments.lost, lost_known: false }
+        Self { boxes, previous, ends, counts: segments.counts, lost: segments.lost }
     }
 
-    /// The blocks of leaves. If the pairs have to be found a second time, the lost ones are known.
+    /// The blocks of leaves.
     pub(crate) fn blocks(&mut self) -> Blocks<'_, I> {
-        let lost_known = core::mem::replace(&mut self.lost_known, true);
-        let Self { boxes, previous, ends, counts, lost, .. } = self;
+        let Self { boxes, previous, ends, counts, lost } = self;
         let parts = (Mirrored::new(previous, ends), Chunks::new(counts, 1), Chunks::new(lost, 1));
-        Blocks { boxes: *boxes, queue: BlockQueue::new(parts), lost_known }
+        Blocks { boxes: *boxes, queue: BlockQueue::new(parts) }
     }
 }
 
@@ -124,14 +121,12 @@ type BlockParts<'b, I> = (Mirrored<'b, Pair<I>>, Chunks<'b, [u32; 2]>, Chunks<'b
 pub(crate) struct Blocks<'b, I> {
     boxes: Boxes<'b>,
     queue: BlockQueue<BlockParts<'b, I>>,
-    lost_known: bool,
 }
 
 impl<I: Index> Blocks<'_, I> {
     /// The next block, and its number.
     pub(crate) fn claim(&self) -> Option<(usize, Block<'_, I>)> {
         let (index, (last, counts, lost)) = self.queue.claim()?;
-        let lost = if self.lost_known { None } else { Some(lost) };
         Some((index, Block { boxes: self.boxes, last, counts, lost }))
     }
 }
@@ -141,16 +136,14 @@ pub(crate) struct Block<'b, I> {
     boxes: Boxes<'b>,
     last: [&'b mut [Pair<I>]; 2],
     counts: &'b mut [[u32; 2]],
-    lost: Option<&'b mut [[u32; 2]]>,
+    lost: &'b mut [[u32; 2]],
 }
 
 impl<I: Index> Block<'_, I> {
     /// Notes how many pairs persist and are found, and looks for lost ones.
     pub(crate) fn finish(self, counts: [u32; 2]) {
         self.counts.fill(counts);
-        if let Some(lost) = self.lost {
-            lost.fill(self.last.map(|pairs| self.boxes.lost(pairs)));
-        }
+        self.lost.fill(self.last.map(|pairs| self.boxes.lost(pairs)));
     }
 }
 

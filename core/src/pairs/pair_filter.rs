@@ -11,6 +11,11 @@ use crate::simd::{Phase, Simd};
 pub(crate) trait Sink<I> {
     /// Appends pairs.
     fn take(&mut self, pairs: &mut [Pair<I>]);
+
+    /// Whether more pairs are of no use.
+    fn is_full(&self) -> bool {
+        false
+    }
 }
 
 /// Decides which overlaps are pairs.
@@ -86,5 +91,9 @@ impl<I: Index> Sink<I> for Filtered<'_, '_, I> {
             kept += usize::from(self.pair_filter.lets_through(&pair));
         }
         self.sink.take(pairs.span_mut(0, kept));
+    }
+
+    fn is_full(&self) -> bool {
+        self.sink.is_full()
     }
 }

@@ -204,6 +204,10 @@ impl<I: Index> Sink<I> for OfMovers<'_, I> {
         }
         self.sink.take(pairs.span_mut(0, kept));
     }
+
+    fn is_full(&self) -> bool {
+        self.sink.is_full()
+    }
 }
 
 /// Prefetches the boxes of some records, so that they come while the records are swept.
@@ -257,6 +261,10 @@ impl<I: Index> Phase for Tiles<'_, '_, '_, I> {
             rarely(simd, FillTile { tree_view, index, from: a, tile: left });
             bucket::sweep(simd, [left, &[]], axis, &mut scratch.leaf_scratch, tree_view.boxes, sink);
             for b in (a + half..count).step_by(half) {
+                // One tile after another may have millions of pairs.
+                if sink.is_full() {
+                    return;
+                }
                 let right = right.span_mut(0, half.min(count - b));
                 rarely(simd, FillTile { tree_view, index, from: b, tile: right });
                 bucket::sweep_across(

@@ -176,7 +176,7 @@ impl<'o, I: Index> Collector<'o, I> {
         (count, scratch::work(self.scratch, area))
     }
 
-    /// `None` if the chunks did not suffice, which can only be if the pairs nearly fill their buffer.
+    /// `None`, as soon as the chunks do not suffice, which can only be if the pairs nearly fill their buffer.
     fn in_parallel(
         &mut self,
         executor: &dyn Executor,
@@ -192,7 +192,9 @@ impl<'o, I: Index> Collector<'o, I> {
         executor::run(executor, pool.count(), blocks, &|| {
             let Some(mut borrowed) = pool.borrow() else { return };
             let mut scratch = Scratch::carve(borrowed.area(), self.bucket);
-            while let Some((index, block)) = queue.claim() {
+            while !full.load(Relaxed)
+                && let Some((index, block)) = queue.claim()
+            {
                 let (chunks, full, counts) = (&chunks, &full, [0; 2]);
                 let mut sink = Staged { chunks, full, block: index as u32, chunk: None, boxes, counts };
                 work(index, &mut scratch, &mut sink);
@@ -204,7 +206,7 @@ impl<'o, I: Index> Collector<'o, I> {
             scratch.finish();
         });
         let used = chunks.claimed();
-        let merged = if full.load(Relaxed) { None } else { self.merge(executor, from, used) };
+        let merged = if full.load(Relaxed) { None } else { self.merge(executor, from, used, blocks) };
         if merged.is_none() {
             // All blocks will be swept once more: nothing must count twice.
             scratch::reset(self.scratch, area);
@@ -212,20 +214,19 @@ impl<'o, I: Index> Collector<'o, I> {
         merged
     }
 
-    /// Copies the chunks in the order of their blocks. One worker has claimed the chunks of a block, so they are in
-    /// the order in which it filled them. `None` if there are found pairs and not all pairs fit: the order of all
-    /// pairs decides which ones do.
-    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize) -> Option<u64> {
+    /// Copies the chunks in the order of their blocks. `None` if there are found pairs and not all pairs fit:
+    /// the order of all pairs decides which ones do.
+    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize, blocks: usize) -> Option<u64> {
+        order_by_block(self.chunks, used, blocks);
         let chunks = self.chunks.span_mut(0, used);
-        insertion_sort(chunks);
-        // Blocks and counts are no longer needed. In their places: where the two ends of each chunk end among all
+        // Places and counts are no longer needed. There now: where the two ends of each chunk end among all
         // pairs.
         let [mut persisting, mut found] = [0; 2];
-        for [block, _, counts] in &mut *chunks {
+        for [place, _, counts] in &mut *chunks {
             let [stay, come] = two_counts(*counts);
             persisting += stay as u32;
             found += come as u32;
-            (*block, *counts) = (persisting, found);
+            (*place, *counts) = (persisting, found);
         }
         let (chunks, staged) = (&*chunks, &*self.staged);
         let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
@@ -290,17 +291,37 @@ fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mu
     }
 }
 
-/// Sorts chunks. They are nearly in order, since workers claim blocks and chunks in ascending order.
-fn insertion_sort(chunks: &mut [[u32; 3]]) {
-    for index in 1..chunks.len() {
-        let chunk = chunks.at(index);
-        let mut to = index;
-        while to > 0 && chunks.at(to - 1) > chunk {
-            chunks.put(to, chunks.at(to - 1));
-            to -= 1;
-        }
-        chunks.put(to, chunk);
+/// Brings the first `used` chunks into the order of their blocks. One worker has claimed the chunks of a
+/// block, so these stay as they are. Counts them by block and brings each to its place at once: O(chunks +
+/// blocks), also where blocks that were swept at the same time have taken turns. Returns how many moves it
+/// took.
+fn order_by_block(chunks: &mut [[u32; 3]], used: usize, blocks: usize) -> usize {
+    // The second number is where the chunk stands, so it is free for a while: for the count of a block, then
+    // for where its next chunk goes. There are more chunks than blocks.
+    chunks.span_mut(0, blocks).iter_mut().for_each(|[_, count, _]| *count = 0);
+    let next_of = |chunks: &mut [[u32; 3]], at: usize| {
+        let block = chunks.get_mut(chunks.at(at)[0] as usize);
+        block.map_or(0, |[_, next, _]| core::mem::replace(next, *next + 1))
+    };
+    (0..used).for_each(|at| _ = next_of(chunks, at));
+    let mut start = 0;
+    for [_, count, _] in chunks.span_mut(0, blocks) {
+        start += core::mem::replace(count, start);
     }
+    for at in 0..used {
+        let place = next_of(chunks, at);
+        chunks.span_mut(at, 1).iter_mut().for_each(|[block, ..]| *block = place);
+    }
+    (0..).zip(chunks.span_mut(0, used)).for_each(|(at, [_, index, _])| *index = at);
+    let mut moves = 0;
+    for at in 0..used {
+        // Each move brings a chunk to where it stays.
+        while moves < used && chunks.at(at)[0] as usize != at {
+            chunks.swap_at(at, chunks.at(at)[0] as usize);
+            moves += 1;
+        }
+    }
+    moves
 }
 
 /// Writes the pairs of one block to as many chunks as they need; in each, found pairs stand at its end.
@@ -345,6 +366,10 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
             (stay, come) = (later, earlier);
         }
     }
+
+    fn is_full(&self) -> bool {
+        self.full.load(Relaxed)
+    }
 }
 
 #[cfg(test)]
@@ -352,21 +377,22 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
+    /// Each chunk is moved once at most, also where two blocks that were swept at the same time took turns.
     #[test]
     fn chunks_come_into_the_order_of_blocks_whoever_claimed_them() {
-        // All orders of six chunks, of which two are of one block.
-        for number in 0..720 {
-            let (mut left, mut chunks, mut rest) = (
-                Vec::from([[0, 1, 7], [0, 3, 0], [1, 0, 9], [2, 2, 2], [5, 4, 1], [6, 5, 1]]),
-                Vec::new(),
-                number,
-            );
-            while !left.is_empty() {
-                chunks.push(left.remove(rest % left.len()));
-                rest /= left.len() + 1;
+        for count in [1, 6, 100_000] {
+            for (blocks, step) in [(1, 1), (2, 1), (7, 3), (7, 5)].into_iter().filter(|case| case.0 <= count)
+            {
+                let claimed: Vec<[u32; 3]> = (0..count).map(|at| [at * step % blocks, at, 9]).collect();
+                let mut chunks = claimed.clone();
+                chunks.push([1; 3]);
+                let moves = order_by_block(&mut chunks, count as usize, blocks as usize);
+                assert!(moves < count as usize, "{moves} moves");
+                let mut expected: Vec<_> = claimed.iter().map(|[block, at, _]| [*block, *at]).collect();
+                expected.sort_unstable();
+                let told = chunks[..count as usize].iter().map(|chunk| chunk[1]);
+                assert!(told.eq(expected.iter().map(|chunk| chunk[1])));
             }
-            insertion_sort(&mut chunks);
-            assert_eq!(chunks, [[0, 1, 7], [0, 3, 0], [1, 0, 9], [2, 2, 2], [5, 4, 1], [6, 5, 1]]);
         }
     }
 }
