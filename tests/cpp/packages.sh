@@ -7,13 +7,14 @@
 #     conan      a Conan package, made and consumed; Conan comes from PyPI
 #     vcpkg      the portfile, with stand-ins for vcpkg's own functions
 #     windows    the library by mingw-w64, static and shared; its C tests run under Wine
+#     mingw      the same with rustup's own target for Windows, x86_64-pc-windows-gnu
 #     macos      the static library, compiled and looked at
 #     small      one level of vectors, optimised for size: a whole program of at most 250 KB
 #
 # A way that this machine has no tools for says that it is skipped; with TRISAP_NO_SKIP=1 it fails.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows macos small
+[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows mingw macos small
 
 root="${CARGO_TARGET_DIR:-$PWD/target}/packages"
 mkdir -p "$root"
@@ -57,6 +58,7 @@ lacks() {
     cargo-c) commands=(cargo cc c++ make pkg-config readelf) ;;
     conan) commands=(cargo cc c++ cmake python3) ;;
     windows | macos) commands=(dpkg apt-get) ;;
+    mingw) commands=(rustup cmake x86_64-w64-mingw32-gcc) ;;
     esac
     for command in "${commands[@]}"; do
         command -v "$command" >/dev/null || echo "$command"
@@ -154,6 +156,27 @@ windows() {
     done
 }
 
+mingw() {
+    local build=$root/mingw wine
+    rustup target add x86_64-pc-windows-gnu 2>/dev/null
+    cmake -S ffi -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc \
+        -DTRISAP_TARGET=x86_64-pc-windows-gnu -DTRISAP_CARGO_FOLDER="$build/cargo" >/dev/null
+    cmake --build "$build"
+    wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null || true)
+    for test in life misuse regressions; do
+        x86_64-w64-mingw32-gcc -std=c11 -O2 -Wall -Wextra -Werror -Iinclude "tests/cpp/$test.c" -o "$build/$test.exe" -static "$build/libtrisap.a"
+        x86_64-w64-mingw32-gcc -std=c11 -O2 -Iinclude "tests/cpp/$test.c" -o "$build/${test}_dll.exe" "$build/libtrisap.dll.a"
+        for program in "$test" "${test}_dll"; do
+            if [ -n "$wine" ]; then
+                WINEPREFIX=$root/wine WINEDEBUG=-all "$wine" "$build/$program.exe"
+            else
+                echo "skipped: $program.exe is not run, for want of wine64"
+                [ -z "${TRISAP_NO_SKIP-}" ] || exit 1
+            fi
+        done
+    done
+}
+
 macos() {
     debian macos
     local build=$root/macos symbols
@@ -191,8 +214,8 @@ for way in "$@"; do
     fi
     case $way in
     cargo-c) (cargo_c) ;;
-    archive | conan | vcpkg | windows | macos | small) ("$way") ;;
-    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | macos | small ...]" >&2 && exit 2 ;;
+    archive | conan | vcpkg | windows | mingw | macos | small) ("$way") ;;
+    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | mingw | macos | small ...]" >&2 && exit 2 ;;
     esac
     echo "$way: passed"
 done
