@@ -3,7 +3,6 @@
 use crate::aabb::trisap_aabb;
 use crate::border::{self, Items, living};
 use crate::call::{Call, Look, look, trisap_world, with};
-use crate::filter::{TRISAP_CLASSES, trisap_filter};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
 use trisap_core::{Error, Id};
@@ -46,56 +45,6 @@ pub unsafe extern "C" fn trisap_world_insert(
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
         let new = call.world()?.insert(aabb.into())?;
-        // SAFETY: aligned, not null, and outside of the world.
-        unsafe { id.write(new.to_bits()) };
-        Ok(())
-    };
-    // SAFETY: the caller's promise.
-    unsafe { with(world, insert) }
-}
-
-/// Adds an object with its filter and its value, either of which may be null, and writes its id to `id`. O(1).
-///
-/// Errors: those of `trisap_world_insert`; with a filter `TRISAP_STATUS_NO_FILTERS` and `TRISAP_STATUS_BAD_CLASS`, with
-/// a value `TRISAP_STATUS_NO_VALUES`. There is no new object then.
-#[unsafe(no_mangle)]
-#[must_use]
-pub unsafe extern "C" fn trisap_world_insert_with(
-    world: *mut trisap_world,
-    aabb: *const trisap_aabb,
-    filter: *const trisap_filter,
-    value: *const u64,
-    id: *mut trisap_id,
-) -> trisap_status {
-    let insert = |call: &mut Call| {
-        border::check(aabb)?;
-        border::span(id, 1, &call.range())?;
-        let (filter, value) = unsafe {
-            // SAFETY: the caller's promise: null, or one of each.
-            (border::optional(filter)?, border::optional(value)?)
-        };
-        // SAFETY: aligned, not null, and initialised by the caller's promise.
-        let aabb = unsafe { aabb.read() };
-        let mut world = call.world()?;
-        let config = world.config();
-        // Everything that would be refused later is found before there is an object.
-        match filter {
-            Some(_) if !config.filters => return Err(Error::NoFilters.into()),
-            Some(filter) if filter.object_class >= TRISAP_CLASSES => {
-                return Err(Error::BadClass { class: filter.object_class }.into());
-            }
-            _ => {}
-        }
-        if value.is_some() && !config.values {
-            return Err(Error::NoValues.into());
-        }
-        let new = world.insert(aabb.into())?;
-        if let Some(filter) = filter {
-            world.set_filter(new, filter.into())?;
-        }
-        if let Some(value) = value {
-            world.set_value(new, value)?;
-        }
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())

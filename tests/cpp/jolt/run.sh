@@ -19,6 +19,12 @@ make -s -j "${JOBS:-2}" -C "$root" -f "$PWD/tests/cpp/jolt/Makefile" JOLT="$jolt
 
 cd "$root"
 ./life
+# Where bodies move and hardly touch.
+for threads in 1 2; do
+    for broad_phase in own trisap; do
+        echo "$broad_phase: $("./many_$broad_phase" 16000 "$threads" 60)"
+    done
+done
 steps=${STEPS:-300}
 for scene in ConvexVsMesh Pyramid; do
     # Motion quality, threads, steps a second, hash.
