@@ -73,6 +73,18 @@ export class Calls {
     this.#moved();
   }
 
+  /** Goes back to a copy of this world. Whether it had other room then: that of now stays set aside. */
+  restore({ bytes, world, capacity }) {
+    const { memory, calls } = this;
+    this.array(Uint8Array, memory.boxes, world).set(bytes.subarray(0, world));
+    this.array(Uint8Array, memory.world, bytes.length - world).set(bytes.subarray(world));
+    this.check(calls.trisap_world_open(memory.world, bytes.length - world, this.out), "restore");
+    this.check(calls.trisap_world_result(memory.world, this.result), "restore");
+    const differs = capacity !== this.capacity;
+    this.capacity = capacity;
+    return differs;
+  }
+
   /** Writes the configuration that the caller wants, with some fields in place of his; the bytes of the world and of what calls need. */
   #configure(objects, instead) {
     const { calls, view } = this.memory;

@@ -111,7 +111,7 @@ export interface Stats {
  * Objects with boxes, and the pairs of those that overlap.
  *
  * Arrays that a world hands out as properties are views of its memory: they cost nothing. `boxes` holds for as long as the
- * world, pairs until the next `step` or `load`; no other call takes them away, so a loop over pairs may call what it likes.
+ * world, pairs until the next `step`, `load`, `restore` or `sortResults`; no other call takes them away, so a loop over pairs may call what it likes.
  * Only where a world `grows`, the `insert`, `insertMany` or `step` that makes it do so gives new views. All other answers are
  * copies.
  */
@@ -222,12 +222,32 @@ export class World {
    */
   shiftOrigin(by: readonly [number, number, number]): number;
   /**
-   * A snapshot: bytes that any world of the same kind can load that has as much room. What was written to `boxes` is taken in
-   * first, as by `commit`; a box that is refused stays for the next step to tell.
+   * A snapshot: bytes that any world of the same kind can load that has as much room, for files and for those who join late. It
+   * goes on with the same pairs and events; their order may be another one. What was written to `boxes` is taken in first, as by
+   * `commit`; a box that is refused stays for the next step to tell.
    */
   save(): Uint8Array;
   /** Goes back to a snapshot. `boxes` says what it says: what was written since is gone, as all else is. */
   load(snapshot: Uint8Array): void;
+  /**
+   * A copy of the world, to go back to: it takes what copying its bytes takes, and the world goes on from it byte for byte, order
+   * and statistics included. `into` an earlier copy of this world, whose memory is used again.
+   */
+  copy(into?: WorldCopy): WorldCopy;
+  /** Goes back to a copy of this world, with what was written to `boxes` then; also where it has grown since. */
+  restore(copy: WorldCopy): void;
+  /**
+   * Puts `pairs`, `found` and `lost` into an order that depends on them alone, whatever the room and the past of the world are:
+   * persisting pairs in ascending order, behind them the found ones in ascending order; lost ones ascend, too.
+   */
+  sortResults(): this;
+}
+
+/** A copy of a world: see `World.copy`. */
+export class WorldCopy {
+  private constructor();
+  /** How many bytes it has. */
+  readonly byteLength: number;
 }
 
 /** An empty world. */

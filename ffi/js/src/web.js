@@ -18,4 +18,4 @@ export async function createWorld(config, options) {
 export * from "./errors.js";
 export { idOf, idText, slotOf } from "./id.js";
 export { hasVectors } from "./load.js";
-export { World } from "./world.js";
+export { World, WorldCopy } from "./world.js";

@@ -28,6 +28,17 @@ const MORE = 8;
 const PAIRS = { pairs: 0, found: 1, lost: 2 };
 const NONE = new Uint32Array(0);
 
+/** A copy of a world: its boxes, and behind them, from `world` on, its memory. */
+export class WorldCopy {
+  constructor(bytes) {
+    this.bytes = bytes;
+  }
+
+  get byteLength() {
+    return this.bytes.length;
+  }
+}
+
 export class World {
   #calls;
   /** The functions of the module, and where the world is. */
@@ -405,6 +416,36 @@ export class World {
     calls.check(this.#module.trisap_world_result(this.#world, calls.result), "load");
     this.#slots = this.config.objects;
     this.#reread();
+  }
+
+  copy(into) {
+    const calls = this.#calls;
+    const { memory, capacity } = calls;
+    const [world, worldBytes] = [BOX_BYTES * capacity.objects, this.#module.trisap_world_bytes(this.#world)];
+    const fits = into instanceof WorldCopy && into.bytes.length === world + worldBytes;
+    const copy = fits ? into : new WorldCopy(new Uint8Array(world + worldBytes));
+    copy.bytes.set(calls.array(Uint8Array, memory.boxes, world));
+    copy.bytes.set(calls.array(Uint8Array, memory.world, worldBytes), world);
+    return Object.assign(copy, { calls, world, capacity, slots: this.#slots });
+  }
+
+  restore(copy) {
+    const calls = this.#calls;
+    if (!(copy instanceof WorldCopy) || copy.calls !== calls) {
+      throw new errors.InvalidArgumentError("copy", "is a copy of this world");
+    }
+    if (calls.restore(copy)) {
+      this.#boxes = null;
+    }
+    this.#results.clear();
+    this.#slots = copy.slots;
+  }
+
+  sortResults() {
+    const calls = this.#calls;
+    calls.check(this.#module.trisap_world_sort_results(this.#world, calls.result), "sortResults");
+    this.#results.clear();
+    return this;
   }
 
   get #world() {

@@ -169,3 +169,64 @@ test("a host without vectors gets the other module", async () => {
     WebAssembly.validate = validate;
   }
 });
+
+test("a world goes back to a copy, byte for byte, also where it has grown", async () => {
+  const next = random(8);
+  const world = await createWorld({ objects: 40, events: true, grows: true });
+  world.insertMany(scatter(40, next, 4));
+  world.step();
+  // What is written before a copy is in it.
+  world.boxes.set(scatter(3, next, 4), 60);
+  let kept = world.copy();
+  const play = (seed) => {
+    const moves = random(seed);
+    const told = [];
+    for (let frame = 0; frame < 8; frame++) {
+      world.boxes.set(scatter(5, moves, 4), 6 * Math.floor(moves() * 30));
+      if (frame === 4) {
+        world.insertMany(scatter(60, moves, 4));
+      }
+      const { pairs, found, lost } = world.step();
+      told.push([pairs, found, lost].map((some) => some.slice()), world.stats());
+    }
+    return told;
+  };
+  const told = play(1);
+  assert.ok(world.config.objects > 40 && told[0].every((pairs) => pairs.length > 0));
+  for (let again = 0; again < 3; again++) {
+    world.restore(kept);
+    assert.equal(world.size, 40);
+    assert.equal(world.boxes.length, 240);
+    // Memory that is used again.
+    assert.equal(world.copy(kept), kept);
+    play(9 + again);
+    world.restore(kept);
+    assert.deepEqual(play(1), told);
+  }
+  const other = await createWorld({ objects: 40, events: true });
+  for (const copy of [other.copy(), world.save(), null]) {
+    assert.throws(() => world.restore(copy), { name: "InvalidArgumentError", field: "copy" });
+  }
+});
+
+test("sorted results are the same after another past and in other room", async () => {
+  const next = random(9);
+  const world = await createWorld({ objects: 600, events: true });
+  world.insertMany(scatter(600, next, 9));
+  for (let frame = 0; frame < 6; frame++) {
+    world.boxes.set(scatter(20, next, 9), 6 * Math.floor(next() * 500));
+    world.step();
+  }
+  const late = await createWorld({ objects: 3000, events: true });
+  late.load(world.save());
+  for (let frame = 0; frame < 4; frame++) {
+    const moved = scatter(20, next, 9);
+    const [one, other] = [world, late].map((some) => {
+      some.boxes.set(moved, 600);
+      const { pairs, found, lost } = some.step().sortResults();
+      return [pairs, found, lost].map((list) => list.slice());
+    });
+    assert.deepEqual(one, other);
+    assert.ok(one[0].length > 200);
+  }
+});
