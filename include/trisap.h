@@ -434,6 +434,8 @@ typedef struct trisap_stats {
     uint64_t lost;
     /// Exact mode with a margin: overlaps of margins that the exact test dropped.
     uint64_t surplus;
+    /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
+    uint64_t spared;
 } trisap_stats;
 
 /// A closed part of space to look for objects: touching counts. Made by `trisap_region_aabb`, `trisap_region_point`
@@ -1287,7 +1289,7 @@ TRISAP_SIZE(trisap_config, 64);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
-TRISAP_SIZE(trisap_stats, 112);
+TRISAP_SIZE(trisap_stats, 120);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_value_pair, 16);
 TRISAP_SIZE(trisap_region, 32);

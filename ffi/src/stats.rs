@@ -32,6 +32,7 @@ pub extern "C" fn trisap_default_stats() -> trisap_stats {
         found: 0,
         lost: 0,
         surplus: 0,
+        spared: 0,
     }
 }
 
@@ -87,6 +88,7 @@ pub unsafe extern "C" fn trisap_world_stats(
             found: known.found,
             lost: known.lost,
             surplus: known.surplus,
+            spared: known.spared,
         };
         // SAFETY: checked above.
         unsafe { stats.write(told) };

@@ -309,6 +309,8 @@ pub struct trisap_stats {
     pub lost: u64,
     /// Exact mode with a margin: overlaps of margins that the exact test dropped.
     pub surplus: u64,
+    /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
+    pub spared: u64,
 }
 
 // The header asserts the same on the other side of the border.
@@ -320,7 +322,7 @@ const _: () = {
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);
-    assert!(size_of::<trisap_stats>() == 112);
+    assert!(size_of::<trisap_stats>() == 120);
     // Pairs are handed out as they stand in the world.
     assert!(size_of::<trisap_pair>() == size_of::<trisap_core::Pair>());
     assert!(align_of::<trisap_pair>() == align_of::<trisap_core::Pair>());

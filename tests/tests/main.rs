@@ -24,6 +24,7 @@ mod golden;
 mod growth;
 mod large;
 mod layers;
+mod meeting;
 mod numerics;
 mod packages;
 mod panics;

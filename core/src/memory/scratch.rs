@@ -84,16 +84,16 @@ pub(crate) struct Work {
     pub(crate) copies: u64,
     pub(crate) candidates: u64,
     pub(crate) tied: u64,
-    /// Padding to the length of two records.
-    pub(crate) unused: u64,
+    pub(crate) spared: u64,
 }
 
 /// See the module.
 pub(crate) struct Scratch<'s, I> {
     /// What earlier calls did with this area.
     work: &'s mut [Work],
-    /// Copies so far.
+    /// Copies so far, and pairs of records that were not compared.
     pub(crate) copies: u64,
+    pub(crate) spared: u64,
     /// The ghosts of a leaf, or its tiles.
     pub(crate) ghosts: &'s mut [Record],
     pub(crate) leaf_scratch: LeafScratch<'s, I>,
@@ -125,6 +125,7 @@ impl<'s, I: Index> Scratch<'s, I> {
         Self {
             work: cut(&mut rest, 1),
             copies: 0,
+            spared: 0,
             ghosts: cut(&mut rest, bucket),
             leaf_scratch: LeafScratch {
                 sorted: cut(&mut rest, bucket),
@@ -144,6 +145,7 @@ impl<I> Scratch<'_, I> {
     pub(crate) fn finish(self) {
         if let [work] = self.work {
             work.copies += self.copies;
+            work.spared += self.spared;
             work.candidates += self.leaf_scratch.tested;
             work.tied += self.leaf_scratch.tied;
         }
@@ -174,6 +176,6 @@ pub(crate) fn work(scratch: &mut [Record], area: usize) -> Work {
         copies: sum.copies + work.copies,
         candidates: sum.candidates + work.candidates,
         tied: sum.tied + work.tied,
-        unused: 0,
+        spared: sum.spared + work.spared,
     })
 }

@@ -116,6 +116,8 @@ pub struct Stats {
     pub copies: u64,
     /// Pairs of boxes that were tested on all axes.
     pub candidates: u64,
+    /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
+    pub spared: u64,
     /// Candidates whose sides share a step of their leaf's 16-bit grid, so that the `f32` boxes had to decide. Zero
     /// in worlds without a tree, which compare nothing else.
     pub tied: u64,

@@ -7,6 +7,9 @@ use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
 use crate::simd::{Phase, Simd};
 
+/// Filters that are looked at first.
+const SAMPLE: usize = 1024;
+
 /// Takes pairs.
 pub(crate) trait Sink<I> {
     /// Appends pairs.
@@ -40,11 +43,30 @@ impl<'g> PairFilter<'g> {
         slots: u32,
         context: &StepContext<'g>,
     ) -> Option<Self> {
-        let all_meet = || {
-            let filters = parts.of.span(0, slots as usize);
-            context.kernels.run(AllMeet { filters, classes: parts.classes })
-        };
-        Self::new(parts, context.rule).filter(|_| context.rule.is_some() || !all_meet())
+        let filter = Self::new(parts, context.rule)?;
+        let filters = parts.of.span(0, slots as usize);
+        // In most worlds that need them the first few tell.
+        let all_meet = [filters.span(0, filters.len().min(SAMPLE)), filters]
+            .into_iter()
+            .all(|filters| context.kernels.run(AllMeet { filters, classes: parts.classes }));
+        let filters = if all_meet { &[] } else { filter.filters };
+        (!all_meet || filter.rule.is_some()).then_some(Self { filters, ..filter })
+    }
+
+    /// Whether there are filters that do not meet.
+    pub(crate) const fn tells_apart(&self) -> bool {
+        !self.filters.is_empty()
+    }
+
+    /// The filter of an object.
+    #[inline(always)]
+    pub(crate) fn of(&self, slot: u32) -> Filter {
+        self.filters.at(slot as usize)
+    }
+
+    /// Whether two filters meet.
+    pub(crate) fn meet(&self, a: &Filter, b: &Filter) -> bool {
+        meet(a, b, |class| self.classes.at(class))
     }
 
     /// Whether two objects make a pair.
@@ -53,10 +75,8 @@ impl<'g> PairFilter<'g> {
         if !FILTERS {
             return true;
         }
-        let (Some(a), Some(b)) = (self.filters.get(pair[0].at()), self.filters.get(pair[1].at())) else {
-            return true;
-        };
-        meet(a, b, |class| self.classes.at(class))
+        let filters = self.filters.get(pair[0].at()).zip(self.filters.get(pair[1].at()));
+        filters.is_none_or(|(a, b)| self.meet(a, b))
             && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
     }
 }

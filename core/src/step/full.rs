@@ -1,6 +1,7 @@
 //! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for those of moved
 //! objects if it pays to keep the others.
 
+use crate::access::Access;
 use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::scratch::Work;
@@ -12,6 +13,7 @@ use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
+use crate::sweep::kinds::Kinds;
 use crate::sweep::leaves::{SweepLeaves, TreeView};
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
@@ -96,6 +98,10 @@ fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepCon
     let moved = kept.map(|_| &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
+    // The sorted lists serve as scratch memory.
+    parts.state.lists.stale = 1;
+    let codes = parts.order[2].span_mut(0, parts.state.objects.slots as usize);
+    let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
     let mut next = [&[][..]; 2];
     let mut collector = if tells {
         let boxes = events::Boxes::new(&parts.boxes, parts.state, kernels);
@@ -108,7 +114,7 @@ fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepCon
         collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
             let first = block * LEAVES_PER_BLOCK;
             let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-            kernels.run(SweepLeaves { tree_view: &tree_view, leaves, moved, next, scratch, sink });
+            kernels.run(SweepLeaves { tree_view: &tree_view, leaves, kinds, next, scratch, sink });
         });
     Swept { pairs, work, found: tells.then_some(collector.found), leaves: leaf_count as u32 }
 }

@@ -8,7 +8,7 @@
 
 use super::scan::Scan;
 use super::{Sink, flat};
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::LeafScratch;
@@ -43,45 +43,30 @@ pub(crate) fn sweep<S: Simd, I: Index>(
     Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, within(axis, &ends));
 }
 
-/// Sweeps two buckets against each other along `axis`: each pair has a record of either.
+/// Sweeps two parts of some records against each other along `axis`; and the first one alone, if `within`. `part` tells the part of
+/// a record, 0 or 1, or 2 if it has none.
 #[inline(always)]
-pub(crate) fn sweep_across<S: Simd, I: Index>(
+pub(crate) fn sweep_parts<S: Simd, I: Index>(
     simd: S,
     buckets: [&[Record]; 2],
+    (part, within_first): (impl Fn(usize, &Record) -> usize, bool),
     axis: usize,
     leaf_scratch: &mut LeafScratch<'_, I>,
     boxes: &[KeyBox],
     sink: &mut dyn Sink<I>,
 ) {
     let axis = axis.min(2);
-    let (ends, left) = sort_apart(simd, buckets, axis, leaf_scratch, |bucket, _| bucket);
-    let count = buckets[0].len() + buckets[1].len();
-    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
-    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, left, &ends));
-}
-
-/// Sweeps records along `axis`, for pairs with at least one object in the set `moved`.
-#[inline(always)]
-pub(crate) fn sweep_moved<S: Simd, I: Index>(
-    simd: S,
-    buckets: [&[Record]; 2],
-    moved: &[u32],
-    axis: usize,
-    leaf_scratch: &mut LeafScratch<'_, I>,
-    boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
-) {
-    let axis = axis.min(2);
-    let (ends, movers) = sort_apart(simd, buckets, axis, leaf_scratch, |_, record| {
-        usize::from(!bits::test(moved, record.slot() as usize))
-    });
-    if movers == 0 {
+    let (ends, first, count) = sort_apart(simd, buckets, axis, leaf_scratch, part);
+    if first == 0 {
         return;
     }
-    let count = buckets[0].len() + buckets[1].len();
     flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
-    Scan::new(axis, movers, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
-    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, movers, &ends));
+    if within_first {
+        Scan::new(axis, first, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
+    }
+    if count > first {
+        Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, first, &ends));
+    }
 }
 
 /// The neighbours of each record of a bucket: those behind it.
@@ -145,8 +130,7 @@ fn sort<S: Simd, I>(
     ends
 }
 
-/// The same in two parts, one behind the other. `part` tells the part of a record, 0 or 1. Also returns the length of
-/// the first part.
+/// The same in two parts, one behind the other, and those of no part behind both in any order. Also returns where the parts end.
 #[inline(always)]
 fn sort_apart<S: Simd, I>(
     simd: S,
@@ -154,18 +138,22 @@ fn sort_apart<S: Simd, I>(
     axis: usize,
     leaf_scratch: &mut LeafScratch<'_, I>,
     part: impl Fn(usize, &Record) -> usize,
-) -> ([Ends; 2], usize) {
-    let mut ends = [[0; 256]; 2];
+) -> ([Ends; 2], usize, usize) {
+    // The runs of the parts, and one of all others.
+    let mut runs = [0u16; 2 * 256 + 1];
+    let run = |number: usize, record: &Record| {
+        (part(number, record) << 8 | high(record.lanes[axis]) as usize).min(2 * 256)
+    };
     for (number, bucket) in buckets.into_iter().enumerate() {
         for record in bucket {
-            ends[part(number, record) % 2][high(record.lanes[axis]) as usize] += 1;
+            runs[run(number, record)] += 1;
         }
     }
     let mut next = 0u16;
-    for end in ends.as_flattened_mut() {
+    for end in &mut runs {
         next += core::mem::replace(end, next);
     }
-    let first = ends[1][0] as usize;
+    let [first, both] = [256, 2 * 256].map(|run| runs[run] as usize);
     let count = buckets[0].len() + buckets[1].len();
     let lanes = simd.axis(axis);
     if let (Some(sorted), Some(rows)) =
@@ -173,7 +161,7 @@ fn sort_apart<S: Simd, I>(
     {
         for (number, bucket) in buckets.into_iter().enumerate() {
             for record in bucket {
-                let next = &mut ends[part(number, record) % 2][high(record.lanes[axis]) as usize];
+                let next = &mut runs[run(number, record)];
                 let at = *next as usize;
                 *next += 1;
                 sorted.put(at, *record);
@@ -181,7 +169,8 @@ fn sort_apart<S: Simd, I>(
             }
         }
     }
-    (ends, first)
+    let (ends, _) = runs.as_chunks();
+    ([ends[0], ends[1]], first, both)
 }
 
 /// The end of the last run that a record reaches.

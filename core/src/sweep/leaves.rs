@@ -5,14 +5,14 @@
 //! of its two minimum corners (erratum E9). If one box is at home here, that is this cell. If both are ghosts, there
 //! must be no axis on which both minima are below the cell.
 
+use super::kinds::{CODES, Counts, Kinds, Pass, Plan};
 use super::{Sink, bucket};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
-use crate::id::{Index, Pair};
-use crate::memory::scratch::Scratch;
+use crate::id::Index;
+use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
-use crate::pairs::persistent::is_clear_of;
 use crate::simd::{MINIMA, Phase, Simd};
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Record, Straddler};
@@ -120,15 +120,11 @@ impl<S: Simd> Gathered<'_, S> {
     }
 }
 
-/// Whether steps can keep pairs while they sweep leaves. Small builds have none that do.
-const KEEPS: bool = cfg!(feature = "large");
-
 /// Sweeps some leaves.
 pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     pub(crate) leaves: core::ops::Range<usize>,
-    /// The moved slots, if only their pairs are looked for.
-    pub(crate) moved: Option<&'g [u32]>,
+    pub(crate) kinds: Kinds<'g, I>,
     /// The boxes that are needed right after the sweep of a leaf, for its members and ghosts.
     pub(crate) next: [&'g [KeyBox]; 2],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
@@ -140,9 +136,9 @@ impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, leaves, moved, next, scratch, sink } = self;
+        let Self { tree_view, leaves, kinds, next, scratch, sink } = self;
         for index in leaves {
-            sweep_leaf(simd, tree_view, index, moved, next, scratch, sink);
+            sweep_leaf(simd, tree_view, index, &kinds, next, scratch, sink);
         }
     }
 }
@@ -152,7 +148,7 @@ fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     index: usize,
-    moved: Option<&[u32]>,
+    kinds: &Kinds<'_, I>,
     next: [&[KeyBox]; 2],
     scratch: &mut Scratch<'_, I>,
     sink: &mut dyn Sink<I>,
@@ -161,52 +157,48 @@ fn sweep_leaf<S: Simd, I: Index>(
     let members = tree_view.members(&leaf);
     let count = tree_view.gather(simd, index, 0, scratch.ghosts);
     scratch.copies += count as u64;
-    if members.len() + count <= scratch.leaf_scratch.sorted.len() {
-        let ghosts = scratch.ghosts.span(0, count);
-        if !next[0].is_empty() {
-            simd.call(AskFor { buckets: [members, ghosts], boxes: next });
-        }
-        let (axis, leaf_scratch) = (leaf.axis as usize, &mut scratch.leaf_scratch);
-        let (buckets, boxes) = ([members, ghosts], tree_view.boxes);
-        match moved {
-            Some(moved) if KEEPS => {
-                bucket::sweep_moved(simd, buckets, moved, axis, leaf_scratch, boxes, sink);
-            }
-            _ => bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink),
-        }
-    } else {
+    if members.len() + count > scratch.leaf_scratch.sorted.len() {
         let count = members.len() + count;
-        let mut of_movers;
-        let sink: &mut dyn Sink<I> = match moved {
-            Some(moved) if KEEPS => {
-                of_movers = OfMovers { moved, sink };
-                &mut of_movers
-            }
-            _ => sink,
-        };
-        rarely(simd, Tiles { tree_view, index, count, scratch, sink });
+        return rarely(simd, Tiles { tree_view, index, count, kinds, scratch, sink });
     }
-}
-
-/// Passes on the pairs with an object that has moved.
-struct OfMovers<'s, I> {
-    moved: &'s [u32],
-    sink: &'s mut dyn Sink<I>,
-}
-
-impl<I: Index> Sink<I> for OfMovers<'_, I> {
-    fn take(&mut self, pairs: &mut [Pair<I>]) {
-        let mut kept = 0;
-        for index in 0..pairs.len() {
-            let pair = pairs.at(index);
-            pairs.put(kept, pair);
-            kept += usize::from(!is_clear_of(self.moved, &pair));
+    let (axis, leaf_scratch, boxes) = (leaf.axis as usize, &mut scratch.leaf_scratch, tree_view.boxes);
+    let buckets = [members, scratch.ghosts.span(0, count)];
+    if !next[0].is_empty() {
+        simd.call(AskFor { buckets, boxes: next });
+    }
+    if !kinds.are_one() {
+        let plan = kinds.plan(&kinds.count(buckets));
+        scratch.spared += plan.spared;
+        if !plan.whole {
+            let (plan, across) = (&plan, false);
+            return simd.call(Passes { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink });
         }
-        self.sink.take(pairs.span_mut(0, kept));
     }
+    bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink);
+}
 
-    fn is_full(&self) -> bool {
-        self.sink.is_full()
+/// Does the passes of a plan.
+struct Passes<'p, 's, 'g, I> {
+    buckets: [&'p [Record]; 2],
+    across: bool,
+    kinds: &'p Kinds<'g, I>,
+    plan: &'p Plan,
+    axis: usize,
+    leaf_scratch: &'p mut LeafScratch<'s, I>,
+    boxes: &'p [KeyBox],
+    sink: &'p mut dyn Sink<I>,
+}
+
+impl<I: Index> Phase for Passes<'_, '_, '_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink } = self;
+        for Pass { sides, within } in plan.passes(across) {
+            let side = |bucket: usize, record: &Record| sides[bucket % 2][kinds.code(record) % CODES].into();
+            bucket::sweep_parts(simd, buckets, (side, within), axis, leaf_scratch, boxes, sink);
+        }
     }
 }
 
@@ -243,6 +235,7 @@ struct Tiles<'p, 's, 'g, I> {
     index: usize,
     /// Members and ghosts.
     count: usize,
+    kinds: &'p Kinds<'g, I>,
     scratch: &'p mut Scratch<'s, I>,
     sink: &'p mut dyn Sink<I>,
 }
@@ -252,54 +245,81 @@ impl<I: Index> Phase for Tiles<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, index, count, scratch, sink } = self;
-        let axis = tree_view.leaves.at(index).axis as usize;
+        let Self { tree_view, index, count, kinds, scratch, sink } = self;
+        let (axis, boxes) = (tree_view.leaves.at(index).axis as usize, tree_view.boxes);
         let half = (scratch.ghosts.len() / 2).max(1);
         let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
-        for a in (0..count).step_by(half) {
-            let left = left.span_mut(0, half.min(count - a));
-            rarely(simd, FillTile { tree_view, index, from: a, tile: left });
-            bucket::sweep(simd, [left, &[]], axis, &mut scratch.leaf_scratch, tree_view.boxes, sink);
-            for b in (a + half..count).step_by(half) {
+        let leaf_scratch = &mut scratch.leaf_scratch;
+        let fill = |from: &mut usize, plan: Option<&Plan>, tile: &mut [Record]| {
+            simd.call(FillTile { tree_view, index, count, from, kinds, plan, tile })
+        };
+        // First only to count.
+        let (mut from, mut counts) = (0, Counts::default());
+        while from < count && !kinds.are_one() {
+            let len = fill(&mut from, None, left);
+            let tile = kinds.count([left.span(0, len), &[]]);
+            counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
+        }
+        let plan = &kinds.plan(&counts);
+        scratch.spared += plan.spared;
+        from = 0;
+        while from < count {
+            let len = fill(&mut from, Some(plan), left);
+            let (mut next, mut other, mut across) = (from, 0, false);
+            loop {
+                let buckets = [left.span(0, len), right.span(0, other)];
+                let leaf_scratch = &mut *leaf_scratch;
+                simd.call(Passes { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink });
                 // One tile after another may have millions of pairs.
                 if sink.is_full() {
                     return;
                 }
-                let right = right.span_mut(0, half.min(count - b));
-                rarely(simd, FillTile { tree_view, index, from: b, tile: right });
-                bucket::sweep_across(
-                    simd,
-                    [left, right],
-                    axis,
-                    &mut scratch.leaf_scratch,
-                    tree_view.boxes,
-                    sink,
-                );
+                if next == count {
+                    break;
+                }
+                (other, across) = (fill(&mut next, Some(plan), right), true);
             }
         }
     }
 }
 
-/// Fills a tile with the members and ghosts of a leaf from number `from` on.
-struct FillTile<'p, 'g> {
+/// Fills a tile with the members and ghosts of a leaf from number `from` on that a plan takes, or all. Returns how many there are;
+/// `from` is then where the next tile starts.
+struct FillTile<'p, 'g, I> {
     tree_view: &'p TreeView<'g>,
     index: usize,
-    from: usize,
+    count: usize,
+    from: &'p mut usize,
+    kinds: &'p Kinds<'g, I>,
+    plan: Option<&'p Plan>,
     tile: &'p mut [Record],
 }
 
-impl Phase for FillTile<'_, '_> {
-    type Output = ();
+impl<I: Index> Phase for FillTile<'_, '_, I> {
+    type Output = usize;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, index, from, tile } = self;
+    fn run<S: Simd>(self, simd: S) -> usize {
+        let Self { tree_view, index, count, from, kinds, plan, tile } = self;
         let members = tree_view.members(&tree_view.leaves.at(index));
-        let own = members.get(from..).unwrap_or_default();
-        let (inside, outside) = tile.split_at_mut(own.len().min(tile.len()));
-        inside.copy_in(own);
-        if !outside.is_empty() {
-            tree_view.gather(simd, index, from.saturating_sub(members.len()), outside);
+        let mut kept = 0;
+        while kept < tile.len() && *from < count {
+            let start = kept;
+            let rest = tile.span_mut(start, (tile.len() - start).min(count - *from));
+            let own = members.get(*from..).unwrap_or_default();
+            let (inside, outside) = rest.split_at_mut(own.len().min(rest.len()));
+            inside.copy_in(own);
+            if !outside.is_empty() {
+                tree_view.gather(simd, index, from.saturating_sub(members.len()), outside);
+            }
+            let len = rest.len();
+            *from += len;
+            for at in start..start + len {
+                let record = tile.at(at);
+                tile.put(kept, record);
+                kept += usize::from(plan.is_none_or(|plan| plan.takes(kinds.code(&record))));
+            }
         }
+        kept
     }
 }

@@ -5,6 +5,7 @@
 
 pub(crate) mod bucket;
 mod flat;
+pub(crate) mod kinds;
 pub(crate) mod leaves;
 pub(crate) mod movers;
 mod rounds;

@@ -23,15 +23,10 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
         tree.cells.span(0, leaves).iter().zip(&mut *tree.frames).zip(&mut *tree.leaves)
     {
         let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
-        if is_open(cell) && is_sparse(members) {
+        if is_sparse(members) {
             kernels.run(Sharpen { boxes, extent: &extent, cell, frame, leaf, members });
         }
     }
-}
-
-/// Whether a side of the cell is at infinity. Other cells are as wide as the planes made them.
-fn is_open(cell: &Cell) -> bool {
-    cell.low().contains(&i32::MIN) || cell.high().contains(&i32::MAX)
 }
 
 /// Whether most members use a small part of their grid on some axis.
@@ -67,7 +62,8 @@ impl Phase for Sharpen<'_> {
         let sample = Sample::of(members.len(), minimum);
         let (low, high) = extent.clip(cell);
         let narrow = Extent { low, high }.trimmed(&sample);
-        if (narrow.low, narrow.high) == (low, high) {
+        // If they are all at one point, no grid tells them apart, but the wide one the others.
+        if (narrow.low, narrow.high) == (low, high) || narrow.low == narrow.high {
             return;
         }
         *frame = Frame::over(narrow.low, narrow.high);

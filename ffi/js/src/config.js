@@ -137,5 +137,6 @@ export function readStats(view, at) {
     found: long(88),
     lost: long(96),
     surplus: long(104),
+    spared: long(112),
   };
 }

@@ -105,6 +105,8 @@ export interface Stats {
   found: number;
   lost: number;
   surplus: number;
+  /** Pairs of boxes in the same leaf that were not compared, since their filters do not meet. */
+  spared: number;
 }
 
 /**

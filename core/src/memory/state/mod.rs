@@ -78,6 +78,7 @@ impl State {
             copies: step.copies,
             candidates: step.candidates,
             tied: step.tied,
+            spared: step.spared,
             pairs: pairs.reported,
             found: pairs.found,
             lost: pairs.lost,

@@ -174,6 +174,7 @@ pub(crate) struct StepState {
     pub(super) copies: u64,
     pub(super) candidates: u64,
     pub(super) tied: u64,
+    pub(super) spared: u64,
     pub(super) moved: u32,
     pub(super) outran: u32,
     pub(super) leaves: u32,
@@ -238,5 +239,6 @@ impl StepState {
         self.copies = progress.work.copies;
         self.candidates = progress.work.candidates;
         self.tied = progress.work.tied;
+        self.spared = progress.work.spared;
     }
 }

@@ -1,0 +1,222 @@
+//! Who in a leaf is compared with whom. Objects with the same filter are of one kind, and kinds that meet the same kinds are one part
+//! of the world. Parts that do not meet are not compared.
+
+use crate::access::{Access, bits};
+use crate::filter::Filter;
+use crate::id::Index;
+use crate::pairs::pair_filter::PairFilter;
+use crate::tree::Record;
+
+/// The most filters that are told apart. Others count as meeting all.
+const KNOWN: usize = 8;
+/// The most parts. Where there are more, the last one is several, and meets what any of them meets.
+const PARTS: usize = 4;
+/// The code of an object: its part, and marks if it has not moved or meets nobody.
+const PART: usize = PARTS - 1;
+const RESTS: usize = PARTS;
+const LONE: usize = 2 * PARTS;
+pub(super) const CODES: usize = 2 * LONE;
+/// How many records there are of each part, and of none.
+pub(super) type Counts = [u64; PARTS + 1];
+/// One more pass over a leaf pays if it spares one in so many pairs of records.
+const PAYS: u64 = 8;
+
+/// What to do in a leaf.
+pub(super) struct Plan {
+    /// Which parts of the leaf each of them meets; if they are taken as one, that one alone.
+    meets: [u8; PARTS],
+    one: bool,
+    moved_alone: bool,
+    /// Whether all records are compared with each other.
+    pub(super) whole: bool,
+    /// How many pairs of records are not, as their filters do not meet.
+    pub(super) spared: u64,
+}
+
+/// One pass over a leaf.
+pub(super) struct Pass {
+    /// The side of a record of either bucket, by its code. Side 0 is compared with side 1, and side 2 with nobody.
+    pub(super) sides: [[u8; CODES]; 2],
+    /// Whether side 0 is also compared with itself.
+    pub(super) within: bool,
+}
+
+/// See the module.
+#[derive(Clone, Copy)]
+pub(crate) struct Kinds<'g, I> {
+    /// The code of each object. Empty if all are compared with all.
+    codes: &'g [I],
+    /// Whether there are filters that do not meet.
+    has_filters: bool,
+    /// Which parts each part meets, a bit each.
+    meets: [u8; PARTS],
+    /// Whether only pairs of moved objects are looked for.
+    moved_alone: bool,
+}
+
+impl<'g, I: Index> Kinds<'g, I> {
+    /// The kinds of a world; `codes` has room for one of each object. O(slots).
+    pub(crate) fn new(
+        filters: Option<&PairFilter<'_>>,
+        moved: Option<&'g [u32]>,
+        codes: &'g mut [I],
+    ) -> Self {
+        let filters = filters.filter(|filters| filters.tells_apart());
+        let (has_filters, moved_alone) = (filters.is_some(), cfg!(feature = "large") && moved.is_some());
+        let meets = match filters {
+            Some(filters) => Self::tell_apart(filters, codes),
+            None => [1, 0, 0, 0],
+        };
+        for (slot, code) in codes.iter_mut().enumerate().filter(|_| moved_alone) {
+            let part = if has_filters { code.at() } else { 0 };
+            let rests = moved.is_some_and(|moved| !bits::test(moved, slot));
+            *code = I::from_slot((part | (RESTS * usize::from(rests))) as u32);
+        }
+        let codes = if has_filters || moved_alone { &*codes } else { &[] };
+        Self { codes, has_filters, meets, moved_alone }
+    }
+
+    /// Writes the part of each object, and returns which parts each of them meets.
+    #[inline(never)]
+    fn tell_apart(filters: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
+        let (mut known, mut count) = ([Filter::ALL; KNOWN], 0);
+        for (slot, code) in codes.iter_mut().enumerate() {
+            let filter = filters.of(slot as u32);
+            let lone = filter.group == 0 || filter.mask == 0;
+            let kind = known.iter().take(count).take_while(|known| **known != filter).count();
+            let kind = if lone { KNOWN + 1 } else { kind };
+            if let (true, Some(known)) = (kind == count, known.get_mut(kind)) {
+                *known = filter;
+                count += 1;
+            }
+            *code = I::from_slot(kind as u32);
+        }
+        // Others are one more kind.
+        let meet = |a: usize, b: usize| match (known.get(a), known.get(b)) {
+            (Some(a), Some(b)) => filters.meet(a, b),
+            _ => true,
+        };
+        let kinds = if count == KNOWN { KNOWN + 1 } else { count };
+        let mut rows = [0u16; KNOWN + 1];
+        for (a, row) in rows.iter_mut().enumerate().take(kinds) {
+            *row = (0..kinds).fold(0, |row, b| row | u16::from(meet(a, b)) << b);
+        }
+        let (mut part_of, mut parts) = ([LONE as u8; KNOWN + 2], 0);
+        // Those that meet themselves first: a pass over a leaf is for one part and all later ones.
+        for own in [1, 0] {
+            for a in (0..kinds).filter(|&a| rows.at(a) != 0 && rows.at(a) >> a & 1 == own) {
+                let twin = (0..a).find(|&b| rows.at(b) == rows.at(a));
+                let part = twin.map_or(parts.min(PART as u8), |twin| part_of.at(twin));
+                part_of.put(a, part);
+                parts += u8::from(twin.is_none());
+            }
+        }
+        let mut meets = [0; PARTS];
+        for a in 0..kinds {
+            for b in (0..kinds).filter(|b| rows.at(a) >> b & 1 != 0) {
+                meets[part_of.at(a) as usize & PART] |= 1 << part_of.at(b);
+            }
+        }
+        for code in codes {
+            *code = I::from_slot(part_of.at(code.at()).into());
+        }
+        meets
+    }
+
+    /// Whether all records of all leaves are compared.
+    #[inline(always)]
+    pub(super) const fn are_one(&self) -> bool {
+        self.codes.is_empty()
+    }
+
+    /// The code of a record.
+    #[inline(always)]
+    pub(super) fn code(&self, record: &Record) -> usize {
+        self.codes.get(record.slot() as usize).map_or(0, |code| code.at())
+    }
+
+    /// Counts the records of each part, and of none.
+    #[inline(always)]
+    pub(super) fn count(&self, buckets: [&[Record]; 2]) -> Counts {
+        // In registers: there are less than 65,536 records.
+        let (mut sums, mut lone) = (0u64, 0);
+        if self.has_filters {
+            for record in buckets.into_iter().flatten() {
+                let code = self.code(record);
+                let is_lone = (code / LONE) as u64 & 1;
+                sums += (1 - is_lone) << (16 * (code & PART));
+                lone += is_lone;
+            }
+        }
+        let part = |part: usize| sums >> (16 * part) & 0xffff;
+        [part(0), part(1), part(2), part(3), lone]
+    }
+
+    /// What to do in a leaf with so many records of each part.
+    pub(super) fn plan(&self, counts: &Counts) -> Plan {
+        let Self { mut meets, moved_alone, .. } = *self;
+        if !self.has_filters {
+            return Plan { meets, one: true, moved_alone, whole: !moved_alone, spared: 0 };
+        }
+        let (mut all, mut met, mut passes) = (0, 0, 0);
+        for a in 0..PARTS {
+            let before = met;
+            for b in 0..=a {
+                let pairs =
+                    if a == b { counts[a] * counts[a].saturating_sub(1) / 2 } else { counts[a] * counts[b] };
+                all += pairs;
+                if pairs > 0 && meets[b] >> a & 1 != 0 {
+                    met += pairs;
+                } else {
+                    (meets[a], meets[b]) = (meets[a] & !(1 << b), meets[b] & !(1 << a));
+                }
+            }
+            passes += u64::from(met > before);
+        }
+        // So many passes must spare enough.
+        let one = (all - met) * PAYS < all * passes;
+        if one {
+            (meets, met) = ([1, 0, 0, 0], all);
+        }
+        let count: u64 = counts.iter().sum();
+        let whole = one && counts[PARTS] == 0 && !moved_alone;
+        Plan { meets, one, moved_alone, whole, spared: count * count.saturating_sub(1) / 2 - met }
+    }
+}
+
+impl Plan {
+    fn part(&self, code: usize) -> usize {
+        if self.one { 0 } else { code & PART }
+    }
+
+    /// Whether a record with this code is compared with any other one.
+    #[inline(always)]
+    pub(super) fn takes(&self, code: usize) -> bool {
+        code < LONE && self.meets[self.part(code)] != 0
+    }
+
+    /// The passes over two buckets; if `across`, each record of the first bucket with those of the second one.
+    pub(super) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
+        // Those of each part that have moved, then the others.
+        let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);
+        passes.filter_map(move |(first, resting)| {
+            let meets = self.meets[first];
+            let later = if across { meets } else { meets & u8::MAX << first << 1 };
+            let within = !across && !resting && meets >> first & 1 != 0;
+            if later == 0 && !within || resting && !self.moved_alone {
+                return None;
+            }
+            let side = |bucket: usize, code: usize| {
+                let (part, rests) = (self.part(code), code & RESTS != 0);
+                let is_other = later >> part & 1 != 0 && (!across || bucket == 1) && !(resting && rests);
+                let is_first = part == first && rests == resting && !(across && bucket == 1);
+                if is_first { 0 } else { 2 - u8::from(is_other || within && part == first && rests) }
+            };
+            let mut sides = [[2; CODES]; 2];
+            for (bucket, sides) in sides.iter_mut().enumerate() {
+                sides.iter_mut().take(LONE).enumerate().for_each(|(code, to)| *to = side(bucket, code));
+            }
+            Some(Pass { sides, within })
+        })
+    }
+}
