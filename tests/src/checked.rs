@@ -123,6 +123,17 @@ impl<'m, I: Index> Checked<'m, I> {
         assert_eq!(self.world.is_empty(), self.model.is_empty());
         assert!(self.world.ids().eq(self.model.ids()), "the ids in order");
         assert!(self.world.iter().all(|(id, aabb)| self.model.boxes()[id.slot() as usize] == Some(aabb)));
+        if let Some(living) = self.model.living_pairs().filter(|_| self.config.events) {
+            let mut pairs: Vec<[Id; 2]> = self.world.pair_ids().collect();
+            pairs.sort_unstable_by_key(|pair| pair.map(Id::slot));
+            assert_eq!(pairs, living, "the pairs whose objects live");
+            let values = living.iter().map(|pair| pair.map(|id| self.model.value(id)));
+            let mut told: Vec<[u64; 2]> = self.world.pair_values().collect();
+            let mut values: Vec<[u64; 2]> = values.filter(|_| self.config.values).collect();
+            told.sort_unstable();
+            values.sort_unstable();
+            assert_eq!(told, values, "their values");
+        }
         for (aabb, slot) in self.model.boxes().iter().zip(0..) {
             let id = self.model.id_at(slot);
             assert_eq!(self.world.id_at(slot), id, "the id at slot {slot}");
@@ -290,7 +301,27 @@ impl<'m, I: Index> Checked<'m, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, setup: Setup) -> Result<Outcome, Error> {
         let Self { world, model, .. } = self;
         let Setup { kernels, jobs } = setup;
-        let rule = |a, b| model.agree(a, b);
+        // At the end of the step.
+        let aabb = |slot: u32| {
+            let known = model.boxes().get(slot as usize).copied().flatten();
+            let given = bounds.and_then(|bounds| bounds.get(slot as usize)).filter(Aabb::is_valid);
+            known.map(|known| given.filter(|_| !model.is_resting(slot)).unwrap_or(known))
+        };
+        let has_margins = world.config().margin.is_some();
+        let rule = |a, b| {
+            let (Some(one), Some(other)) = (aabb(a), aabb(b)) else {
+                panic!("the rule is asked about {a} and {b}, of which one is no more")
+            };
+            assert!(
+                has_margins || one.overlaps(&other),
+                "the rule is asked about {a} and {b}, which do not overlap"
+            );
+            assert!(
+                model.filters_meet([a, b]),
+                "the rule is asked about {a} and {b}, which filters keep apart"
+            );
+            model.agree(a, b)
+        };
         let mut stepper = world.set_kernels(kernels).on(&jobs);
         if model.has_rule() {
             stepper = stepper.with_rule(&rule);
@@ -329,7 +360,6 @@ impl<'m, I: Index> Checked<'m, I> {
         result: Result<Outcome, Error>,
         rejected: Option<Rejected>,
     ) -> Result<Outcome, Error> {
-        self.check();
         let exact = self.model.pairs();
         match &result {
             Ok(outcome) => {
@@ -341,8 +371,12 @@ impl<'m, I: Index> Checked<'m, I> {
                 assert_eq!(slots(self.world.found()), outcome.found, "World::found after the step");
                 assert_eq!(slots(self.world.lost()), outcome.lost, "World::lost after the step");
             }
-            Err(error) => self.check_overflow(*error, &exact),
+            Err(error) => {
+                self.check_overflow(*error, &exact);
+                self.model.fail();
+            }
         }
+        self.check();
         result
     }
 

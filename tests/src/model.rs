@@ -22,6 +22,8 @@ pub struct Model {
     /// Of all objects that have got one, also of those that are no more.
     values: HashMap<Id, u64>,
     last: Vec<Held>,
+    /// Whether the last step was not complete.
+    incomplete: bool,
     /// The generations of all slots in the last complete step, and in the one before.
     known: Vec<u32>,
     former: Vec<u32>,
@@ -136,12 +138,18 @@ impl Model {
     /// Whether two objects make a pair where their boxes overlap.
     #[must_use]
     pub fn meet(&self, [a, b]: SlotPair) -> bool {
+        self.filters_meet([a, b]) && self.agree(a, b)
+    }
+
+    /// Whether the filters let two objects make a pair.
+    #[must_use]
+    pub fn filters_meet(&self, [a, b]: SlotPair) -> bool {
         let (one, other) = (self.filter(a), self.filter(b));
         let likes = |one: Filter, other: Filter| {
             let classes = self.classes.map_or(u32::MAX, |classes| classes[one.class as usize]);
             other.group & one.mask > 0 && classes & (1 << other.class) > 0
         };
-        likes(one, other) && likes(other, one) && self.agree(a, b)
+        likes(one, other) && likes(other, one)
     }
 
     /// Puts an object to rest or wakes it.
@@ -227,6 +235,19 @@ impl Model {
         self.last.len()
     }
 
+    /// The pairs of the last step whose objects live, ascending; `None` if it was not complete.
+    #[must_use]
+    pub fn living_pairs(&self) -> Option<Vec<[Id; 2]>> {
+        let id = |slot: u32, generation| self.id_at(slot).filter(|id| id.generation() == generation);
+        let ids = |([a, b], [first, second]): &Held| Some([id(*a, *first)?, id(*b, *second)?]);
+        (!self.incomplete).then(|| self.last.iter().filter_map(ids).collect())
+    }
+
+    /// A step was not complete.
+    pub fn fail(&mut self) {
+        self.incomplete = true;
+    }
+
     /// Takes the pairs of a complete step (ascending) and tells what has changed since the last one.
     pub fn complete(&mut self, pairs: &[SlotPair]) -> Events {
         let generation = |slot: u32| self.generations[slot as usize];
@@ -234,6 +255,7 @@ impl Model {
         let events =
             Events { found: only_in_first(&held, &self.last), lost: only_in_first(&self.last, &held) };
         self.last = held;
+        self.incomplete = false;
         self.former = std::mem::replace(&mut self.known, self.generations.clone());
         events
     }

@@ -148,6 +148,7 @@ fn play(config: Config, count: usize, workers: u32, frames: usize, seed: u64) {
                 break;
             }
             panics += 1;
+            checked.model_mut().fail();
             after_panic(&mut checked, &mut rng);
         }
     }

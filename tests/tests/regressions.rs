@@ -246,3 +246,27 @@ fn a_shift_counts_rounded_boxes_as_given() {
     // The sides of the boxes stay whole numbers; their margins do not.
     assert_eq!(world.shift_origin([1024.0, 0.0, 0.0]), Ok(0));
 }
+
+/// After an object was removed and another had its slot, the pair was told by the id and the value of the
+/// other.
+#[test]
+fn a_pair_is_not_told_of_an_object_that_came_after_it() {
+    for config in [Config::new(ample(4, 4)).with_events(), Config::new(ample(700, 9)).with_events()] {
+        let mut slab = Slab::new::<u32>(&config.with_values());
+        let mut world = slab.world::<u32>(&config.with_values());
+        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0), cube(1.0, 0.0, 0.0)]);
+        ids.iter().zip(1..).for_each(|(id, value)| world.set_value(*id, value * 100).expect("it lives"));
+        world.step().expect("room for the pairs");
+        world.remove(ids[1]).expect("it lives");
+        let other = world.insert(cube(9.0, 0.0, 0.0)).expect("room");
+        world.set_value(other, 700).expect("it lives");
+        assert_eq!((other.slot(), world.pairs().len()), (1, 3));
+        let bytes = saved(&world);
+        for _ in 0..2 {
+            assert!(world.pair_ids().eq([[ids[0], ids[2]]]) && world.pair_values().eq([[100, 300]]));
+            assert_eq!(world.pairs_of(other).next(), None);
+            world.load(&bytes).expect("a good snapshot");
+        }
+        assert!(world.step().expect("room for the pairs").pair_values().eq([[100, 300]]));
+    }
+}

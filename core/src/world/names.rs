@@ -23,7 +23,8 @@ use crate::id::{Id, Index, Pair};
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step.
+    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step; with events
+    /// also where another object has got the slot since.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }
@@ -43,8 +44,15 @@ impl<I: Index> World<'_, I> {
     }
 
     fn living(&self, pairs: &[Pair<I>]) -> impl Iterator<Item = [Id; 2]> {
-        pairs.iter().filter_map(|pair| {
-            let [a, b] = pair.map(|slot| self.id_at(slot.slot()));
+        let state = &*self.parts.state;
+        let some_are_new = state.objects.has_inserted != 0 && state.pairs.complete != 0;
+        let new: &[u32] = if some_are_new { self.parts.former.reused.words } else { &[] };
+        let id = move |slot: I| {
+            let is_new = !new.is_empty() && bits::test(new, slot.at());
+            if is_new { None } else { self.id_at(slot.slot()) }
+        };
+        pairs.iter().filter_map(move |pair| {
+            let [a, b] = pair.map(id);
             Some([a?, b?])
         })
     }

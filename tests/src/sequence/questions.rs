@@ -17,10 +17,17 @@ fn expected(good: bool) -> Result<(), Error> {
     if good { Ok(()) } else { Err(Error::BadQuery { index: 0 }) }
 }
 
-/// Two in three objects.
-fn two_in_three(op: &Operation) -> impl Fn(Id) -> bool + Copy + Sync + use<> {
+/// Two in three objects. Only about these it is to be asked.
+fn two_in_three<'a>(op: &Operation, found: &'a [Option<Id>]) -> impl Fn(Id) -> bool + Copy + Sync + use<'a> {
     let by = op.argument as u32;
-    move |id| !(id.slot() + by).is_multiple_of(3)
+    move |id| {
+        assert!(found.contains(&Some(id)), "a condition is asked about {id}");
+        !(id.slot() + by).is_multiple_of(3)
+    }
+}
+
+fn ids_of(hits: &[Option<Hit>]) -> Vec<Option<Id>> {
+    hits.iter().map(|hit| hit.map(|hit| hit.id)).collect()
 }
 
 impl<I: Index> Life<'_, '_, I> {
@@ -52,9 +59,9 @@ impl<I: Index> Life<'_, '_, I> {
         };
         self.checked.world().visit_overlaps(&region, &mut visit).expect("a good region");
         self.say_ids(&visited);
-        let some = two_in_three(op);
-        let expected: Vec<Option<Id>> =
-            ids[..count].iter().filter(|id| id.is_some_and(some)).copied().collect();
+        let found = ids[..count].to_vec();
+        let some = two_in_three(op, &found);
+        let expected: Vec<Option<Id>> = found.iter().filter(|id| id.is_some_and(some)).copied().collect();
         let count = self.checked.world().among(some).overlaps(&region, &mut ids).expect("a good region");
         assert_eq!(ids[..count], expected, "among some");
         self.say_ids(&expected);
@@ -81,7 +88,8 @@ impl<I: Index> Life<'_, '_, I> {
         };
         self.checked.world().visit_hits(&cast, &mut visit).expect("a good cast");
         self.say_hits(&visited);
-        let some = two_in_three(op);
+        let found = ids_of(&hits[..count]);
+        let some = two_in_three(op, &found);
         let expected: Vec<Option<Hit>> =
             hits[..count].iter().filter(|hit| hit.is_some_and(|hit| some(hit.id))).copied().collect();
         let count = self.checked.world().among(some).hits(&cast, &mut hits).expect("a good cast");
@@ -106,9 +114,10 @@ impl<I: Index> Life<'_, '_, I> {
             .nearest(point, &mut hits)
             .expect("a good point");
         self.say_hits(&hits[..count]);
-        let some = two_in_three(op);
         let mut all = vec![None; self.objects() as usize];
         self.checked.world().nearest(point, &mut all).expect("a good point");
+        let living = ids_of(&all);
+        let some = two_in_three(op, &living);
         let expected = all.iter().filter(|hit| hit.is_some_and(|hit| some(hit.id))).take(room);
         let count = self.checked.world().among(some).nearest(point, &mut hits).expect("a good point");
         assert!(hits[..count].iter().eq(expected), "among some");
@@ -155,7 +164,8 @@ impl<I: Index> Life<'_, '_, I> {
         if bad_cast.is_none() && bad_region.is_none() {
             self.say_hits(&hits);
             counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
-            let among = self.checked.world().among(two_in_three(op));
+            let living: Vec<Option<Id>> = self.checked.world().ids().map(Some).collect();
+            let among = self.checked.world().among(two_in_three(op, &living));
             among.first_hits(&casts, &setup.jobs, &mut hits).expect("good casts");
             let full = among.overlaps_many(&regions, &setup.jobs, &mut ids, &mut counts);
             assert!(matches!(full, Ok(()) | Err(Error::OutputFull { .. })));
