@@ -99,10 +99,10 @@
 /// Full or rebuilt: few had moved, but a leaf had no room for one of them.
 #define TRISAP_REASON_NO_ROOM 6
 
-/// Rebuilt: the planes were made for far fewer or far more objects.
+/// Rebuilt: the tree had too many leaves or levels.
 #define TRISAP_REASON_OUTGROWN 7
 
-/// Rebuilt: the leaves had become too uneven.
+/// Rebuilt: three steps in a row had far more work than with new planes.
 #define TRISAP_REASON_OUT_OF_BALANCE 8
 
 /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,

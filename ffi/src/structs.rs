@@ -247,9 +247,9 @@ pub const TRISAP_REASON_FIXED: u32 = 4;
 pub const TRISAP_REASON_NOTHING_KEPT: u32 = 5;
 /// Full or rebuilt: few had moved, but a leaf had no room for one of them.
 pub const TRISAP_REASON_NO_ROOM: u32 = 6;
-/// Rebuilt: the planes were made for far fewer or far more objects.
+/// Rebuilt: the tree had too many leaves or levels.
 pub const TRISAP_REASON_OUTGROWN: u32 = 7;
-/// Rebuilt: the leaves had become too uneven.
+/// Rebuilt: three steps in a row had far more work than with new planes.
 pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
 /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,
 /// and also found those of the boxes as given. With more room steps are cheaper.

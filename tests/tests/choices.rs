@@ -72,13 +72,12 @@ fn other_reasons_have_their_names() {
     assert_eq!(lean.into_iter().map(route).collect::<Vec<_>>(), [(Path::Lists, Reason::FewObjects)]);
     world.insert_many(&scenes::uniform(100, 1));
     assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::NothingKept));
-    // In one leaf as before, but the planes below it were made for a fourth.
-    world.insert_many(&scenes::uniform(350, 2));
-    assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
-    world.insert_many(&scenes::uniform(550, 2));
-    assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
+    // Leaves are divided where they stand.
+    world.insert_many(&scenes::uniform(900, 2));
+    assert_eq!(route(world.step(setup)), (Path::Full, Reason::ManyMovers));
     world.insert_many(&scenes::uniform(3000, 3));
-    assert_eq!(route(world.step(setup)), (Path::Rebuilt, Reason::Outgrown));
+    assert_eq!(route(world.step(setup)), (Path::Full, Reason::ManyMovers));
+    assert_eq!(world.world().stats().rebalanced, 4000);
     // All in one corner.
     let boxes: Vec<Aabb> = world
         .model()
@@ -87,7 +86,7 @@ fn other_reasons_have_their_names() {
         .flatten()
         .map(|b| scenes::at(b.min.map(|x| x / 50.0), [0.01; 3]))
         .collect();
-    assert_eq!(route(world.step_over(&boxes, setup)), (Path::Rebuilt, Reason::OutOfBalance));
+    assert_eq!(route(world.step_over(&boxes, setup)), (Path::Full, Reason::ManyMovers));
     assert_eq!(route(world.step_over(&boxes, setup)), (Path::Unchanged, Reason::NoMovers));
     // Objects go into one leaf, few in each step: its neighbours make room, but not for too many.
     let mut crowded = boxes.clone();
@@ -98,8 +97,15 @@ fn other_reasons_have_their_names() {
         }
         route(world.step_over(&crowded, setup))
     };
-    assert_eq!([200, 440].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);
-    assert_eq!(crowd(680), (Path::Full, Reason::NoRoom));
+    assert_eq!([50, 100].map(&mut crowd), [(Path::Movers, Reason::FewMovers); 2]);
+    assert_eq!(
+        [440, 680, 900]
+            .map(&mut crowd)
+            .iter()
+            .filter(|route| **route == (Path::Full, Reason::NoRoom))
+            .count(),
+        1
+    );
 }
 
 #[test]

@@ -2,8 +2,10 @@
 //! it, or of a fresh one on the same frame. Counters repeat exactly, so that no time is needed; and all steps but those of the
 //! largest worlds are checked against brute force.
 
+use std::collections::VecDeque;
 use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats, World};
 use trisap_tests::checked::Checked;
+use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};
@@ -273,6 +275,94 @@ fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
         checked.step_over(&boxes, SETUP);
     }
     assert_near("grown", &counted(checked.world()), &fresh(&boxes));
+}
+
+/// A window over a plain of chunks walks on: in each frame a column of chunks goes behind it and one comes ahead. Every step is
+/// as one of a world that was made for these boxes, of the same kind, and none is much dearer than others.
+fn walks(chunk: usize, frames: usize, shifts: bool, looks: usize) {
+    const COLUMNS: usize = 32;
+    let mut rng = Rng::new(1);
+    let mut column = |x: f32| -> Vec<Aabb> {
+        let cubes = 0..COLUMNS * chunk;
+        cubes
+            .map(|_| at(rng.point(0.0, 32.0), [1.0; 3]))
+            .enumerate()
+            .map(|(k, b)| shifted(&b, [x, 0.0, (k / chunk) as f32 * 32.0]))
+            .collect()
+    };
+    let count = COLUMNS * COLUMNS * chunk;
+    let config = Config::new(ample(count, 4 * count));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let mut insert = |world: &mut World<'_, u32>, x: f32| -> Vec<Id> {
+        world.insert_many(Boxes::new(&column(x))).expect("room").collect()
+    };
+    let mut columns: VecDeque<_> = (0..COLUMNS).map(|k| insert(&mut world, k as f32 * 32.0)).collect();
+    world.step().expect("room");
+    let (mut ahead, mut works) = (COLUMNS as f32 * 32.0, Vec::new());
+    for frame in 0..frames {
+        world.remove_many(&columns.pop_front().expect("a column")).expect("alive");
+        columns.push_back(insert(&mut world, ahead));
+        ahead += 32.0;
+        if shifts && frame % 50 == 49 {
+            world.shift_origin([50.0 * 32.0, 0.0, 0.0]).expect("finite");
+            ahead -= 50.0 * 32.0;
+        }
+        world.step().expect("room");
+        let stats = world.stats();
+        let filled = if stats.path == Path::Movers { stats.moved } else { stats.objects };
+        works.push(u64::from(filled) + 8 * u64::from(stats.rebalanced) + stats.candidates / 8);
+        if frame % (frames / looks) != 0 {
+            continue;
+        }
+        let boxes: Vec<Aabb> = world.iter().map(|(_, aabb)| aabb).collect();
+        let mut slab = Slab::new::<u32>(&config);
+        let mut fresh = slab.world::<u32>(&config);
+        let ids: Vec<Id> = fresh.insert_many(Boxes::new(&boxes)).expect("room").collect();
+        fresh.step().expect("room");
+        let mut like = fresh.stats();
+        assert_eq!(stats.pairs, like.pairs);
+        let fullest = world.leaves().map(|leaf| leaf.objects).max();
+        assert!(
+            f64::from(fullest.unwrap_or(0)) <= AT_MOST * f64::from(like.fullest_leaf),
+            "{frame}: {stats:?}"
+        );
+        assert!(stats.copies as f64 <= AT_MOST * like.copies as f64 + 128.0, "{frame}: {stats:?} {like:?}");
+        if stats.path == Path::Movers {
+            let came = ids.iter().zip(&boxes).filter(|(_, b)| b.min[0] >= ahead - 32.0);
+            for (id, b) in came {
+                fresh.set_aabb(*id, shifted(b, [-1e-3; 3])).expect("alive");
+            }
+            fresh.step().expect("room");
+            like = fresh.stats();
+            assert_eq!(like.path, Path::Movers);
+        }
+        let most = AT_MOST * like.candidates as f64 + 64.0;
+        assert!(stats.candidates as f64 <= most, "{frame}: {stats:?} {like:?}");
+    }
+    works.sort_unstable();
+    let (median, most) = (works[frames / 2], works[frames - 1]);
+    assert!(most <= 3 * median, "{most} of work in a step, {median} in most");
+}
+
+#[test]
+fn a_window_that_walks_has_no_cliffs() {
+    for shifts in [false, true] {
+        walks(16, 160, shifts, 20);
+    }
+}
+
+/// Large ones with more effort alone.
+#[test]
+fn large_windows_that_walk_have_no_cliffs() {
+    if effort() == 1 {
+        return;
+    }
+    for chunk in [16, 32, 128, 256] {
+        for shifts in [false, true] {
+            walks(chunk, 1000, shifts, 50);
+        }
+    }
 }
 
 /// Another object is large in each of many steps with few movers: none is taken for large afterwards.

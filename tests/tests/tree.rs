@@ -41,7 +41,7 @@ fn look<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>]) {
     assert_eq!(told, counts, "the objects of each leaf");
 
     for plane in &planes {
-        assert!(plane.axis < 3 && plane.depth < leaves.len().ilog2());
+        assert!(plane.axis < 3 && (plane.depth as usize) < leaves.len());
         let (low, high) = (plane.cell.min[plane.axis], plane.cell.max[plane.axis]);
         assert!(low <= plane.position && plane.position <= high, "a plane stands in its cell: {plane:?}");
         for leaf in &leaves {

@@ -1,7 +1,7 @@
 //! Computes how many items of each kind a world has.
 
 use super::limits::{
-    CHUNK, LEAF_TARGET, LEAVES_PER_BLOCK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, histogram_row,
+    CHUNK, LEAVES_PER_BLOCK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row,
 };
 use super::scratch;
 use crate::config::{Config, Mode};
@@ -86,10 +86,8 @@ pub(crate) struct Sizes {
     pub(crate) tree: usize,
     pub(crate) records: usize,
     pub(crate) straddlers: usize,
-    /// The depth of the deepest tree.
-    pub(crate) depth: u32,
     pub(crate) leaves: usize,
-    /// Leaves of a full step. The others are their sub-leaves.
+    /// Leaves of a full step: half as many again as new planes make. The others are their sub-leaves.
     pub(crate) whole_leaves: usize,
     pub(crate) pairs: usize,
     /// Pairs of the last step, kept for the events.
@@ -125,15 +123,15 @@ impl Sizes {
         }
         let pairs = capacity.pairs as usize;
         let tree = if small { 0 } else { objects };
-        let mut depth = 0;
-        while tree > LEAF_TARGET << depth {
-            depth += 1;
-        }
-        let blocks = if tree > 0 { (1usize << depth).div_ceil(LEAVES_PER_BLOCK) } else { 0 };
-        if tree > 0 {
-            depth += SUB_LEVELS;
-        }
-        let leaves = if tree > 0 { 1 << depth } else { 0 };
+        let made = 1usize << depth_for(tree);
+        let whole_leaves = if tree == 0 {
+            0
+        } else if made == 1 {
+            1
+        } else {
+            made + made / 2 + 2
+        };
+        let (blocks, leaves) = (whole_leaves.div_ceil(LEAVES_PER_BLOCK), whole_leaves << SUB_LEVELS);
         let moves_inside_margin = config.margin.is_some() && matches!(config.mode, Mode::Exact);
         Some(Self {
             objects,
@@ -148,9 +146,8 @@ impl Sizes {
             // Records are read in groups of eight, also behind the last leaf.
             records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
             straddlers: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
-            depth,
             leaves,
-            whole_leaves: leaves >> SUB_LEVELS,
+            whole_leaves,
             pairs,
             previous: if config.events { pairs } else { 0 },
             event_blocks: if config.events { blocks } else { 0 },
@@ -166,9 +163,9 @@ impl Sizes {
         !cfg!(feature = "large") || self.bucket == 0
     }
 
-    /// Entries of the histogram at the greatest depth of a full step.
+    /// Entries of the histogram.
     pub(crate) const fn histogram(&self) -> usize {
-        if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.depth - SUB_LEVELS) } else { 0 }
+        if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.whole_leaves) } else { 0 }
     }
 
     /// Where sections start: on a cache line, or in worlds without a tree, which are small, where any item may.

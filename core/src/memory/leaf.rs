@@ -1,5 +1,6 @@
 //! The items of a leaf in the slab: its cell, where its records are, and its straddlers.
 
+use super::limits::LEVELS;
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
 use crate::geometry::record::Record;
@@ -132,11 +133,71 @@ pub(crate) struct Leaf {
     pub(crate) straddler_start: u32,
     /// Straddlers.
     pub(crate) straddler_len: u32,
-    /// The count when the planes were new: what new planes can reach here.
-    pub(crate) baseline: u32,
+    /// Its count when no plane could divide it, or zero.
+    pub(crate) stuck: u32,
     /// The axis that the leaf is swept along.
     pub(crate) axis: u32,
     pub(crate) unused: u32,
+}
+
+/// A node of the tree: its plane, and what is below it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct Split {
+    pub(crate) plane: i32,
+    /// The left one of its two children, an even number; or the number of a leaf, marked by [`LEAF`].
+    pub(crate) below: u32,
+}
+
+/// The mark of a node that is a leaf.
+pub(crate) const LEAF: u32 = 1 << 31;
+
+impl Split {
+    pub(crate) const fn leaf(leaf: usize) -> Self {
+        Self { plane: 0, below: LEAF | leaf as u32 }
+    }
+
+    /// The leaf, if it is one.
+    #[inline(always)]
+    pub(crate) const fn as_leaf(self) -> Option<usize> {
+        if self.below & LEAF == 0 { None } else { Some((self.below & !LEAF) as usize) }
+    }
+}
+
+/// The nodes of the tree.
+#[derive(Clone, Copy)]
+pub(crate) struct Nodes<'n> {
+    /// A box around the members of each node. There is no node zero.
+    pub(crate) boxes: &'n [KeyBox],
+    pub(crate) splits: &'n [Split],
+    /// The node above two children, by half of their number.
+    pub(crate) parents: &'n [u32],
+    /// The node of each leaf of a full step.
+    pub(crate) tops: &'n [u32],
+}
+
+impl<'n> Nodes<'n> {
+    /// The box around the members of a leaf of a full step.
+    #[inline(always)]
+    pub(crate) fn around(&self, leaf: usize) -> &'n KeyBox {
+        KeyBox::of(self.boxes, self.tops.at(leaf) as usize)
+    }
+
+    /// The node above.
+    #[inline(always)]
+    pub(crate) fn above(&self, node: usize) -> usize {
+        self.parents.at(node / 2) as usize
+    }
+
+    /// How many nodes are above a node.
+    pub(crate) fn depth(&self, mut node: usize) -> u32 {
+        let mut depth = 0;
+        while node > 1 && depth < LEVELS as u32 {
+            node = self.above(node);
+            depth += 1;
+        }
+        depth
+    }
 }
 
 impl Leaf {

@@ -58,8 +58,8 @@ pub(crate) const QUERY_WORKERS: usize = 32;
 
 // Stacks and lists of fixed length.
 
-/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. The deepest tree has fewer levels.
-pub(crate) const LEVELS: usize = 32;
+/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. No tree becomes as deep.
+pub(crate) const LEVELS: usize = 64;
 /// Masks from which a round takes bits before it looks again whether there is room.
 pub(crate) const MASKS_PER_ROUND: usize = 32;
 /// Rows whose windows are compared in one pass. A power of two, so that an index into a list needs no check.
@@ -70,9 +70,19 @@ pub(crate) fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
-/// Entries of one block's histogram at a depth: objects and straddlers of each leaf, two by two, and the large objects last.
-pub(crate) const fn histogram_row(depth: u32) -> usize {
-    (2 << depth) + 1
+/// Entries of one block's histogram: objects and straddlers of each leaf, two by two, and the large objects last.
+pub(crate) const fn histogram_row(leaves: usize) -> usize {
+    2 * leaves + 1
+}
+
+/// The depth of new leaves for a number of objects, so that none has more than [`LEAF_TARGET`] at exact medians
+/// (erratum E14).
+pub(crate) const fn depth_for(objects: usize) -> u32 {
+    let mut depth = 0;
+    while objects > LEAF_TARGET << depth {
+        depth += 1;
+    }
+    depth
 }
 
 #[cfg(test)]

@@ -86,6 +86,12 @@ macro_rules! sections {
                 straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],
                     used (state.tree.large_start + state.tree.large) as usize;
                 /// By node.
+                splits: &'m mut [Split] = [Split; 2 * s.whole_leaves], used 2 * s.whole_leaves;
+                /// By half of the number of two nodes: the node above them.
+                parents: &'m mut [u32] = [u32; s.whole_leaves], used s.whole_leaves;
+                /// By leaf of a full step: its node.
+                tops: &'m mut [u32] = [u32; s.whole_leaves], used s.whole_leaves;
+                /// By leaf, while it is divided: the planes between its sub-leaves, numbered as in a heap from one on.
                 planes: &'m mut [i32] = [i32; s.leaves], used s.leaves;
                 /// By leaf.
                 cells: &'m mut [Cell] = [Cell; s.leaves], used s.leaves;
@@ -96,8 +102,8 @@ macro_rules! sections {
                 /// By leaf, while leaves are divided: a box around its members, as a record in their frame. Else it
                 /// means nothing.
                 bounds: &'m mut [Record] = [Record; s.leaves], used s.leaves;
-                /// By node down to the leaves of a full step: a box around its members. There is no node zero.
-                nodes: &'m mut [KeyBox] = [KeyBox; 2 * s.whole_leaves], new KeyBox::NOTHING;
+                /// By node: a box around its members. There is no node zero.
+                boxes: &'m mut [KeyBox] = [KeyBox; 2 * s.whole_leaves], new KeyBox::NOTHING;
                 /// In a fill: a row of counts for each block of slots, see
                 /// [`histogram_row`](crate::memory::limits::histogram_row). Then: where the movers of each leaf end.
                 histogram: &'m mut [u32] = [u32; s.histogram()], used 0;

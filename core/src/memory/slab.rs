@@ -1,7 +1,7 @@
 //! The slab of a world, divided into slices for the layers that own them: see [`sections`].
 
 use super::layout::{ALIGN, Sizes, beyond, layout, section};
-use super::leaf::{Cell, Leaf, Straddler};
+use super::leaf::{Cell, Leaf, Nodes, Split, Straddler};
 use super::limits::CHUNK;
 use super::scratch;
 use super::sections::sections;
@@ -273,6 +273,17 @@ impl<'m> Carver<'m> {
         let (section, rest) = core::mem::take(&mut self.rest).split_at_mut_checked(bytes)?;
         self.rest = rest;
         bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
+    }
+}
+
+impl TreeParts<'_> {
+    pub(crate) fn nodes(&self) -> Nodes<'_> {
+        Nodes { boxes: self.boxes, splits: self.splits, parents: self.parents, tops: self.tops }
+    }
+
+    pub(crate) fn nodes_and_cells(&mut self) -> (Nodes<'_>, &mut [Cell]) {
+        let Self { boxes, splits, parents, tops, cells, .. } = self;
+        (Nodes { boxes, splits, parents, tops }, cells)
     }
 }
 

@@ -47,9 +47,9 @@ pub enum Reason {
     NothingKept,
     /// Full or rebuilt: few have moved, but a leaf and its neighbours had no room for one of them.
     NoRoom,
-    /// Rebuilt: the planes were made for far fewer or far more objects.
+    /// Rebuilt: the tree had too many leaves or levels.
     Outgrown,
-    /// Rebuilt: the leaves have become too uneven.
+    /// Rebuilt: three steps in a row have tested far more pairs in vain, or had far more ghosts, than with new planes.
     OutOfBalance,
     /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat
     /// boxes, and also found those of the boxes as given. With more room steps are cheaper: see

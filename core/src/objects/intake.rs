@@ -120,7 +120,7 @@ fn ingest_blocks<I: Index>(
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
     let (homes, places) = (&*parts.home, &*parts.place);
-    let leaves = if settle { 1usize << parts.state.tree.depth } else { 0 };
+    let leaves = if settle { parts.state.tree.count as usize } else { 0 };
     let (cells, frames) = (parts.tree.cells.span(0, leaves), parts.tree.frames.span(0, leaves));
     let buckets = parts.tree.leaves.span(0, leaves);
     let records = Shared::new(parts.tree.records);

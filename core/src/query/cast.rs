@@ -218,7 +218,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         let has_tree = world.has_tree();
         let mut home = 0;
         if has_tree {
-            home = leaf_of(parts.tree.planes, parts.state.tree.depth, &cast.start.min.map(key));
+            home = leaf_of(parts.tree.splits, &cast.start.min.map(key));
             prefetch_parts(simd, parts, home);
         }
         let line = Line::new(&cast.start, cast.direction, cast.distance);
@@ -235,7 +235,7 @@ impl<I: Index> Phase for Hits<'_, '_, I> {
         }
         let walk = Walk::new(&search.line);
         let along = Along { walk: &walk, until: walk.time(search.far) };
-        let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, home, along);
+        let mut visit = Visit::new(simd, parts.tree.nodes(), home, along);
         while let Some(whole) = visit.next(simd) {
             prefetch_parts(simd, parts, whole);
             search.visit_leaf(simd, &walk, whole);

@@ -235,12 +235,12 @@ impl<W: Wanted, I: Index> Phase for Nearest<'_, '_, W, I> {
         }
         if world.has_tree() {
             let sub_levels = parts.state.tree.sub_levels();
-            let home = home_of(parts.tree.planes, parts.state, &point.map(key));
+            let home = home_of(&parts.tree, parts.state, &point.map(key));
             let start = home >> sub_levels;
             // The part around the point first: the others are hardly near enough then.
             let around_point = 1u32 << (home - (start << sub_levels));
             let probe = Around { point: &point, limit: wanted.limit() };
-            let mut visit = Visit::new(simd, parts.tree.nodes, parts.state.tree.depth, start, probe);
+            let mut visit = Visit::new(simd, parts.tree.nodes(), start, probe);
             while let Some(whole) = visit.next(simd) {
                 let first = if whole == start { around_point } else { 0 };
                 for some in [first, !first].into_iter().filter(|some| *some != 0) {

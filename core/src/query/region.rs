@@ -172,9 +172,9 @@ impl<I: Index> Phase for Overlaps<'_, '_, I> {
         let parts = &world.parts;
         if world.has_tree() {
             let tree = &parts.tree;
-            let (depth, sub_levels) = (parts.state.tree.depth, parts.state.tree.sub_levels());
-            let home = leaf_of(tree.planes, depth, &bounds.min);
-            let mut visits = Visit::new(simd, tree.nodes, depth, home, bounds);
+            let sub_levels = parts.state.tree.sub_levels();
+            let home = leaf_of(tree.splits, &bounds.min);
+            let mut visits = Visit::new(simd, tree.nodes(), home, bounds);
             let mut wholes = [0; REGION_LEAVES];
             let mut near = Near {
                 world,

@@ -6,7 +6,7 @@ use crate::id::Index;
 use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
-use crate::memory::stats::{Path, Progress, Reason, Route};
+use crate::memory::stats::{Path, Progress, Route};
 use crate::pairs::events;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
@@ -15,19 +15,20 @@ use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
 use crate::sweep::kinds::Kinds;
 use crate::sweep::leaves::{SweepLeaves, TreeView};
+use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
 
-/// Fills all leaves and sweeps them; if they are out of balance, after new planes. `settled`: how many objects left
+/// Fills all leaves and sweeps them; if some are too full, after new planes for these. `settled`: how many objects left
 /// their leaf, if the intake has brought the others to their records.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
-    mut route: Route,
+    route: Route,
     settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     let executor = context.executor;
-    let mut rebuild = route.path == Path::Rebuilt;
+    let anew = route.path == Path::Rebuilt;
     let was_filled = parts.state.tree.filled != 0;
     let kept = if route.path == Path::MoversByLeaf {
         Some(persistent::persistent(parts))
@@ -37,46 +38,34 @@ pub(super) fn full<I: Index>(
     };
     executor.enter(Stage::Build);
     let was_subdivided = merge(parts);
-    let rebalanced = if rebuild {
-        balance::build_planes(parts, context);
-        0
-    } else if was_subdivided {
-        0
-    } else {
-        balance::rebalance(parts, context)
-    };
-    let depth = parts.state.tree.depth;
-    balance::deepen(parts);
+    balance::plan(parts.state);
+    let refined = balance::refine(parts);
+    if anew {
+        plant(&mut parts.tree, &mut parts.state.tree);
+    }
     executor.enter(Stage::Fill);
-    let settled =
-        settled.filter(|_| !rebuild && !was_subdivided && rebalanced == 0 && parts.state.tree.depth == depth);
+    let settled = settled.filter(|_| !anew && !was_subdivided && !refined);
     let leaves_stay = settled.is_some_and(|settled| keep::settle(parts, settled, context));
-    let mut counted = if leaves_stay { None } else { Some(assign::count(parts, context)) };
-    if !rebuild && balance::is_out_of_balance(parts) {
-        rebuild = true;
-        route = Route { path: Path::Rebuilt, reason: Reason::OutOfBalance };
+    let (mut left, mut coarse, mut rebalanced) = (None, None, 0);
+    if !leaves_stay {
+        let counted = assign::count(parts, context);
         executor.enter(Stage::Build);
-        balance::build_planes(parts, context);
+        rebalanced = balance::balance(parts, context);
         executor.enter(Stage::Fill);
-        counted = Some(assign::count(parts, context));
-    }
-    if rebuild {
-        balance::set_baseline(parts);
-    }
-    let coarse = counted.map(|(bounds_scan, _)| {
+        let bounds_scan = if rebalanced > 0 { assign::count(parts, context).0 } else { counted.0 };
         assign::fill(parts, &bounds_scan, context);
-        bounds_scan.is_coarse(parts.state.objects.live)
-    });
+        coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
+        // If no leaves were filled before, all objects count as having left theirs.
+        left = Some(if was_filled { counted.1 } else { u32::MAX });
+    }
     balance::review(parts);
     executor.enter(Stage::Sweep);
     let Swept { pairs, work, found, leaves } = sweep(parts, kept, context);
     if kept.is_none() {
-        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), rebuild);
+        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies, anew);
     }
-    // If no leaves were filled before, all objects count as having left theirs.
-    let left = counted.map(|(_, left)| if was_filled { left } else { u32::MAX });
     keep::plan(parts.state, work.tied, left);
-    let rebalanced = if rebuild { parts.state.objects.live } else { rebalanced };
+    let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
     (route, Progress { pairs, work, leaves, rebalanced, coarse, found })
 }
 
@@ -92,7 +81,7 @@ struct Swept {
 /// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects.
 fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepContext<'_>) -> Swept {
     let StepContext { kernels, executor, .. } = context;
-    let leaf_count = 1usize << parts.state.tree.depth;
+    let leaf_count = parts.state.tree.count as usize;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let tells = kept.is_none() && events::share_out(parts, blocks);
     let moved = kept.map(|_| &*parts.moved.words);

@@ -11,7 +11,7 @@ use crate::objects::margins;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
-use crate::tree::balance;
+use crate::tree::balance::{self, Due};
 use crate::tree::subdivide::Subdivide;
 
 /// Movers are tested one by one while they are at most one in this many objects.
@@ -107,7 +107,7 @@ fn are_few(state: &State, moved: u32) -> bool {
 /// Whether a step of many movers may keep the pairs of other objects. New planes are judged by all pairs, so they
 /// need all.
 fn can_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
-    cfg!(feature = "large") && !balance::needs_planes(parts)
+    cfg!(feature = "large") && !balance::needs_planes(parts.state)
 }
 
 /// Whether a step of many movers is cheaper if it keeps the pairs of other objects and sweeps leaves only for those
@@ -132,11 +132,12 @@ fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
 
 /// The path that finds all pairs anew. `reason` counts unless new planes are due.
 pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
-    if !balance::needs_planes(parts) {
+    let tree = &parts.state.tree;
+    if !balance::needs_planes(parts.state) {
         Route { path: Path::Full, reason }
-    } else if parts.state.tree.built == 0 {
+    } else if tree.count == 0 {
         Route { path: Path::Rebuilt, reason: Reason::NothingKept }
-    } else if parts.state.tree.divisible != 0 {
+    } else if tree.due == Due::Heavy as u8 {
         Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
     } else {
         Route { path: Path::Rebuilt, reason: Reason::Outgrown }
@@ -160,7 +161,7 @@ pub(crate) fn subdivide_when_calm<I: Index>(
         return;
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);
-    let some_are_undivided = parts.state.tree.subdivided <= 1 << parts.state.tree.depth;
+    let some_are_undivided = parts.state.tree.subdivided <= parts.state.tree.count;
     if parts.state.step.calm >= due && some_are_undivided {
         context.executor.enter(Stage::Fill);
         context.kernels.run(Subdivide(parts));

@@ -15,16 +15,14 @@ use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::{MINIMA, Phase, Simd};
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Leaf, Record, Straddler};
+use crate::tree::{Cell, Frame, Leaf, Nodes, Record, Straddler};
 
 /// What sweeps read of the tree.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeView<'g> {
     pub(crate) boxes: &'g [KeyBox],
-    /// By node.
-    pub(crate) nodes: &'g [KeyBox],
-    pub(crate) depth: u32,
-    /// How many levels the leaves are below `depth`.
+    pub(crate) nodes: Nodes<'g>,
+    /// How many levels the leaves are below those of a full step.
     pub(crate) sub_levels: u32,
     pub(crate) cells: &'g [Cell],
     pub(crate) frames: &'g [Frame],
@@ -40,8 +38,7 @@ impl<'g> TreeView<'g> {
     pub(crate) fn new(state: &State, boxes: &'g [KeyBox], tree: &'g TreeParts<'_>) -> Self {
         Self {
             boxes,
-            nodes: tree.nodes,
-            depth: state.tree.depth,
+            nodes: tree.nodes(),
             sub_levels: state.tree.sub_levels(),
             cells: tree.cells,
             frames: tree.frames,
@@ -68,7 +65,7 @@ impl<'g> TreeView<'g> {
         let mut gathered =
             Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
         // The cell is half-open: minima at its high side are in the next cell.
-        let mut visit = Visit::new(simd, self.nodes, self.depth, index, cell.inside());
+        let mut visit = Visit::new(simd, self.nodes, index, cell.inside());
         while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);

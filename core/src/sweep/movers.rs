@@ -94,7 +94,7 @@ impl<I: Index> Near<'_, '_, I> {
         }
         // A large object has no home: the walk starts anywhere.
         let leaf = if home == I::LARGE { 0 } else { home.at() >> tree_view.sub_levels };
-        let mut visit = Visit::new(simd, tree_view.nodes, tree_view.depth, leaf, around);
+        let mut visit = Visit::new(simd, tree_view.nodes, leaf, around);
         while let Some(whole) = visit.next(simd) {
             simd.prefetch(tree_view.frames, whole);
             simd.prefetch_from::<SUB_LEAVES, _>(tree_view.bounds, whole << tree_view.sub_levels);
@@ -119,9 +119,7 @@ impl<I: Index> Near<'_, '_, I> {
                 let record = simd.record(frame, simd.keys(bounds), mover.slot());
                 let mut mask = match sub_leaves_of(tree_view.bounds, tree_view.sub_levels, whole) {
                     Some(parts) => simd.touching(parts, limit(&record)),
-                    None => u32::from(
-                        simd.overlap(KeyBox::of(tree_view.nodes, (1 << tree_view.depth) + whole), bounds),
-                    ),
+                    None => u32::from(simd.overlap(tree_view.nodes.around(whole), bounds)),
                 };
                 while mask != 0 {
                     let leaf = first + mask.trailing_zeros() as usize;

@@ -7,8 +7,9 @@
 
 use super::cells::{cut, frame};
 use super::enclose::enclose;
+use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Straddler, are_few, leaf_of, renumber};
+use super::{Cell, Leaf, Split, Straddler, are_few, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
@@ -21,39 +22,55 @@ use crate::parallel::shared::Shared;
 use crate::simd::{Phase, Simd};
 use crate::tree::{Frame, Record};
 
-/// Finds the leaf of every object and counts, at the greatest depth at which straddlers and large objects are not too
-/// many. Then each leaf has its count, and the histogram has where each block of slots writes. Returns what the boxes
-/// are like, and how many objects left their leaf.
+/// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined first.
+/// Then each leaf has its count, and the histogram has those of each block of slots. Returns what the boxes are like,
+/// and how many objects left their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
-        let depth = parts.state.tree.depth;
+        let leaves = parts.state.tree.count as usize;
         let extent = parts.state.tree.extent();
-        cut(parts.tree.planes, depth, &extent, parts.tree.cells);
-        let counted = count_at(parts, depth, context);
-        let (leaves, row) = (1usize << depth, histogram_row(depth));
+        let (nodes, cells) = parts.tree.nodes_and_cells();
+        cut(nodes, &extent, cells.span_mut(0, leaves));
+        let counted = count_in(parts, leaves, context);
         let (mut straddlers, mut large) = (0u64, 0u64);
+        for leaf in parts.tree.leaves.span_mut(0, leaves) {
+            (leaf.len, leaf.straddler_len) = (0, 0);
+        }
+        let row = histogram_row(leaves);
         for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
             let (counts, rest) = histogram.as_chunks::<2>();
-            straddlers += counts.span(0, leaves).iter().map(|&[_, n]| u64::from(n)).sum::<u64>();
+            for (leaf, [members, n]) in parts.tree.leaves.iter_mut().zip(counts) {
+                leaf.len += members;
+                straddlers += u64::from(*n);
+            }
             large += u64::from(rest.at(0));
         }
         let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
-        if depth == 0 || (fits && are_few(large, depth, parts.state.objects.live)) {
-            offsets(parts, leaves);
+        if leaves == 1 || (fits && are_few(large, leaves as u32, parts.state.objects.live)) {
             return counted;
         }
-        // One level up, each leaf is two of these leaves.
-        parts.state.tree.depth = depth - 1;
-        renumber(parts.home, |leaf| leaf >> 1);
+        parts.state.tree.coarser += 1;
+        let most = most(parts.state);
+        let mut before = 0;
+        while before != parts.state.tree.count {
+            before = parts.state.tree.count;
+            for leaf in (1..before as usize).rev() {
+                join(&mut parts.tree, &mut parts.state.tree, leaf, most);
+            }
+        }
     }
 }
 
-fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext<'_>) -> (BoundsScan, u32) {
+fn count_in<I: Index>(
+    parts: &mut Parts<'_, I>,
+    leaves: usize,
+    context: StepContext<'_>,
+) -> (BoundsScan, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
-    let row = histogram_row(depth);
+    let row = histogram_row(leaves);
     let boxes = parts.boxes.swept();
-    let (planes, cells) = (&*parts.tree.planes, &*parts.tree.cells);
+    let (splits, cells) = (&*parts.tree.splits, parts.tree.cells.span(0, leaves));
     let mut found = [(BoundsScan::NONE, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
@@ -64,7 +81,7 @@ fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext
     );
     context.each(blocks, |block, (homes, histogram, found)| {
         let boxes = boxes.span(block * len, homes.len());
-        found.fill(context.kernels.run(CountBlock { boxes, homes, planes, cells, depth, histogram }));
+        found.fill(context.kernels.run(CountBlock { boxes, homes, splits, cells, histogram }));
     });
     let mut sum = BoundsScan::NONE;
     let mut left = 0;
@@ -80,9 +97,8 @@ fn count_at<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext
 struct CountBlock<'b, I> {
     boxes: &'b [KeyBox],
     homes: &'b mut [I],
-    planes: &'b [i32],
+    splits: &'b [Split],
     cells: &'b [Cell],
-    depth: u32,
     histogram: &'b mut [u32],
 }
 
@@ -91,13 +107,10 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
-        let Self { boxes, homes, planes, cells, depth, histogram } = self;
+        let Self { boxes, homes, splits, cells, histogram } = self;
         let (counts, large) = histogram.as_chunks_mut::<2>();
         // Of one length, so that one check of an index is enough.
-        let leaves = 1 << depth;
-        let (Some(cells), Some(counts)) = (cells.get(..leaves), counts.get_mut(..leaves)) else {
-            return (BoundsScan::NONE, 0);
-        };
+        let Some(counts) = counts.get_mut(..cells.len()) else { return (BoundsScan::NONE, 0) };
         let finite = Extent::FINITE;
         let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
         let (mut low, mut high) = (most, least);
@@ -128,7 +141,7 @@ impl<I: Index> Phase for CountBlock<'_, I> {
             }
             // The object is new, large, or has left its leaf.
             left += u32::from(*home != I::LARGE);
-            let leaf = leaf_of(planes, depth, &bounds.min);
+            let leaf = leaf_of(splits, &bounds.min);
             let classified = cells.at(leaf).classify(simd, keys);
             if classified.is_large() {
                 *home = I::LARGE;
@@ -147,21 +160,21 @@ impl<I: Index> Phase for CountBlock<'_, I> {
 
 /// Writes all records and straddlers where [`count`] says, and finds the boxes of nodes.
 pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
-    let depth = parts.state.tree.depth;
-    let leaves = 1usize << depth;
+    let leaves = parts.state.tree.count as usize;
+    offsets(parts, leaves);
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     scatter(parts, leaves, context);
     sharpen(parts, context.kernels);
-    enclose(parts, depth, context);
+    enclose(parts);
     parts.state.tree.filled = 1;
 }
 
 /// Turns the counts of each block into the positions where it writes.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
-    let row = histogram_row(parts.state.tree.depth);
+    let row = histogram_row(leaves);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
-    let (mut record, mut straddler) = (0u32, 0u32);
+    let (mut record, mut straddler, most) = (0u32, 0u32, most(parts.state) as u32);
     for index in 0..leaves {
         let mut leaf = parts.tree.leaves.at(index);
         (leaf.start, leaf.len) = (record, 0);
@@ -174,11 +187,8 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
                 leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
         }
-        if leaf.baseline == 0 {
-            leaf.baseline = leaf.len;
-        }
-        // Some room, so that objects can come without a new fill, also to sub-leaves.
-        leaf.room = leaf.len + leaf.len / 8 + ROOM;
+        // Some room, so that objects can come without a new fill, also to sub-leaves; but none beyond what makes it too full.
+        leaf.room = (leaf.len + leaf.len / 8 + ROOM).min(leaf.len.max(most));
         record += leaf.room;
         straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
@@ -196,7 +206,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
-    let row = histogram_row(parts.state.tree.depth);
+    let row = histogram_row(leaf_count);
     let boxes = parts.boxes.swept();
     let large_start = parts.state.tree.large_start;
     let (homes, cells, frames, leaves) =

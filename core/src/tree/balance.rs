@@ -1,110 +1,165 @@
-//! Keeps leaves of one size: makes new planes for the whole tree, or for the part that has grown out of balance.
+//! Keeps leaves of one size: a leaf that is too full is divided where it stands, and two that are nearly empty are
+//! joined. So planes follow where objects come and go, and all others stay (paper, section III.B.2). The first planes
+//! are made the same way, from one leaf that holds all objects.
 
 use super::build::{Build, is_divisible};
 use super::cells::Sample;
-use super::limits::{
-    FULL, GOOD, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, OUT_OF_BALANCE, OVERFULL, PATIENCE, REBALANCED_SHARE,
-};
-use super::{Record, are_few};
+use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
+use super::shape::{graft, join};
+use super::{Cell, Leaf, Record, are_few, assign, most, planned};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::lists::links;
 use crate::lists::radix::{self, Sharing};
-use crate::memory::limits::{LEAF_TARGET, SUB_LEVELS, histogram_row};
+use crate::memory::limits::{LEVELS, depth_for};
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, TreeState};
 use crate::parallel::context::StepContext;
 
-/// A baseline for a leaf that new planes can divide by now.
-const DIVISIBLE: u32 = 1;
-
-/// The mean count of the leaves at a depth; at least that of new leaves that are half full.
-fn mean(live: u32, depth: u32) -> usize {
-    (live as usize >> depth).max(LEAF_TARGET / 2)
+/// Why the whole tree is to be made anew.
+pub(crate) enum Due {
+    /// Sweeps test far more pairs in vain than with new planes.
+    Heavy = 1,
+    /// There are too many leaves, or levels.
+    Outgrown = 2,
 }
 
-/// The most members of a leaf that is not overfull.
-pub(crate) fn overfull(state: &State) -> usize {
-    OVERFULL * mean(state.objects.live, state.tree.depth)
+/// Whether new planes for the whole tree are due.
+pub(crate) fn needs_planes(state: &State) -> bool {
+    state.tree.count == 0 || state.tree.due != 0
 }
 
-/// The depth of the leaves of full steps for a number of objects, so that none has more than [`LEAF_TARGET`] at exact
-/// medians (erratum E14). `deepest` is the greatest depth of planes.
-pub(crate) fn depth_for(objects: usize, deepest: u32) -> u32 {
-    let deepest = deepest.saturating_sub(SUB_LEVELS);
-    (0..deepest).find(|&depth| objects <= LEAF_TARGET << depth).unwrap_or(deepest)
+/// No leaf is to be divided.
+const STAYS: u32 = u32::MAX;
+
+/// Divides and joins leaves by their counts. Returns how many objects were in leaves that were divided; if there are
+/// any, all must be counted anew.
+pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
+    let (count, most) = (parts.state.tree.count as usize, most(parts.state));
+    let mut members = 0;
+    for leaf in parts.tree.leaves.span_mut(0, count) {
+        let is_full = u64::from(leaf.len) > most && leaf.len > leaf.stuck + leaf.stuck / 2;
+        leaf.start = if is_full { members } else { STAYS };
+        members += if is_full { leaf.len } else { 0 };
+    }
+    if members == 0 {
+        return 0;
+    }
+    list_members(parts, count);
+    if count == 1 {
+        let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
+        let sample = Sample::of_list(parts.order[0].span(0, members as usize), boxes);
+        let extent = assign::scan_bounds(boxes.iter()).extent.trimmed(&sample);
+        parts.state.tree.set_extent(&extent);
+    }
+    let few = planned(parts.state) * 6 / 5;
+    for leaf in (1..count).rev() {
+        join(&mut parts.tree, &mut parts.state.tree, leaf, few);
+    }
+    for leaf in 0..parts.state.tree.count as usize {
+        if parts.tree.leaves.at(leaf).start != STAYS {
+            divide(parts, leaf, most, context);
+        }
+    }
+    members
 }
 
-/// Whether new planes are due: there are none, or they are for far more or fewer objects, or others would be better.
-pub(crate) fn needs_planes<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let TreeState { built, divisible, .. } = parts.state.tree;
-    let live = parts.state.objects.live;
-    let depth = |objects| depth_for(objects as usize, parts.sizes.depth);
-    built == 0 || divisible != 0 || depth(live) > depth(built) || live < built / 4 || built < live / 4
-}
-
-/// Whether the leaves that were just counted are so uneven that the whole tree needs new planes now.
-pub(crate) fn is_out_of_balance<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let quarters = OUT_OF_BALANCE.min((1 << parts.state.tree.depth) + 3);
-    4 * squares(parts) > quarters * parts.state.tree.baseline.max(even(parts.state))
-}
-
-/// The sum of squares of leaves that all have as many members: the least that there is.
-fn even(state: &State) -> u64 {
-    u64::from(state.objects.live).pow(2) >> state.tree.depth
-}
-
-/// Notes how even the leaves are, right after their planes were made and they were counted.
-pub(crate) fn set_baseline<I: Index>(parts: &mut Parts<'_, I>) {
-    let baseline = squares(parts);
-    let state = &mut *parts.state;
-    state.tree.baseline = baseline;
-    state.tree.poor = u8::from(4 * baseline > GOOD * even(state));
-    if state.tree.poor == 0 {
-        (state.tree.planes_in, state.tree.planes_after) = (0, 1);
-    } else {
-        put_off_planes(state);
+/// Writes the slots of the leaves that are to be divided to the first of the sorted lists. Each leaf then starts where
+/// its members end. O(slots).
+fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
+    let Parts { tree, order, home, state, .. } = parts;
+    state.lists.stale = 1;
+    let leaves = tree.leaves.span_mut(0, count);
+    for (slot, home) in home.span(0, state.objects.slots as usize).iter().enumerate() {
+        if let Some(leaf) = leaves.get_mut(home.at())
+            && leaf.start != STAYS
+        {
+            order[0].put(leaf.start as usize, I::from_slot(slot as u32));
+            leaf.start += 1;
+        }
     }
 }
 
-/// Tries new planes again after some full steps, and after twice as many the next time.
-fn put_off_planes(state: &mut State) {
-    state.tree.planes_in = state.tree.planes_after.max(1);
-    state.tree.planes_after = state.tree.planes_in.saturating_mul(2).min(PATIENCE);
+/// Divides a leaf whose members are listed, into leaves of at most so many at exact medians.
+fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64, context: StepContext<'_>) {
+    let leaf = parts.tree.leaves.at(index);
+    let (len, mut levels) = (leaf.len as usize, 0);
+    while u64::from(leaf.len >> levels) > most {
+        levels += 1;
+    }
+    let top = parts.tree.tops.at(index) as usize;
+    if (parts.tree.nodes().depth(top) + levels) as usize >= LEVELS {
+        outgrow(&mut parts.state.tree);
+        return;
+    }
+    let boxes: &[KeyBox] = parts.boxes.swept();
+    // All records and cells are written anew afterwards.
+    let room =
+        bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(0, len)).unwrap_or_default();
+    let planes = bytemuck::try_cast_slice_mut::<Cell, i32>(parts.tree.cells).unwrap_or_default();
+    let [x, y, z] = &mut parts.order;
+    let mut lists = [x, y, z].map(|list| list.span_mut(leaf.start as usize - len, len));
+    let [x, others @ ..] = &mut lists;
+    others.iter_mut().for_each(|list| list.copy_in(x));
+    let (histograms, _) =
+        bytemuck::try_cast_slice_mut::<Record, u32>(parts.output.scratch).unwrap_or_default().as_chunks_mut();
+    let sharing = Sharing { executor: context.executor, workers: context.workers };
+    for (axis, list) in lists.iter_mut().enumerate() {
+        radix::sort(list, boxes, axis, room, histograms, sharing);
+    }
+    let (starts, sides) = parts.tree.histogram.split_at_mut_checked((1 << levels) + 1).unwrap_or_default();
+    let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
+    sides.fill(0);
+    Build { boxes, lists, planes, sides, spare: parts.place, starts }.share(1, levels, room, context);
+    let before = parts.state.tree.count;
+    if !graft(&mut parts.tree, &mut parts.state.tree, index, levels) {
+        outgrow(&mut parts.state.tree);
+    }
+    let stuck = if parts.state.tree.count == before { leaf.len } else { 0 };
+    parts.tree.leaves.put(index, Leaf { stuck, ..leaf });
 }
 
-/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. If that is too
-/// full, a sample of its members tells whether new planes would part them by now.
+/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. A sample of a leaf
+/// that no plane could divide tells whether one would by now.
 pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
+    let most = most(parts.state);
     let Parts { state, tree, boxes, .. } = parts;
-    let (mut in_use, mut fullest, mut most) = (0, 0, 0);
-    for (index, leaf) in tree.leaves.span(0, 1 << state.tree.depth).iter().enumerate() {
-        in_use += u32::from(leaf.len > 0);
-        if leaf.len > most {
-            (fullest, most) = (index, leaf.len);
+    let state = &mut state.tree;
+    (state.leaves_in_use, state.fullest_leaf, state.uneven) = (0, 0, 0);
+    let mut freed = false;
+    for leaf in tree.leaves.span_mut(0, state.count as usize) {
+        state.leaves_in_use += u32::from(leaf.len > 0);
+        state.fullest_leaf = state.fullest_leaf.max(leaf.len);
+        if u64::from(leaf.len) <= most {
+            continue;
         }
+        let members = tree.records.span(leaf.start as usize, leaf.len as usize);
+        if leaf.stuck > 0 && state.wait == 0 && is_leaf_divisible::<I>(boxes.swept(), members) {
+            (leaf.stuck, freed) = (0, true);
+        }
+        state.uneven |= u8::from(leaf.len > leaf.stuck + leaf.stuck / 2);
     }
-    (state.tree.leaves_in_use, state.tree.fullest_leaf) = (in_use, most);
-    state.tree.divisible = 0;
-    let quarters = if state.tree.poor != 0 { GOOD } else { FULL };
-    let is_full = (4 * u64::from(most)) << state.tree.depth > quarters * u64::from(state.objects.live);
-    if state.tree.planes_in > 0 {
-        state.tree.planes_in -= 1;
-    } else if !is_full {
-        state.tree.planes_after = state.tree.planes_after.saturating_sub(1).max(1);
+    if freed {
+        put_off(state);
+    } else if state.wait > 0 {
+        state.wait -= 1;
     } else {
-        let mut leaf = tree.leaves.at(fullest);
-        if is_leaf_divisible::<I>(boxes.swept(), tree.records.span(leaf.start as usize, most as usize)) {
-            if state.tree.poor != 0 {
-                state.tree.divisible = 1;
-            } else {
-                leaf.baseline = DIVISIBLE;
-                tree.leaves.put(fullest, leaf);
-                put_off_planes(state);
-            }
-        }
+        state.waits = state.waits.saturating_sub(1);
     }
+}
+
+/// There is no room for more leaves, or levels. Not in each step: new planes may be no better.
+fn outgrow(state: &mut TreeState) {
+    if state.wait == 0 {
+        state.due = Due::Outgrown as u8;
+        put_off(state);
+    }
+}
+
+/// Waits for some full steps until the next try, and twice as long the next time.
+fn put_off(state: &mut TreeState) {
+    state.wait = state.waits.max(1);
+    state.waits = state.wait.saturating_mul(2).min(PATIENCE);
 }
 
 fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
@@ -119,181 +174,43 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
     is_divisible(boxes, sample.span(0, count))
 }
 
-/// Notes how many pairs a full step tested in vain. If they stay far more than with new planes, new ones are due:
-/// clusters may have come into one leaf, which counts do not tell.
-pub(crate) fn weigh(state: &mut State, in_vain: u64, planes_are_new: bool) {
+/// Notes how many pairs a full step tested in vain, and how many ghosts it had. If there stay far more than with new
+/// planes, new ones are due: clusters may have come into one leaf, or leaves have become long, which counts do not tell.
+pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64, planes_are_new: bool) {
+    let (tree, live) = (&mut state.tree, u64::from(state.objects.live));
     if planes_are_new {
-        (state.tree.baseline_work, state.tree.heavy) = (in_vain, 0);
+        (tree.baseline_work, tree.baseline_copies, tree.heavy) = (in_vain, copies, 0);
         return;
     }
-    let is_heavy = in_vain
-        > HEAVY.saturating_mul(state.tree.baseline_work).saturating_add(u64::from(state.objects.live));
-    state.tree.heavy = if is_heavy { state.tree.heavy.saturating_add(1) } else { 0 };
-    if state.tree.heavy >= HEAVY_STEPS && state.tree.planes_in == 0 {
-        state.tree.divisible = 1;
-        put_off_planes(state);
+    let is_heavy = in_vain > HEAVY.saturating_mul(tree.baseline_work).saturating_add(live)
+        || copies > tree.baseline_copies + tree.baseline_copies / 2 + live / GHOSTS_SHARE;
+    tree.heavy = if is_heavy { tree.heavy.saturating_add(1) } else { 0 };
+    if tree.heavy >= HEAVY_STEPS {
+        tree.due = Due::Heavy as u8;
     }
 }
 
-/// Uses all levels of the planes again, if there were too many ghosts for that and by now there are fewer. The leaves
-/// must be counted anew.
-pub(crate) fn deepen<I: Index>(parts: &mut Parts<'_, I>) {
-    let TreeState { built, depth, large, large_start, deeper_in, deeper_after, .. } = parts.state.tree;
-    let live = parts.state.objects.live;
-    let whole = depth_for(live.min(built) as usize, parts.sizes.depth);
-    if depth >= whole {
-        (parts.state.tree.deeper_in, parts.state.tree.deeper_after) = (0, 1);
-        return;
-    }
-    if deeper_in > 0 {
-        parts.state.tree.deeper_in -= 1;
-        return;
-    }
-    // Each level at most about doubles the ghosts.
-    let (straddlers, large) = (u64::from(large_start) << (whole - depth), u64::from(large));
-    let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
-    if fits && are_few(large, whole, live) {
-        parts.state.tree.deeper_in = deeper_after.max(1);
-        parts.state.tree.deeper_after = parts.state.tree.deeper_in.saturating_mul(2).min(PATIENCE);
-        parts.state.tree.depth = whole;
-        for leaf in &mut *parts.tree.leaves {
-            leaf.baseline = 0;
-        }
-        super::renumber(parts.home, |leaf| leaf << (whole - depth));
-    }
+/// Plans leaves for as many objects as there are, or for as many as there were while they are not clearly fewer.
+pub(crate) fn plan(state: &mut State) {
+    let live = state.objects.live as usize;
+    state.tree.depth = state.tree.depth.min(depth_for(live + live / 8)).max(depth_for(live));
 }
 
-fn squares<I: Index>(parts: &Parts<'_, I>) -> u64 {
-    parts.tree.leaves.span(0, 1 << parts.state.tree.depth).iter().map(|leaf| u64::from(leaf.len).pow(2)).sum()
-}
-
-/// Makes all planes anew, from sorted lists of all living objects.
-pub(crate) fn build_planes<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let live = parts.state.objects.live as usize;
-    let depth = depth_for(live, parts.sizes.depth);
-    links::list_all(parts);
-    parts.state.tree.depth = depth;
-    // Zero would mean that there are no planes.
-    parts.state.tree.built = parts.state.objects.live.max(1);
-    parts.state.tree.divisible = 0;
-    let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
-    let slots = parts.order[0].span(0, live);
-    let extent = super::assign::scan_bounds(boxes.iter()).extent.trimmed(&Sample::of_list(slots, boxes));
-    parts.state.tree.set_extent(&extent);
-    for leaf in &mut *parts.tree.leaves {
-        leaf.baseline = 0;
+/// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer. Returns
+/// whether all must be counted anew.
+pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
+    let (state, room) = (&mut *parts.state, parts.tree.straddlers.len() as u64);
+    let (coarser, large) = (state.tree.coarser, u64::from(state.tree.large));
+    if coarser == 0 || state.tree.wait > 0 {
+        return false;
     }
-    make_planes(parts, live, 1, depth + SUB_LEVELS, 0, context);
-    // Homes are numbers of old leaves.
-    parts.home.fill(I::NONE);
-    parts.state.tree.filled = 0;
-}
-
-/// Sorts the first `count` slots of the lists and makes the planes of the nodes below `root`. The sort uses the room
-/// of as many records, from `first` on.
-fn make_planes<I: Index>(
-    parts: &mut Parts<'_, I>,
-    count: usize,
-    root: usize,
-    levels: u32,
-    first: usize,
-    context: StepContext<'_>,
-) {
-    let boxes: &[KeyBox] = parts.boxes.swept();
-    let room = bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(first, count))
-        .unwrap_or_default();
-    let [x, y, z] = &mut parts.order;
-    let mut lists = [x.span_mut(0, count), y.span_mut(0, count), z.span_mut(0, count)];
-    let (histograms, _) =
-        bytemuck::try_cast_slice_mut::<Record, u32>(parts.output.scratch).unwrap_or_default().as_chunks_mut();
-    let sharing = Sharing { executor: context.executor, workers: context.workers };
-    for (axis, list) in lists.iter_mut().enumerate() {
-        radix::sort(list, boxes, axis, room, histograms, sharing);
+    // Twice as many leaves have at most about twice as many ghosts.
+    let fits = (u64::from(state.tree.large_start) << coarser.min(31)) + large <= room;
+    let leaves = u64::from(state.tree.count) << coarser.min(31);
+    if !fits || !are_few(large, leaves as u32, state.objects.live) {
+        return false;
     }
-    let (starts, sides) =
-        parts.tree.histogram.split_at_mut_checked(histogram_row(parts.sizes.depth)).unwrap_or_default();
-    let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
-    sides.fill(0);
-    Build { boxes, lists, planes: parts.tree.planes, sides, spare: parts.place, starts }
-        .share(root, levels, room, context);
-    parts.state.lists.stale = 1;
-}
-
-/// Makes new planes for the sub-trees around overfull leaves, as many as a step allows. Leaves must not be divided;
-/// they have to be filled anew. Returns how many objects are in them.
-pub(crate) fn rebalance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
-    if parts.state.tree.filled == 0 {
-        return 0;
-    }
-    let depth = parts.state.tree.depth;
-    let leaves = 1usize << depth;
-    let live = parts.state.objects.live as usize;
-    let mean = mean(parts.state.objects.live, depth);
-    let mut budget = (live / REBALANCED_SHARE).max(16 * LEAF_TARGET);
-    let mut done = 0;
-    let mut index = 0;
-    while index < leaves {
-        let leaf = parts.tree.leaves.at(index);
-        // A leaf that new planes could not divide is tried again when it has grown by half.
-        let overfull =
-            leaf.len as usize > overfull(parts.state) && leaf.len > leaf.baseline + leaf.baseline / 2;
-        if !overfull && leaf.baseline != DIVISIBLE {
-            index += 1;
-            continue;
-        }
-        let (node, levels, count) = smallest_even(parts, index, mean);
-        if count <= budget && levels > 0 {
-            budget -= count;
-            done += count;
-            rebuild(parts, node, levels, context);
-        }
-        // The next leaf behind that sub-tree.
-        index = ((node + 1) << levels) - leaves;
-    }
-    done as u32
-}
-
-/// The smallest sub-tree around a leaf in which the mean is not far above that of the world: its root, its levels and
-/// its objects.
-fn smallest_even<I: Index>(parts: &Parts<'_, I>, leaf: usize, mean: usize) -> (usize, u32, usize) {
-    let depth = parts.state.tree.depth;
-    let leaves = 1usize << depth;
-    let mut node = leaves + leaf;
-    let mut levels = 0;
-    loop {
-        let first = (node << levels) - leaves;
-        let count: usize =
-            parts.tree.leaves.span(first, 1 << levels).iter().map(|leaf| leaf.len as usize).sum();
-        if levels == depth || count <= (mean + mean / 2) << levels {
-            return (node, levels, count);
-        }
-        node /= 2;
-        levels += 1;
-    }
-}
-
-/// Makes the planes below a node anew, from the records of its leaves, which are lost.
-fn rebuild<I: Index>(parts: &mut Parts<'_, I>, node: usize, levels: u32, context: StepContext<'_>) {
-    let first = (node << levels) - (1usize << parts.state.tree.depth);
-    let range = first..first + (1 << levels);
-    let mut count = 0;
-    for index in range.clone() {
-        let mut leaf = parts.tree.leaves.at(index);
-        for record in parts.tree.records.span(leaf.start as usize, leaf.len as usize) {
-            // The object may be gone.
-            if parts.boxes.now.at(record.slot() as usize).is_empty() {
-                continue;
-            }
-            for list in &mut parts.order {
-                list.put(count, I::from_slot(record.slot()));
-            }
-            count += 1;
-        }
-        leaf.baseline = 0;
-        parts.tree.leaves.put(index, leaf);
-    }
-    let start = parts.tree.leaves.at(range.start).start as usize;
-    let sub_levels = (depth_for(parts.state.tree.built as usize, parts.sizes.depth) + SUB_LEVELS)
-        .saturating_sub(parts.state.tree.depth);
-    make_planes(parts, count, node, levels + sub_levels, start, context);
+    state.tree.coarser = 0;
+    put_off(&mut state.tree);
+    true
 }

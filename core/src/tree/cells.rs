@@ -1,7 +1,7 @@
 //! Computes cells, frames and sweep axes from planes, and finds where most objects are.
 
 use super::limits::{FAR, OUTLIERS, SPARSE, SPREAD_SAMPLE};
-use super::{Cell, Frame, Leaf, UNSPLIT, axis_of, key_of};
+use super::{Cell, Frame, Leaf, Nodes, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::{KeyBox, key, length, value};
@@ -100,11 +100,27 @@ impl Sample {
     }
 }
 
-/// Cuts space by the planes down to `depth` into one cell a leaf. O(leaves).
-pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell]) {
-    cells.put(0, Cell::ALL);
-    divide(planes, 1, depth, cells);
-    for cell in cells.span_mut(0, 1 << depth) {
+/// The cell of a node. O(depth).
+pub(crate) fn cell_of(nodes: Nodes<'_>, mut node: usize) -> Cell {
+    let (mut low, mut high) = (Cell::ALL.low(), Cell::ALL.high());
+    for _ in 0..nodes.depth(node) {
+        let above = nodes.above(node);
+        let plane = nodes.splits.at(above).plane;
+        let axis = axis_of(plane);
+        if node % 2 == 1 {
+            low[axis] = low[axis].max(key_of(plane));
+        } else {
+            high[axis] = high[axis].min(key_of(plane));
+        }
+        node = above;
+    }
+    Cell::new(low, high, high)
+}
+
+/// Cuts space by the planes into one cell a leaf. O(leaves · depth).
+pub(crate) fn cut(nodes: Nodes<'_>, extent: &Extent, cells: &mut [Cell]) {
+    for (cell, top) in cells.iter_mut().zip(nodes.tops) {
+        *cell = cell_of(nodes, *top as usize);
         let (low, high) = extent.clip(cell);
         let mut far = cell.high();
         for k in 0..3 {
@@ -120,13 +136,13 @@ pub(crate) fn cut(planes: &[i32], depth: u32, extent: &Extent, cells: &mut [Cell
     }
 }
 
-/// Cuts the first cell, that of a node, by the planes of some levels below.
-pub(crate) fn divide(planes: &[i32], node: usize, levels: u32, cells: &mut [Cell]) {
+/// Cuts the first cell by planes of some levels, numbered as in a heap.
+pub(crate) fn divide(planes: &[i32], levels: u32, cells: &mut [Cell]) {
     for level in 0..levels {
         // From the back, so that a parent is read before a child overwrites it.
         for index in (0..1usize << level).rev() {
             let parent = cells.at(index);
-            let plane = planes.at((node << level) + index);
+            let plane = planes.at((1 << level) + index);
             let (mut low, mut high) = (parent.low(), parent.high());
             let axis = axis_of(plane);
             if key_of(plane) == UNSPLIT {
@@ -159,18 +175,27 @@ pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{leaf_of, plane};
+    use super::super::{Split, leaf_of, plane};
     use super::*;
 
     #[test]
     fn each_corner_is_in_the_cell_of_its_leaf_alone() {
-        let planes = [0, plane(0, key(1.0)), plane(1, key(-2.0)), UNSPLIT];
+        let inner = |plane, below| Split { plane, below };
+        let splits = [
+            Split::default(),
+            inner(plane(0, key(1.0)), 2),
+            inner(plane(1, key(-2.0)), 4),
+            Split::leaf(2),
+            Split::leaf(0),
+            Split::leaf(1),
+        ];
+        let nodes = Nodes { boxes: &[], splits: &splits, parents: &[0, 1, 2], tops: &[4, 5, 3] };
         let extent = Extent { low: [key(-5.0); 3], high: [key(5.0); 3] };
-        let mut cells = [Cell::default(); 4];
-        cut(&planes, 2, &extent, &mut cells);
+        let mut cells = [Cell::default(); 3];
+        cut(nodes, &extent, &mut cells);
         for corner in [[0.0, -3.0, 0.0], [0.0, -2.0, 1e30], [1.0, 0.0, 0.0], [9.0, -9.0, f32::INFINITY]] {
             let min = corner.map(key);
-            let leaf = leaf_of(&planes, 2, &min);
+            let leaf = leaf_of(&splits, &min);
             for (index, cell) in cells.iter().enumerate() {
                 assert_eq!(cell.holds(&min), index == leaf, "{corner:?} in {index}");
             }

@@ -15,7 +15,7 @@ use crate::simd::{Phase, Simd};
 /// O(records).
 pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let records = &*parts.tree.records;
-    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
+    let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
     context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
         for leaf in leaves {
             let members = records.span(leaf.start as usize, leaf.len as usize);
@@ -23,7 +23,7 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
         }
     });
     let mut start = 0;
-    for leaf in parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth) {
+    for leaf in parts.tree.leaves.span_mut(0, parts.state.tree.count as usize) {
         leaf.straddler_start = start;
         start += leaf.straddler_len;
     }
@@ -35,7 +35,7 @@ pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepC
     let boxes = parts.boxes.swept();
     let records = &*parts.tree.records;
     let straddlers = Shared::new(parts.tree.straddlers);
-    let leaves = parts.tree.leaves.span_mut(0, 1 << parts.state.tree.depth);
+    let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
     context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
         context.kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
     });
@@ -81,47 +81,30 @@ impl Phase for ListStraddlers<'_, '_> {
 }
 
 /// Makes the box of each node: of a leaf, around its cell and its straddlers; of an inner node, around its children.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, depth: u32, context: StepContext<'_>) {
-    let leaf_count = 1usize << depth;
-    let (cells, leaves, straddlers) = (&*parts.tree.cells, &*parts.tree.leaves, &*parts.tree.straddlers);
-    let (inner, outer) = parts.tree.nodes.split_at_mut_checked(leaf_count).unwrap_or_default();
-    let outer = outer.span_mut(0, leaf_count);
-    context.each(Chunks::new(&mut *outer, LEAVES_PER_BLOCK), |block, nodes| {
-        for (offset, node) in nodes.iter_mut().enumerate() {
-            let index = block * LEAVES_PER_BLOCK + offset;
-            let leaf = leaves.at(index);
-            *node = KeyBox::NOTHING;
-            if leaf.len > 0 {
-                *node = cells.at(index).inside();
-                for straddler in straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
-                    node.include(&straddler.bounds);
-                }
-            }
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
+    let tree = &mut parts.tree;
+    let count = parts.state.tree.count as usize;
+    tree.boxes.span_mut(0, 2 * count).fill(KeyBox::NOTHING);
+    for (index, leaf) in tree.leaves.span(0, count).iter().enumerate().filter(|(_, leaf)| leaf.len > 0) {
+        let mut around = tree.cells.at(index).inside();
+        for straddler in tree.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
+            around.include(&straddler.bounds);
         }
-    });
-    for node in (1..leaf_count).rev() {
-        let mut around = KeyBox::NOTHING;
-        for child in [2 * node, 2 * node + 1] {
-            around.include(match child.checked_sub(leaf_count) {
-                Some(leaf) => KeyBox::of(outer, leaf),
-                None => KeyBox::of(inner, child),
-            });
-        }
-        inner.put(node, around);
+        expand_ancestors(tree.boxes, tree.parents, tree.tops.at(index) as usize, &around);
     }
 }
 
 /// Grows the boxes of a node and of those above it to hold a box.
 #[inline(always)]
-pub(crate) fn expand_ancestors(nodes: &mut [KeyBox], mut node: usize, bounds: &KeyBox) {
+pub(crate) fn expand_ancestors(boxes: &mut [KeyBox], parents: &[u32], mut node: usize, bounds: &KeyBox) {
     while node > 0 {
-        let mut around = nodes.at(node);
+        let mut around = boxes.at(node);
         // Then the boxes above hold it too.
         if around.contains(bounds) {
             break;
         }
         around.include(bounds);
-        nodes.put(node, around);
-        node /= 2;
+        boxes.put(node, around);
+        node = parents.at(node / 2) as usize;
     }
 }

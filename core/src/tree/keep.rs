@@ -30,14 +30,14 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
 /// Moves the records of those that have left their leaf, or were changed by themselves. Returns whether all leaves are filled then;
 /// else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
-    let (live, depth) = (parts.state.objects.live, parts.state.tree.depth);
+    let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);
     if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
         return false;
     }
     let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context);
     let fits = u64::from(straddlers) + u64::from(large) <= parts.tree.straddlers.len() as u64;
-    if !fits || !are_few(u64::from(large), depth, live) {
+    if !fits || !are_few(u64::from(large), leaves, live) {
         return false;
     }
     // Behind the straddlers, of which there may be more or fewer now.
@@ -50,7 +50,7 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     }
     parts.state.tree.large_start = straddlers;
     list_straddlers(parts, context);
-    enclose(parts, depth, context);
+    enclose(parts);
     true
 }
 
@@ -62,11 +62,11 @@ const MORE_TIES_SHARE: u64 = 64;
 /// left theirs: does the next one keep them?
 pub(crate) fn plan(state: &mut State, ties: u64, refilled: Option<u32>) {
     let (is_calm, kept) = match refilled {
-        Some(left) => (left <= state.objects.live / LEAVERS_SHARE, 0),
+        Some(left) => (left <= state.objects.live / LEAVERS_SHARE && state.tree.uneven == 0, 0),
         None => {
             let before = state.stats().tied;
             let most = before + before / MORE_TIES + u64::from(state.objects.live) / MORE_TIES_SHARE;
-            (ties <= most && state.tree.heavy == 0, state.step.kept)
+            (ties <= most && state.tree.heavy == 0 && state.tree.uneven == 0, state.step.kept)
         }
     };
     state.step.kept = if is_calm && kept < MOST_KEPT { kept + 1 } else { 0 };

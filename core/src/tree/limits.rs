@@ -3,25 +3,16 @@
 
 use crate::memory::limits::LEAF_TARGET;
 
-// When planes are made anew. Quarters, so that integers suffice.
+// When planes are made anew.
 
-/// Leaves are out of balance when the sum of the squares of their counts is this many quarters of what new planes can reach, since
-/// sweeps cost about that sum. With few leaves it is less, as the sum cannot grow to that.
-pub(crate) const OUT_OF_BALANCE: u64 = 16;
-/// Planes are good if that sum is at most this many quarters of the least one that there is.
-pub(crate) const GOOD: u64 = 5;
-/// The fullest leaf is sampled if it has more than this many quarters of the mean.
-pub(crate) const FULL: u64 = 6;
-/// A leaf gets new planes when it has this many times the mean count.
-pub(crate) const OVERFULL: usize = 2;
 /// A sweep is heavy if it tests this many times as many pairs in vain as the first one after new planes.
 pub(crate) const HEAVY: u64 = 4;
+/// It is also heavy if it has half as many ghosts again as that first one, and one for this many objects.
+pub(crate) const GHOSTS_SHARE: u64 = 32;
 /// This many heavy sweeps in a row are a reason for new planes: a single one may be an odd frame.
 pub(crate) const HEAVY_STEPS: u8 = 3;
 /// The most full steps from one try at better planes, or at more levels, to the next.
 pub(crate) const PATIENCE: u8 = 64;
-/// One in this many objects may get new planes in one step, so that no step takes much longer than the others.
-pub(crate) const REBALANCED_SHARE: usize = 8;
 
 // How a plane is chosen.
 
@@ -29,6 +20,8 @@ pub(crate) const REBALANCED_SHARE: usize = 8;
 pub(crate) const AXIS_SAMPLE: usize = 512;
 /// Members of a leaf that are sampled to tell whether a plane can part them.
 pub(crate) const LEAF_SAMPLE: usize = 32;
+/// Members of a leaf that are sampled for the planes of its sub-leaves.
+pub(crate) const SUB_SAMPLE: usize = 128;
 /// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.
 pub(crate) const CROSSING: usize = 2;
 /// A plane is lopsided with less than one in this many of the objects on a side.

@@ -4,15 +4,14 @@
 //!   record is there, once. A box that reaches beyond the cell is also a straddler of its leaf; the leaves that it
 //!   reaches find it there (erratum E7).
 //! * Planes stay from step to step, so an object that rests never changes its leaf (erratum E8). They are medians of
-//!   minima when they are made ([`build`]), and are made anew where leaves have grown out of balance ([`balance`]).
-//! * A node that would gain nothing from a plane has one that no object reaches: all its objects go to the left
-//!   (errata E11 and E14).
+//!   minima when they are made ([`build`]). Full leaves get new ones, empty ones lose theirs ([`balance`]).
+//! * A leaf that would gain nothing from a plane gets none, however full it is (errata E11 and E14).
 //! * Each node down to the leaves of a full step has a box around its members. Movers make it larger, and it is made
 //!   tight again after a while ([`refit`]). Whatever looks for objects near a box or along a line walks by these
 //!   boxes ([`visit`]). Planes only tell where an object is at home.
 //!
-//! Nodes are numbered as in a heap: the root is 1, the children of `i` are `2i` and `2i + 1`. At depth `d` leaf `l`
-//! is node `2^d + l`.
+//! Two children have an even number and the next one; the root is 1. When the whole tree is made, nodes are numbered
+//! as in a heap. Later leaves are divided and joined where they stand ([`shape`]).
 
 pub(crate) mod assign;
 pub(crate) mod balance;
@@ -23,17 +22,19 @@ pub(crate) mod keep;
 pub(crate) mod limits;
 pub(crate) mod refit;
 pub(crate) mod relocate;
+pub(crate) mod shape;
 pub(crate) mod sharpen;
 pub(crate) mod slack;
 pub(crate) mod subdivide;
 pub(crate) mod visit;
 
 pub(crate) use crate::geometry::record::{Frame, GRID_MAX, Record};
-pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Straddler, first_of_eight};
+pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Nodes, Split, Straddler, first_of_eight};
 
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::limits::SUB_LEVELS;
+use crate::memory::limits::{LEAF_TARGET, LEVELS, SUB_LEVELS};
+use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
 use limits::LARGE_PER_OBJECT;
@@ -86,40 +87,32 @@ impl Corner {
 
 /// The leaf or sub-leaf whose cell holds a minimum corner.
 #[inline(always)]
-pub(crate) fn home_of(planes: &[i32], state: &State, min: &[i32; 3]) -> usize {
-    let node = below(planes, 1, state.tree.depth, min);
-    let whole = node - (1 << state.tree.depth);
-    let part = if state.tree.is_subdivided(whole) { sub_leaf_of(planes, node, min) } else { 0 };
+pub(crate) fn home_of(tree: &TreeParts<'_>, state: &State, min: &[i32; 3]) -> usize {
+    let whole = leaf_of(tree.splits, min);
+    let part = if state.tree.is_subdivided(whole) { sub_leaf_of(tree.planes, whole, min) } else { 0 };
     whole << state.tree.sub_levels() | part
 }
 
-/// The number of the sub-leaf that holds a minimum corner, of a whole leaf that is given as a node.
+/// The number of the sub-leaf of a whole leaf that holds a minimum corner.
 #[inline(always)]
-fn sub_leaf_of(planes: &[i32], node: usize, min: &[i32; 3]) -> usize {
-    below(planes, node, SUB_LEVELS, min) - (node << SUB_LEVELS)
-}
-
-/// The leaf at `depth` whose cell holds a minimum corner.
-#[inline(always)]
-pub(crate) fn leaf_of(planes: &[i32], depth: u32, min: &[i32; 3]) -> usize {
-    below(planes, 1, depth, min) - (1 << depth)
-}
-
-/// The node so many levels below another whose cell holds a minimum corner.
-#[inline(always)]
-fn below(planes: &[i32], mut node: usize, levels: u32, min: &[i32; 3]) -> usize {
+fn sub_leaf_of(planes: &[i32], whole: usize, min: &[i32; 3]) -> usize {
+    let planes = planes.span(whole * SUB_LEAVES, SUB_LEAVES);
     let corner = Corner::new(*min);
-    let reaches = |node: usize| usize::from(corner.reaches(planes.at(node)));
-    // Two levels at a time: the planes of both children are compared before it is known which one is needed.
-    for _ in 0..levels / 2 {
-        let (right, below) = (reaches(node), [reaches(2 * node), reaches(2 * node + 1)]);
-        // Cut to one bit, it needs no check of the range.
-        node = 4 * node + 2 * right + below[right & 1];
+    (0..SUB_LEVELS).fold(1, |node, _| 2 * node + usize::from(corner.reaches(planes.at(node)))) % SUB_LEAVES
+}
+
+/// The leaf of a full step whose cell holds a minimum corner.
+#[inline(always)]
+pub(crate) fn leaf_of(splits: &[Split], min: &[i32; 3]) -> usize {
+    let corner = Corner::new(*min);
+    let mut split = splits.at(1);
+    for _ in 0..LEVELS {
+        if let Some(leaf) = split.as_leaf() {
+            return leaf;
+        }
+        split = splits.at(split.below as usize + usize::from(corner.reaches(split.plane)));
     }
-    if levels & 1 == 1 {
-        node = 2 * node + reaches(node);
-    }
-    node
+    0
 }
 
 /// The sub-leaves of a whole leaf: as many as are tested at once.
@@ -132,10 +125,20 @@ pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) ->
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
-/// Whether there are few enough large objects, as each leaf at the depth looks at all of them. With more, larger
+/// Whether there are few enough large objects, as each leaf looks at all of them. With more, larger
 /// leaves cost less.
-fn are_few(large: u64, depth: u32, live: u32) -> bool {
-    large << depth <= LARGE_PER_OBJECT * u64::from(live)
+fn are_few(large: u64, leaves: u32, live: u32) -> bool {
+    large * u64::from(leaves) <= LARGE_PER_OBJECT * u64::from(live)
+}
+
+/// The members of a leaf of new planes, about; twice as many each time that there were too many ghosts.
+fn planned(state: &State) -> u64 {
+    u64::from(state.objects.live >> state.tree.depth).max(LEAF_TARGET as u64 / 2) << state.tree.coarser
+}
+
+/// The most members of a leaf that is not to be divided.
+pub(crate) fn most(state: &State) -> u64 {
+    planned(state) * 3 / 2
 }
 
 /// Gives the homes of objects other numbers, when leaves of another depth are used. O(slots).

@@ -22,16 +22,15 @@ impl<I: Index> Phase for Refit<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { parts, movers } = self;
-        let leaves = 1usize << parts.state.tree.depth;
-        // A power of two, so that a mask keeps counts below it. A count may be too large: there may have been more
-        // leaves before, and a snapshot may hold any number.
-        let all = leaves * MOVERS_PER_REFIT;
-        let start = parts.state.tree.moved_since_refit as usize & (all - 1);
-        let end = start + movers;
-        for turn in start / MOVERS_PER_REFIT..end / MOVERS_PER_REFIT {
-            refit(simd, parts, turn & (leaves - 1));
+        let moved = parts.state.tree.moved_since_refit as usize + movers;
+        parts.state.tree.moved_since_refit = (moved % MOVERS_PER_REFIT) as u32;
+        for _ in 0..moved / MOVERS_PER_REFIT {
+            // There may have been more leaves before.
+            let whole =
+                if parts.state.tree.refit < parts.state.tree.count { parts.state.tree.refit } else { 0 };
+            refit(simd, parts, whole as usize);
+            parts.state.tree.refit = whole + 1;
         }
-        parts.state.tree.moved_since_refit = (end & (all - 1)) as u32;
     }
 }
 
@@ -57,11 +56,11 @@ fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
             tree.bounds.put(index, bounds);
         }
     }
-    let mut node = (1usize << parts.state.tree.depth) + whole;
+    let mut node = tree.tops.at(whole) as usize;
     while node > 0 {
-        tree.nodes.put(node, around);
+        tree.boxes.put(node, around);
         // With the sibling it makes the node above.
-        around.include(KeyBox::of(tree.nodes, node ^ 1));
-        node /= 2;
+        around.include(KeyBox::of(tree.boxes, node ^ 1));
+        node = tree.parents.at(node / 2) as usize;
     }
 }

@@ -65,7 +65,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     let mut classified = cell.classify(simd, keys);
     let stays = classified.is_home();
     if !stays {
-        leaf = home_of(parts.tree.planes, parts.state, &bounds.min);
+        leaf = home_of(&parts.tree, parts.state, &bounds.min);
         cell = parts.tree.cells.at(leaf);
         classified = cell.classify(simd, keys);
     }
@@ -105,7 +105,8 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
     {
         bounds.include(&record);
     }
-    expand_ancestors(parts.tree.nodes, (1usize << parts.state.tree.depth) + whole, &bounds);
+    let top = parts.tree.tops.at(whole) as usize;
+    expand_ancestors(parts.tree.boxes, parts.tree.parents, top, &bounds);
     true
 }
 

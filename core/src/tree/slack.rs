@@ -1,19 +1,19 @@
 //! Borrows room for a full leaf from its neighbours, so that a step with few movers need not fill all leaves anew.
 
-use super::balance::overfull;
 use super::limits::NEIGHBOURS;
+use super::most;
 use crate::access::Access;
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 
 /// Gives a full leaf half of the free room of its nearest neighbour that has some. The records of the leaves between
-/// move along and keep their order, so the places of their objects stay. Returns whether there was room. An overfull
-/// leaf gets none: it needs new planes. O(neighbours and their members).
+/// move along and keep their order, so the places of their objects stay. Returns whether there was room. A leaf
+/// that is to be divided gets none. O(neighbours and their members).
 ///
 /// At most `budget` records move: beyond that it costs less to fill all leaves anew.
 pub(crate) fn borrow_slack(tree: &mut TreeParts<'_>, state: &State, full: usize, budget: &mut usize) -> bool {
     let leaves = state.leaves() as usize;
-    if tree.leaves.at(full).len as usize >= overfull(state) {
+    if tree.leaves.at(full).len as usize >= most(state) as usize {
         return false;
     }
     for distance in 1..=NEIGHBOURS {

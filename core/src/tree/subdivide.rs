@@ -7,15 +7,17 @@
 //! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are empty.
 //! Divided leaves have no straddlers: only a full step gathers ghosts.
 
-use super::cells::divide;
-use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE};
-use super::{Cell, Leaf, Record, SUB_LEAVES, renumber, sub_leaf_of};
+use super::cells::{divide, longest_axis};
+use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
+use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
+use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
-use crate::memory::slab::Parts;
+use crate::memory::slab::{Parts, TreeParts};
 use crate::simd::{Phase, Simd};
+use crate::sort::heapsort;
 
 /// Divides some leaves that are not divided yet.
 pub(crate) struct Subdivide<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
@@ -30,7 +32,7 @@ impl<I: Index> Phase for Subdivide<'_, '_, I> {
             number_anew(parts);
         }
         let mut left = (parts.state.objects.live / DIVIDED_SHARE).max(DIVIDED_AT_LEAST);
-        while left > 0 && parts.state.tree.subdivided <= 1 << parts.state.tree.depth {
+        while left > 0 && parts.state.tree.subdivided <= parts.state.tree.count {
             let whole = parts.state.tree.subdivided as usize - 1;
             // An empty leaf takes time too.
             left = left.saturating_sub(parts.tree.leaves.at(whole * SUB_LEAVES).len + 1);
@@ -42,8 +44,7 @@ impl<I: Index> Phase for Subdivide<'_, '_, I> {
 
 /// Gives each leaf the number of its first sub-leaf. O(slots).
 fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
-    let depth = parts.state.tree.depth;
-    let leaves = 1usize << depth;
+    let leaves = parts.state.tree.count as usize;
     parts.state.tree.subdivided = 1;
     let slots = parts.state.objects.slots as usize;
     renumber(parts.home.span_mut(0, slots), |leaf| leaf << SUB_LEVELS);
@@ -62,16 +63,43 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
+/// Makes the planes of the sub-leaves of a leaf: medians on the longest axis of a sample of its members.
+fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: usize) {
+    let members = tree.records.span(leaf.start as usize, leaf.len as usize);
+    let mut sample = [[0; 3]; SUB_SAMPLE];
+    let mut count = 0;
+    // An odd step, since every second object may be of another kind.
+    let step = members.len().div_ceil(SUB_SAMPLE) | 1;
+    for (min, record) in sample.iter_mut().zip(members.iter().step_by(step)) {
+        *min = KeyBox::of(boxes, record.slot() as usize).min;
+        count += 1;
+    }
+    for node in 1..SUB_LEAVES {
+        let level = node.ilog2();
+        let [start, middle, end] =
+            [0, 1, 2].map(|half| (count * (2 * (node - (1 << level)) + half)) >> (level + 1));
+        let part = sample.span_mut(start, end - start);
+        let mut extent = Extent::NONE;
+        part.iter().for_each(|min| extent.include(min));
+        let axis = longest_axis(&extent, 0);
+        heapsort(part, |a, b| a[axis % 3] < b[axis % 3]);
+        let (low, here) = (sample.get(start), sample.get(middle));
+        let divides = low.zip(here).filter(|(low, here)| middle < end && low[axis % 3] < here[axis % 3]);
+        tree.planes
+            .put(whole * SUB_LEAVES + node, divides.map_or(UNSPLIT, |(_, here)| plane(axis, here[axis % 3])));
+    }
+}
+
 /// Divides one leaf. Its moved objects may be gone or anywhere else by now. They only have to be where their homes
 /// and places say.
 #[inline(always)]
 fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
-    let node = (1usize << parts.state.tree.depth) + whole;
     let first = whole * SUB_LEAVES;
     let leaf = parts.tree.leaves.at(first);
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
-    divide(tree.planes, node, SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
+    make_planes(tree, boxes, &leaf, whole);
+    divide(tree.planes.span(first, SUB_LEAVES), SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
     let frame = tree.frames.at(whole);
 
     // The sorted lists serve as scratch memory: for the slots, and for the sub-leaf of each.
@@ -86,7 +114,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     }
     for (slot, goal) in slots.iter().zip(&mut *goals) {
         let bounds = KeyBox::of(boxes, slot.at());
-        let sub = sub_leaf_of(tree.planes, node, &bounds.min);
+        let sub = sub_leaf_of(tree.planes, whole, &bounds.min);
         *goal = I::from_slot(sub as u32);
         if let Some(len) = lens.get_mut(sub) {
             *len += 1;
@@ -133,7 +161,7 @@ pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
     }
     parts.state.tree.subdivided = 0;
     renumber(parts.home, |leaf| leaf >> SUB_LEVELS);
-    for index in 0..1usize << parts.state.tree.depth {
+    for index in 0..parts.state.tree.count as usize {
         let leaf = parts.tree.leaves.at(index * SUB_LEAVES);
         parts.tree.leaves.put(index, leaf);
     }

@@ -1,10 +1,12 @@
 //! The rule of the corner: each pair is reported in one cell, whatever the planes are.
 
-use super::{UNSPLIT, plane};
+use super::shape::{graft, plant};
+use super::{Cell, UNSPLIT, plane};
 use crate::config::{Capacity, Choice, Config};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::key;
+use crate::id::Index;
 use crate::memory::stats::Path;
 use crate::simd::kernels::Kernels;
 use crate::world::World;
@@ -58,18 +60,20 @@ impl Reported {
 /// Makes the next full step use these planes, one for all nodes of a level, however uneven the leaves are.
 fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS as usize]) {
     let parts = &mut world.parts;
+    let tree = &mut parts.state.tree;
+    plant(&mut parts.tree, tree);
+    let made = bytemuck::cast_slice_mut::<Cell, i32>(parts.tree.cells);
+    made[..2 << LEVELS].fill(UNSPLIT);
     for (level, number) in levels.into_iter().enumerate() {
         let cut = if number == 0 { UNSPLIT } else { plane((number - 1) % 3, key(((number - 1) / 3) as f32)) };
-        for node in 1 << level..2 << level {
-            parts.tree.planes[node] = cut;
-        }
+        made[1 << level..2 << level].fill(cut);
     }
+    assert!(graft(&mut parts.tree, tree, 0, LEVELS));
     for leaf in &mut *parts.tree.leaves {
-        leaf.baseline = 1 << 30;
+        leaf.stuck = 1 << 30;
     }
-    let tree = &mut parts.state.tree;
-    (tree.depth, tree.baseline, tree.divisible, tree.planes_in) = (LEVELS, 1 << 50, 0, u8::MAX);
-    (tree.deeper_in, tree.heavy, parts.state.step.kept) = (u8::MAX, 0, 0);
+    parts.home.fill(u16::NONE);
+    (tree.wait, parts.state.step.kept) = (u8::MAX, 0);
 }
 
 #[test]
@@ -104,7 +108,6 @@ fn each_pair_is_counted_in_one_cell_for_all_planes_on_a_lattice() {
                     assert!(reported.note(a, b), "planes {x} {y} {z}: {a} and {b} twice");
                 }
                 assert_eq!(reported.count, expected, "planes {x} {y} {z}: a pair is missing");
-                assert_eq!(world.parts.state.tree.depth, LEVELS);
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Walks the tree by the boxes of its nodes, to the leaves that a box, a cast or a point looks for.
 
-use crate::access::note_fault;
+use crate::access::{Access, note_fault};
 use crate::geometry::key::KeyBox;
+use crate::memory::leaf::Nodes;
 use crate::memory::limits::LEVELS;
 use crate::simd::Simd;
 use arrayvec::ArrayVec;
@@ -53,12 +54,11 @@ struct Waiting<W> {
     when: W,
 }
 
-/// The walk to the leaves at one depth that a probe meets. O(depth) for each leaf.
+/// The walk to the leaves that a probe meets. O(depth) for each leaf.
 ///
 /// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
 pub(crate) struct Visit<'v, P: Probe> {
-    nodes: &'v [KeyBox],
-    first: u32,
+    nodes: Nodes<'v>,
     pub(crate) probe: P,
     /// Nodes that wait: at most one a level, and the leaf at the start.
     stack: ArrayVec<Waiting<P::When>, LEVELS>,
@@ -69,22 +69,24 @@ impl<'v, P: Probe> Visit<'v, P> {
     /// left to visit then. From there the nodes beside the way up to the root are tested, which do not depend on each
     /// other; a way down from the root would wait for each test.
     #[inline(always)]
-    pub(crate) fn new<S: Simd>(simd: S, nodes: &'v [KeyBox], depth: u32, leaf: usize, probe: P) -> Self {
-        let first = 1 << depth;
-        let leaf = first | leaf as u32;
-        let mut visit = Self { nodes, first, probe, stack: ArrayVec::new() };
-        // The nodes beside the way. The deepest one is pushed last, so it comes first.
-        for level in (0..depth).rev().step_by(2) {
-            let has_lower = level > 0;
-            let lower = if has_lower { leaf >> (level - 1) ^ 1 } else { 0 };
-            let [upper, lower] = visit.meet(simd, [leaf >> level ^ 1, lower]);
+    pub(crate) fn new<S: Simd>(simd: S, nodes: Nodes<'v>, leaf: usize, probe: P) -> Self {
+        let top = nodes.tops.at(leaf);
+        let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
+        let mut beside = ArrayVec::<u32, LEVELS>::new();
+        let mut node = top;
+        while node > 1 && beside.try_push(node ^ 1).is_ok() {
+            node = nodes.parents.at(node as usize / 2);
+        }
+        // The deepest one is pushed last, so it comes first.
+        for pair in beside.rchunks(2) {
+            let (lower, upper) = (pair.at(0), pair.last().copied().unwrap_or_default());
+            let [upper, lower] = visit.meet(simd, [upper, lower]);
             visit.push(upper);
-            // There is no node zero, but an unbounded probe might meet its box.
-            if has_lower {
+            if pair.len() > 1 {
                 visit.push(lower);
             }
         }
-        visit.push(Waiting { node: leaf, when: P::AT_ONCE });
+        visit.push(Waiting { node: top, when: P::AT_ONCE });
         visit
     }
 
@@ -92,7 +94,7 @@ impl<'v, P: Probe> Visit<'v, P> {
     #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
         if self.probe.is_met(node.when) && self.stack.try_push(node).is_err() {
-            note_fault(self.nodes.as_ptr().addr());
+            note_fault(self.nodes.boxes.as_ptr().addr());
         }
     }
 
@@ -100,7 +102,7 @@ impl<'v, P: Probe> Visit<'v, P> {
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, pair: [u32; 2]) -> [Waiting<P::When>; 2] {
         let [a, b] = pair;
-        let nodes = [KeyBox::of(self.nodes, a as usize), KeyBox::of(self.nodes, b as usize)];
+        let nodes = [KeyBox::of(self.nodes.boxes, a as usize), KeyBox::of(self.nodes.boxes, b as usize)];
         let [when, other] = self.probe.meet(simd, nodes);
         [Waiting { node: a, when }, Waiting { node: b, when: other }]
     }
@@ -110,10 +112,11 @@ impl<'v, P: Probe> Visit<'v, P> {
         while let Some(mut here) = self.stack.pop() {
             // Down to the leaf that is met first.
             while self.probe.is_met(here.when) {
-                if here.node >= self.first {
-                    return Some((here.node - self.first) as usize);
+                let split = self.nodes.splits.at(here.node as usize);
+                if let Some(leaf) = split.as_leaf() {
+                    return Some(leaf);
                 }
-                let [left, right] = self.meet(simd, [2 * here.node, 2 * here.node + 1]);
+                let [left, right] = self.meet(simd, [split.below, split.below + 1]);
                 let swap = self.probe.is_right_first(left.when, right.when);
                 let (near, later) = if swap { (right, left) } else { (left, right) };
                 self.push(later);

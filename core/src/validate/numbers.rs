@@ -2,10 +2,8 @@
 
 use crate::config::Mode;
 use crate::memory::layout::Sizes;
-use crate::memory::limits::SUB_LEVELS;
 use crate::memory::state::{State, TreeState};
 use crate::snapshot::check::{Invalid, check};
-use crate::tree::balance::depth_for;
 
 /// Checks all numbers of a state before any of them is used in an index, but for those that a snapshot has, too.
 pub(crate) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
@@ -23,10 +21,9 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         state.lists.listed as usize,
     )?;
     check(state.lists.axis < 3 && state.lists.second_axis < 3, "an axis that there is not", 0)?;
-    let TreeState { filled, poor, divisible, .. } = state.tree;
-    for (at, flag) in [state.lists.stale, filled, poor, divisible, state.pairs.unkept, state.pairs.swapped]
-        .into_iter()
-        .enumerate()
+    let TreeState { filled, uneven, .. } = state.tree;
+    for (at, flag) in
+        [state.lists.stale, filled, uneven, state.pairs.unkept, state.pairs.swapped].into_iter().enumerate()
     {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
@@ -35,20 +32,18 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
 }
 
 fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
-    let full = sizes.depth.saturating_sub(SUB_LEVELS);
-    check(state.tree.built as usize <= sizes.tree, "planes for too many objects", state.tree.built as usize)?;
-    // No planes are made below.
-    let deepest = if state.tree.built > 0 { depth_for(state.tree.built as usize, sizes.depth) } else { full };
-    check(state.tree.depth <= deepest.min(full), "a tree without planes", state.tree.depth as usize)?;
     check(
-        state.tree.subdivided == 0
-            || sizes.tree > 0 && u64::from(state.tree.subdivided) <= (1 << state.tree.depth) + 1,
+        state.tree.count as usize <= sizes.whole_leaves,
+        "more leaves than room",
+        state.tree.count as usize,
+    )?;
+    check(state.tree.coarser < 32, "leaves of no size", state.tree.coarser as usize)?;
+    check(
+        state.tree.subdivided == 0 || sizes.tree > 0 && state.tree.subdivided <= state.tree.count + 1,
         "more leaves are divided than there are",
         state.tree.subdivided as usize,
     )?;
-    check(state.tree.filled == 0 || state.tree.built > 0, "filled leaves without planes", 0)?;
-    // So that no sum of squares can overflow.
-    check(state.tree.baseline <= u64::from(state.tree.built).pow(2), "planes that were never so uneven", 0)?;
+    check(state.tree.filled == 0 || state.tree.count > 0, "filled leaves without planes", 0)?;
     check(
         u64::from(state.tree.large_start) + u64::from(state.tree.large) <= sizes.straddlers as u64,
         "more large objects than there is room for",

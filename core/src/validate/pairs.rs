@@ -136,7 +136,7 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
                     all.add([slot as u32, other as u32]);
                 }
             };
-            let mut visit = Visit::new(simd, tree.nodes, state.tree.depth, 0, *bounds);
+            let mut visit = Visit::new(simd, tree.nodes(), 0, *bounds);
             while let Some(whole) = visit.next(simd) {
                 let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
                 for part in whole << sub_levels..(whole + 1) << sub_levels {

@@ -7,27 +7,20 @@ use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::snapshot::check::{Invalid, check};
-use crate::tree::balance::depth_for;
-use crate::tree::cells::cut;
-use crate::tree::{Cell, Record, axis_of, home_of, plane};
+use crate::tree::cells::{cell_of, divide};
+use crate::tree::{Record, SUB_LEAVES, axis_of, home_of, plane};
 
 /// Checks the planes and, if leaves are filled, all of them. O(slots + leaves log leaves).
 pub(super) fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &parts.state.tree;
-    if state.built > 0 {
-        for node in 1..1 << (depth_for(state.built as usize, parts.sizes.depth) + SUB_LEVELS) {
-            // Any key is right for a plane, but not any axis.
-            let known = parts.tree.planes.at(node);
-            check(plane(axis_of(known), known) == known, "a plane has no axis", node)?;
-        }
-    }
+    shape(parts)?;
     if state.filled == 0 {
         return Ok(());
     }
     nodes(parts)?;
     cells(parts)?;
     let (mut end, mut placed) = (0, state.large as usize);
-    for index in 0..1 << (state.depth + state.sub_levels()) {
+    for index in 0..(state.count as usize) << state.sub_levels() {
         let leaf = parts.tree.leaves.at(index);
         check(leaf.start == end && leaf.len <= leaf.room, "leaves do not stand one behind another", index)?;
         end += leaf.room;
@@ -59,14 +52,39 @@ pub(super) fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Each leaf and each node but the root is once below another, and each plane has an axis.
+fn shape<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    let (nodes, count) = (parts.tree.nodes(), parts.state.tree.count as usize);
+    for node in 1..2 * count {
+        let split = nodes.splits.at(node);
+        let known = match split.as_leaf() {
+            Some(leaf) => leaf < count && nodes.tops.at(leaf) as usize == node,
+            None => {
+                let pair = split.below as usize / 2;
+                let axis = plane(axis_of(split.plane), split.plane) == split.plane;
+                axis && split.below % 2 == 0 && pair < count && nodes.above(2 * pair) == node
+            }
+        };
+        check(known, "a node is not where the one above says, or a plane has no axis", node)?;
+        let top = (0..nodes.depth(node)).fold(node, |node, _| nodes.above(node));
+        check(top == 1, "a node is not below the root", node)?;
+    }
+    let divided = (0..count).filter(|whole| parts.state.tree.is_subdivided(*whole));
+    for at in divided.flat_map(|whole| whole * SUB_LEAVES + 1..(whole + 1) * SUB_LEAVES) {
+        let known = parts.tree.planes.at(at);
+        check(plane(axis_of(known), known) == known, "a plane has no axis", at)?;
+    }
+    Ok(())
+}
+
 /// The box of each node is valid and holds those below it, since nothing looks below a box that is not met.
 fn nodes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let nodes = &parts.tree.nodes;
-    check(nodes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
-    for node in 1..2usize << parts.state.tree.depth {
-        let around = nodes.at(node);
+    let nodes = parts.tree.nodes();
+    check(nodes.boxes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;
+    for node in 1..2 * parts.state.tree.count as usize {
+        let around = nodes.boxes.at(node);
         check(around == KeyBox::NOTHING || around.is_valid(), "the box of a node is none", node)?;
-        let holds = node == 1 || nodes.at(node / 2).contains(&around);
+        let holds = node == 1 || nodes.boxes.at(nodes.above(node)).contains(&around);
         check(holds, "the box of a node does not hold the one below", node)?;
     }
     Ok(())
@@ -79,7 +97,7 @@ fn member<I: Index>(parts: &Parts<'_, I>, leaf: usize, record: &Record) -> Resul
     let whole = leaf >> sub_levels;
     let bounds = parts.boxes.swept().at(slot);
     check(!bounds.is_empty(), "a record has no object", slot)?;
-    let home = home_of(tree.planes, parts.state, &bounds.min);
+    let home = home_of(tree, parts.state, &bounds.min);
     check(home == leaf, "an object is not where the planes say", slot)?;
     let mut expected = Scalar.record(&tree.frames.at(whole), bounds, slot as u32);
     // Nobody reads the marks in divided leaves: a full step makes them anew.
@@ -88,7 +106,7 @@ fn member<I: Index>(parts: &Parts<'_, I>, leaf: usize, record: &Record) -> Resul
         _ => record.tag & Record::STRADDLES,
     };
     check(*record == expected, "a record is not that of its box", slot)?;
-    let around = tree.nodes.at((1 << state.depth) + whole);
+    let around = tree.nodes().around(whole);
     check(around.contains(&bounds), "the box of a node does not hold a member", slot)?;
     let mut both = tree.bounds.at(leaf);
     both.include(record);
@@ -112,37 +130,18 @@ fn large<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The cells are those of the planes. Each is cut by itself, so that no memory is needed.
+/// The cells are those of the planes.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let sub_levels = parts.state.tree.sub_levels();
-    let depth = parts.state.tree.depth + sub_levels;
-    for index in 0..1usize << depth {
-        let mut planes = [0; 2];
-        let mut cell = Cell::ALL;
-        let divided = sub_levels == 0 || parts.state.tree.is_subdivided(index >> sub_levels);
-        if !divided && index & ((1 << sub_levels) - 1) != 0 {
-            continue;
+    let (state, tree) = (&parts.state.tree, &parts.tree);
+    for whole in 0..state.count as usize {
+        let mut cells = [cell_of(tree.nodes(), tree.tops.at(whole) as usize); SUB_LEAVES];
+        let levels = if state.is_subdivided(whole) { SUB_LEVELS } else { 0 };
+        divide(tree.planes.span(whole * SUB_LEAVES, SUB_LEAVES), levels, &mut cells);
+        for (part, cell) in cells.iter().enumerate().take(1 << levels) {
+            let known = tree.cells.at((whole << state.sub_levels()) + part);
+            let same = (cell.low(), cell.high()) == (known.low(), known.high());
+            check(same, "a cell is not that of its planes", whole)?;
         }
-        for level in 0..if divided { depth } else { depth - sub_levels } {
-            let node = ((1 << depth) + index) >> (depth - level);
-            let right = ((1 << depth) + index) >> (depth - level - 1) & 1;
-            planes.put(1, parts.tree.planes.at(node));
-            let mut halves = [cell, cell];
-            cut(&planes, 1, &parts.state.tree.extent(), &mut halves);
-            let half = halves.at(right);
-            let (mut low, mut high) = (cell.low(), cell.high());
-            for k in 0..3 {
-                low[k] = low[k].max(half.low()[k]);
-                high[k] = high[k].min(half.high()[k]);
-            }
-            cell = Cell::new(low, high, high);
-        }
-        let known = parts.tree.cells.at(index);
-        check(
-            (cell.low(), cell.high()) == (known.low(), known.high()),
-            "a cell is not that of its planes",
-            index,
-        )?;
     }
     Ok(())
 }

@@ -4,7 +4,8 @@ use crate::access::Access;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::id::{Id, Index};
-use crate::tree::{UNSPLIT, axis_of, key_of};
+use crate::tree::cells::{cell_of, divide};
+use crate::tree::{SUB_LEAVES, UNSPLIT, axis_of, key_of};
 use crate::world::World;
 
 /// A leaf of the tree.
@@ -48,7 +49,7 @@ pub struct PlaneView {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// The leaves, from left to right. O(leaves).
+    /// The leaves. O(leaves).
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
         let tree = &self.parts.tree;
         (0..self.leaf_count()).map(|leaf| {
@@ -58,30 +59,29 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// The planes that divide a node, from the root down. O(leaves log leaves).
+    /// The planes, each once. O(leaves · depth).
     pub fn planes(&self) -> impl Iterator<Item = PlaneView> + '_ {
-        let planes = &*self.parts.tree.planes;
-        let state = &*self.parts.state;
-        let divides = move |node: usize| {
-            // Planes below a leaf that is not divided yet divide nothing.
-            let levels = (usize::BITS - 1 - node.leading_zeros()).checked_sub(state.tree.depth);
-            let whole = |levels| !state.tree.is_subdivided((node >> levels) - (1 << state.tree.depth));
-            key_of(planes.at(node)) != UNSPLIT && !levels.is_some_and(whole)
-        };
-        (1..self.leaf_count()).filter(move |&node| divides(node)).map(|node| {
-            let depth = usize::BITS - 1 - node.leading_zeros();
-            let mut cell = KeyBox { min: [i32::MIN; 3], max: [i32::MAX; 3] };
-            for level in (0..depth).rev() {
-                let plane = planes.at(node >> (level + 1));
-                let (axis, key) = (axis_of(plane), key_of(plane));
-                if node >> level & 1 == 1 {
-                    cell.min[axis] = cell.min[axis].max(key);
-                } else {
-                    cell.max[axis] = cell.max[axis].min(key);
-                }
-            }
-            let plane = planes.at(node);
-            PlaneView { axis: axis_of(plane), position: value(key_of(plane)), cell: shown(cell), depth }
+        let (state, tree) = (&self.parts.state.tree, &self.parts.tree);
+        let nodes = tree.nodes();
+        let count = if self.has_tree() { state.count as usize } else { 0 };
+        let inner = (1..2 * count)
+            .map(|node| (node, tree.splits.at(node)))
+            .filter(|(_, split)| split.as_leaf().is_none());
+        let inner = inner.map(move |(node, split)| (split.plane, cell_of(nodes, node), nodes.depth(node)));
+        let divided = (0..count).filter(|whole| state.is_subdivided(*whole));
+        let below = divided.flat_map(move |whole| {
+            (1..SUB_LEAVES).map(move |node| {
+                let level = node.ilog2();
+                let top = nodes.tops.at(whole) as usize;
+                let mut cells = [cell_of(nodes, top); SUB_LEAVES];
+                let planes = tree.planes.span(whole * SUB_LEAVES, SUB_LEAVES);
+                divide(planes, level, &mut cells);
+                (planes.at(node), cells.at(node - (1 << level)), nodes.depth(top) + level)
+            })
+        });
+        inner.chain(below).filter(|(plane, _, _)| key_of(*plane) != UNSPLIT).map(|(plane, cell, depth)| {
+            let cell = shown(KeyBox { min: cell.low(), max: cell.high() });
+            PlaneView { axis: axis_of(plane), position: value(key_of(plane)), cell, depth }
         })
     }
 

@@ -32,7 +32,7 @@ impl State {
 
     /// The leaves now; without a tree, those of the last step.
     pub(crate) const fn leaves(&self) -> u32 {
-        if self.tree.filled != 0 { 1 << (self.tree.depth + self.tree.sub_levels()) } else { self.step.leaves }
+        if self.tree.filled != 0 { self.tree.count << self.tree.sub_levels() } else { self.step.leaves }
     }
 
     /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus, and

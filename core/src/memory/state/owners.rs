@@ -47,18 +47,22 @@ pub(crate) struct ListState {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct TreeState {
-    /// The sum of the squares of the leaves' counts when their planes were new: what new planes can reach.
-    pub(crate) baseline: u64,
-    /// Pairs tested in vain by the first full step with these planes: what new planes can reach.
+    /// Pairs tested in vain by the first full step after the whole tree was made: what new planes can reach.
     pub(crate) baseline_work: u64,
-    /// Living objects when the planes were made, or zero where there are none.
-    pub(crate) built: u32,
-    /// The depth of the leaves of full steps. Less than planned if ghosts would take too much room.
+    /// The same for its ghosts.
+    pub(crate) baseline_copies: u64,
+    /// Leaves of full steps, or zero where there are no planes.
+    pub(crate) count: u32,
+    /// The depth of new planes for as many objects as there are, or were lately.
     pub(crate) depth: u32,
+    /// How many times leaves are twice as large as planned, since ghosts would take too much room.
+    pub(crate) coarser: u32,
     /// Zero while no leaf is divided; else one more than the number of divided leaves, which are the first ones.
     pub(crate) subdivided: u32,
     /// Movers since the boxes of the first leaf were made tight, as one leaf follows another.
     pub(crate) moved_since_refit: u32,
+    /// The next leaf whose box is made tight.
+    pub(crate) refit: u32,
     /// First large object among the straddlers, and how many there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
@@ -70,29 +74,27 @@ pub(crate) struct TreeState {
     pub(crate) fullest_leaf: u32,
     /// Whether records, homes and places are those of the last step.
     pub(crate) filled: u8,
-    /// Whether the planes parted the objects badly when they were made.
-    pub(crate) poor: u8,
-    /// Whether new planes are due, since they would part what these leave together.
-    pub(crate) divisible: u8,
-    /// Full steps until new planes are tried again after bad ones, and how many it will be the next time.
-    pub(crate) planes_in: u8,
-    pub(crate) planes_after: u8,
-    /// The same for more levels, after there were too many ghosts.
-    pub(crate) deeper_in: u8,
-    pub(crate) deeper_after: u8,
+    /// Whether the whole tree is to be made anew: see [`Due`](crate::tree::balance::Due).
+    pub(crate) due: u8,
+    /// Whether a leaf is too full that planes may divide.
+    pub(crate) uneven: u8,
+    /// Full steps until leaves are divided again that could not be, and how many it will be the next time.
+    pub(crate) wait: u8,
+    pub(crate) waits: u8,
     /// Heavy sweeps in a row: see [`HEAVY`](crate::tree::limits::HEAVY).
     pub(crate) heavy: u8,
+    pub(crate) unused: [u8; 2],
 }
 
 impl TreeState {
     /// The next step makes new planes and fills all leaves.
     pub(crate) const fn forget(&mut self) {
-        (self.baseline, self.built, self.filled) = (0, 0, 0);
+        (self.count, self.filled) = (0, 0);
     }
 
     /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
-        (1usize << self.depth).div_ceil(LEAVES_PER_BLOCK).max(1)
+        (self.count as usize).div_ceil(LEAVES_PER_BLOCK).max(1)
     }
 
     /// How many levels the leaves are below `depth`: none while no leaf is divided.
