@@ -41,7 +41,9 @@ fn assert_near(what: &str, (stats, visits): &(Stats, u64), (fresh, fresh_visits)
     );
     let within = |a: u64, b: u64| a as f64 <= AT_MOST * b as f64 + 64.0;
     assert!(within(stats.candidates, fresh.candidates), "{what}: candidates\n{stats:?}\n{fresh:?}");
-    assert!(within(stats.copies, fresh.copies), "{what}: copies\n{stats:?}\n{fresh:?}");
+    // Leaves that were divided where they stood may be longer than new ones.
+    let copies = within(stats.copies, fresh.copies) || 4 * stats.copies <= u64::from(stats.objects);
+    assert!(copies, "{what}: copies\n{stats:?}\n{fresh:?}");
     let [full, even] = [stats.fullest_leaf, fresh.fullest_leaf].map(u64::from);
     assert!(within(full, even), "{what}: the fullest leaf\n{stats:?}\n{fresh:?}");
     assert!(2 * stats.leaves_in_use >= fresh.leaves_in_use, "{what}: leaves in use\n{stats:?}\n{fresh:?}");
