@@ -39,6 +39,8 @@ if $all; then
     fi
     cargo run --release -p trisap-runs --bin million
     cargo run --release -p trisap-runs --bin overflow
+    # The same where an overflow ends the program.
+    CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true cargo run --release -p trisap-runs --bin overflow
     tests/instructions.sh
     tests/web.sh
     tests/targets.sh
