@@ -194,14 +194,14 @@ fn a_world_without_filters_refuses_and_pays_nothing() {
     assert_eq!(error, Error::NoFilters);
     assert_eq!(world.world().filter(id), None);
 
-    // Twelve bytes an object, a bit an object and one for each 32, and the class matrix, each on cache lines of its own;
+    // Twelve bytes an object, a bit an object and one for each 32, and the class matrix, each up to a cache line longer;
     // without, none of them.
     for objects in [40, 300, 5000] {
         let plain = Config::new(ample(objects, 100));
         let bytes = |config: &Config| layout::<u16>(config).expect("a world").bytes;
         let words = objects.div_ceil(32) + objects.div_ceil(1024);
-        let more = (12 * objects).next_multiple_of(64) + words.next_multiple_of(16) * 4 + 128;
-        assert_eq!(bytes(&plain.with_filters()), bytes(&plain) + more);
+        let more = bytes(&plain.with_filters()) - bytes(&plain);
+        assert!(more.abs_diff(12 * objects + 4 * words + 128) < 3 * 64, "{objects}: {more}");
     }
 }
 

@@ -16,7 +16,7 @@ struct Program {
 const PROGRAMS: [Program; 5] = [
     Program { path: "std-adapter/examples/game.rs", names: &["broad_phase", "step"], named: 9, glue: 2 },
     Program { path: "std-adapter/examples/picker.rs", names: &["town", "Town", "ray"], named: 21, glue: 9 },
-    Program { path: "std-adapter/examples/rollback.rs", names: &["broad_phase", "step"], named: 6, glue: 4 },
+    Program { path: "std-adapter/examples/rollback.rs", names: &["broad_phase", "step"], named: 8, glue: 6 },
     Program {
         path: "core/examples/bare.rs",
         names: &["CONFIG", "BYTES", "memory", "world", "step"],

@@ -175,7 +175,8 @@ fn values_take_room_only_where_there_are_some() {
         for (config, each) in [(plain, 8), (plain.with_events(), 16)] {
             let [without, with] =
                 [config, config.with_values()].map(|config| layout::<u32>(&config).expect("small").bytes);
-            assert_eq!(with - without, (each * objects).next_multiple_of(64), "{objects}");
+            // Up to a cache line more for each of at most two sections.
+            assert!((with - without).abs_diff(each * objects) < 2 * 64, "{objects}");
         }
     }
 }
