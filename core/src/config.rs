@@ -152,8 +152,9 @@ impl Hooks {
 /// less for flat boxes: see [`per_extent`](Self::per_extent).
 ///
 /// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones have a
-/// margin: see [`World::set_margin`](crate::World::set_margin). An object that moves by more than its margin at once
-/// would leave its fat box each time; it has no margin until it is slower: see [`Config::fixed_margins`].
+/// margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are left
+/// unused: see [`Config::fixed_margins`]. Where objects move steadily, fat boxes that are
+/// [predicted](Config::predicted) last longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {
@@ -203,7 +204,7 @@ pub struct Config {
     pub capacity: Capacity,
     /// Which pairs a step returns.
     pub mode: Mode,
-    /// The margin of new objects. `None` stores no fat boxes: every change of a box is a move.
+    /// The margin of new objects: what a fat box has at least around the box. `None`: none but what steps choose.
     pub margin: Option<Margin>,
     /// Whether steps tell found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
@@ -221,11 +222,14 @@ pub struct Config {
     /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer to
     /// merge their pairs.
     pub workers: u32,
-    /// Whether objects keep their margin however they move. If not, three rules save work. An object that moves by
-    /// more than its margin at once has none until it is slower, since it would leave its fat box in every step. An
-    /// object that has become much smaller gets a smaller fat box. In exact mode no object has a margin for 64 steps
-    /// after steps of many movers in a row, since margins then only make the swept boxes larger.
+    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made anew when one in
+    /// 32 objects has left its own, and are left unused for some steps where they do not last three.
     pub fixed_margins: bool,
+    /// Whether fat boxes are predicted from the motion of each object and hold it for some steps as it goes on, so that steps
+    /// in which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result of an exact
+    /// world. Needs no margin; with one, there is at least that around each box. Costs 24 bytes an object. Without a margin,
+    /// fat worlds and worlds without a tree have none.
+    pub predicted: bool,
     /// For tests.
     #[doc(hidden)]
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -253,6 +257,7 @@ impl Config {
             lean: false,
             workers: 1,
             fixed_margins: false,
+            predicted: false,
             hooks: Hooks::AUTOMATIC,
         }
     }
@@ -317,6 +322,13 @@ impl Config {
     #[must_use]
     pub const fn with_fixed_margins(mut self) -> Self {
         self.fixed_margins = true;
+        self
+    }
+
+    /// The same with fat boxes that are predicted: see [`predicted`](Self::predicted).
+    #[must_use]
+    pub const fn with_predicted_boxes(mut self) -> Self {
+        self.predicted = true;
         self
     }
 

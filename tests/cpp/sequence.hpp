@@ -117,6 +117,7 @@ public:
         config.workers = 2 + bytes_[4] % 4u;
         config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4 | bytes_[2] / 27u % 3 << 6;
         config.fixed_margins = flag(6);
+        config.predicted_boxes = bytes_[4] >> 3 & 1u;
         return config;
     }
 

@@ -23,7 +23,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 pub const HEADER: usize = 24;
 
 /// Bytes of the state, which comes first.
-pub const STATE: usize = 264;
+pub const STATE: usize = 288;
 
 /// Makes length and checksum right.
 ///

@@ -62,7 +62,10 @@ fn steps_with_few_movers_stand_between_full_ones() {
     for config in configs() {
         everywhere(config, |world, ids, scene, setup| {
             for by in [0.7, 0.05, -0.9] {
-                assert_eq!(few(world, ids, by, setup).stats.path, Path::Movers);
+                let path = few(world, ids, by, setup).stats.path;
+                // So short a way is inside a margin.
+                let inside = by == 0.05 && world.world().config().margin.is_some();
+                assert!(path == Path::Movers || inside && path == Path::Unchanged, "{path:?}");
             }
             assert_eq!(world.step(setup).stats.path, Path::Unchanged);
             full(world, scene, setup);

@@ -12,26 +12,26 @@ use trisap_tests::scenes::Rng;
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 // Where numbers of the state stand.
-const LIVE: usize = HEADER + 224;
-const SLOTS: usize = HEADER + 228;
-const FREE: usize = HEADER + 232;
-const STALE_LISTS: usize = HEADER + 248;
+const LIVE: usize = HEADER + 256;
+const SLOTS: usize = HEADER + 260;
+const FREE: usize = HEADER + 264;
+const STALE_LISTS: usize = HEADER + 280;
 const BUILT: usize = HEADER + 56;
 const DEPTH: usize = HEADER + 60;
-const SUBDIVIDED: usize = HEADER + 64;
-const FILLED: usize = HEADER + 112;
-const LARGE_START: usize = HEADER + 72;
-const DIRTY: usize = HEADER + 240;
-const RESTING: usize = HEADER + 241;
-const MOVED_INSIDE_MARGIN: usize = HEADER + 243;
+const SUBDIVIDED: usize = HEADER + 68;
+const FILLED: usize = HEADER + 120;
+const LARGE_START: usize = HEADER + 80;
+const DIRTY: usize = HEADER + 272;
+const RESTING: usize = HEADER + 273;
+const MOVED_INSIDE_MARGIN: usize = HEADER + 275;
 const BASELINE: usize = HEADER + 40;
-const SWEPT: usize = HEADER + 120;
-const PARKED: usize = HEADER + 160;
-const REPORTED: usize = HEADER + 128;
-const FOUND: usize = HEADER + 136;
-const LOST: usize = HEADER + 144;
-const COMPLETE: usize = HEADER + 172;
-const CHOSEN: usize = HEADER + 220;
+const SWEPT: usize = HEADER + 128;
+const PARKED: usize = HEADER + 168;
+const REPORTED: usize = HEADER + 136;
+const FOUND: usize = HEADER + 144;
+const LOST: usize = HEADER + 152;
+const COMPLETE: usize = HEADER + 188;
+const CHOSEN: usize = HEADER + 244;
 
 /// Where sections of a snapshot start, of a world with nothing that it could do without, 32 bits wide.
 #[derive(Clone, Copy, Debug)]

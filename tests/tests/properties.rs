@@ -196,6 +196,7 @@ impl Case {
         config.filters = self.filters;
         config.lean = self.objects <= 256 && self.seed.is_multiple_of(2);
         config.fixed_margins = self.fixed_margins;
+        config.predicted = (self.seed / 2).is_multiple_of(2);
         config
     }
 

@@ -33,6 +33,11 @@ const fn mirrored(bits: i32) -> i32 {
 /// Lengths below this (2^-100) count as zero. Hosts that flush denormals to zero would compute them differently.
 pub(crate) const SHORTEST: f32 = f32::from_bits(27 << 23);
 
+/// Steps of its last motion that a predicted box holds.
+pub(crate) const AHEAD: f32 = 8.0;
+/// What a predicted box has around it, as a share of the smallest side.
+pub(crate) const AROUND: f32 = 0.05;
+
 /// The length from one key to a higher one.
 #[inline]
 pub(crate) fn length(low: i32, high: i32) -> f32 {
@@ -149,19 +154,34 @@ impl KeyBox {
         fat
     }
 
-    /// Whether this fat box has become much too large for the box inside: a side is farther away than four margins
-    /// and half of the box. It is never farther than two margins from a box of the size that it was made for, and
-    /// rounding at most doubles a margin.
-    pub(crate) fn dwarfs(&self, inner: &Self, margin: f32) -> bool {
-        let fat = bytemuck::cast::<KeyBox, [i32; 6]>(*self).map(value);
-        let inner = bytemuck::cast::<KeyBox, [i32; 6]>(*inner).map(value);
-        let mut dwarfs = false;
-        for k in 0..6 {
-            let near = 4.0 * margin + 0.5 * flushed(inner[k % 3 + 3] - inner[k % 3]);
-            // False for NaN, the length between two equal infinities.
-            dwarfs |= flushed((inner[k] - fat[k]).abs()) > near;
+    /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`] ones too, each with a little
+    /// around it, at least `margin`: a share of its smallest side. A motion beyond that side predicts nothing.
+    /// [`Simd::predict`](crate::simd::Simd::predict) does the same operations on all sides at once.
+    pub(crate) fn predicted(&self, old: &Self, margin: f32) -> Self {
+        let [keys, old] = [*self, *old].map(bytemuck::cast::<KeyBox, [i32; 6]>);
+        let mut smallest = f32::MAX;
+        for k in 0..3 {
+            let side = length(self.min[k], self.max[k]);
+            // False for NaN. A flat box has the size of its other sides.
+            if side > 0.0 && side < smallest {
+                smallest = side;
+            }
         }
-        dwarfs
+        let size = if smallest < f32::MAX { smallest } else { 0.0 };
+        let around = flushed(margin.max(size * AROUND));
+        let mut swept = keys;
+        for side in 0..6 {
+            let step = value(keys[side]) - value(old[side]);
+            let step = if step.abs() >= SHORTEST && step.abs() <= size { step * AHEAD } else { 0.0 };
+            let by = if side < 3 { step.min(0.0) - around } else { step.max(0.0) + around };
+            if by != 0.0 {
+                let to = value(keys[side]) + by;
+                let to = key(if side < 3 { to.max(f32::MIN) } else { to.min(f32::MAX) });
+                // Infinite sides stay, and so does one that rounding would move inwards.
+                swept[side] = if side < 3 { to.min(keys[side]) } else { to.max(keys[side]) };
+            }
+        }
+        bytemuck::cast(swept)
     }
 
     /// The largest side; infinite if the box is unbounded.

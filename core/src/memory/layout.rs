@@ -69,8 +69,9 @@ pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sizes {
     pub(crate) objects: usize,
-    /// Objects with a fat box.
+    /// Objects with a fat box, and with a margin of their own.
     pub(crate) fat: usize,
+    pub(crate) margins: usize,
     /// Objects whose last box is kept for the events.
     pub(crate) before: usize,
     /// Bits that tell whether a reported box has changed, one an object. Events need them. An exact world with
@@ -101,6 +102,16 @@ pub(crate) struct Sizes {
     pub(crate) bucket: usize,
 }
 
+/// Whether a world has no tree.
+const fn is_small(config: &Config) -> bool {
+    config.capacity.objects as usize <= TINY || config.lean
+}
+
+/// Whether objects have a fat box.
+pub(crate) const fn has_fat(config: &Config) -> bool {
+    config.margin.is_some() || config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config)
+}
+
 impl Sizes {
     pub(crate) const fn of<I: Index>(config: &Config) -> Option<Self> {
         let capacity = &config.capacity;
@@ -114,7 +125,7 @@ impl Sizes {
         }
         // On a 16-bit host these would not fit; no such target is supported.
         let objects = capacity.objects as usize;
-        let small = objects <= TINY || config.lean;
+        let small = is_small(config);
         if small && objects > SMALL || !small && !cfg!(feature = "large") {
             return None;
         }
@@ -132,10 +143,12 @@ impl Sizes {
             made + made / 2 + 2
         };
         let (blocks, leaves) = (whole_leaves.div_ceil(LEAVES_PER_BLOCK), whole_leaves << SUB_LEVELS);
-        let moves_inside_margin = config.margin.is_some() && matches!(config.mode, Mode::Exact);
+        let has_fat = has_fat(config);
+        let moves_inside_margin = has_fat && matches!(config.mode, Mode::Exact);
         Some(Self {
             objects,
-            fat: if config.margin.is_some() { objects } else { 0 },
+            fat: if has_fat { objects } else { 0 },
+            margins: if config.margin.is_some() { objects } else { 0 },
             before: if config.events { objects } else { 0 },
             changed: if config.events || moves_inside_margin && tree > 0 { objects } else { 0 },
             filters: if config.filters { objects } else { 0 },

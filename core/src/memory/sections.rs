@@ -38,10 +38,10 @@ macro_rules! sections {
             boxes: BoxParts ['m] {
                 /// The box as given last. A free slot has an empty one, which holds the next free slot.
                 now: &'m mut [KeyBox] = [KeyBox; s.objects], used state.objects.slots as usize, saved now [n.slots];
-                /// With margins: the fat box (erratum E5).
+                /// With margins, or predicted boxes: the fat box (erratum E5).
                 fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
                 /// With margins: the length that the box is grown by (erratum E2).
-                margins: &'m mut [f32] = [f32; s.fat], used state.objects.slots as usize, saved margins [n.fat];
+                margins: &'m mut [f32] = [f32; s.margins], used state.objects.slots as usize, saved margins [n.margins];
                 /// With events: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this is its
                 /// reported box, unless it is [outdated](Parts::outdated).

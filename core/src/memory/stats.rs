@@ -101,8 +101,7 @@ pub struct Stats {
     pub fine_leaves: bool,
     /// Whether the work was offered to the executor's workers: from 4,096 objects on, in worlds with a tree.
     pub shared: bool,
-    /// With margins: boxes since the last complete step that were farther from the object's last box than its margin.
-    /// Such an object has no margin until it is slower: see [`Config::fixed_margins`](crate::Config::fixed_margins).
+    /// With fat boxes: how many boxes left theirs since the last complete step.
     pub outran: u32,
     /// Leaves of the tree; 1 in a world without one.
     pub leaves: u32,

@@ -1,6 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
+use crate::config::Mode;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -94,14 +95,15 @@ fn ingest_small<I: Index>(
     slots: usize,
     kernels: Kernels,
 ) -> Intake {
-    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let (mode, predicted) = (parts.mode(), parts.state.setup.is_predicted());
+    let renews = parts.state.step.renews != 0;
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let now = parts.boxes.now.span_mut(0, slots);
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
     let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
     let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
-    let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+    let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
     let objects = Objects { now, fat, moved, changed, before, mode };
     kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing })
 }
@@ -115,7 +117,8 @@ fn ingest_blocks<I: Index>(
     settle: bool,
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let (mode, fixed_margins) = (parts.mode(), parts.state.setup.has_fixed_margins());
+    let (mode, predicted) = (parts.mode(), parts.state.setup.is_predicted());
+    let renews = parts.state.step.renews != 0;
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
@@ -135,7 +138,7 @@ fn ingest_blocks<I: Index>(
     context.each(blocks, |block, (now, (fat, before), (moved, changed), left, found)| {
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, fixed_margins, motions: Motions::default() };
+        let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
         let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
         let resting = resting.get(first / 32..).unwrap_or_default();
         found.fill(if settle {
@@ -204,20 +207,21 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
     // shifted in, since it has few registers.
-    let (mut changed, mut contained, unused) = (0u32, 0, 32 - now.len());
+    let (mut changed, mut contained, unused) = (0u32, 0u32, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
     let (mut resting, mut four_changed) = (resting, 0);
-    if S::ENCODES_FOUR && !fat.exist() {
+    if S::ENCODES_FOUR {
+        let fours = Fours { bounds, items, now, before, kept, resting, fat, first: word * 32, mode: *mode };
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network.
-        let (taken, others) = if cfg!(target_family = "wasm") {
-            simd.call(Fours { bounds, items, now, before, kept, resting })
+        let (taken, others, stay) = if cfg!(target_family = "wasm") {
+            simd.call(fours)
         } else {
-            take_in_fours::<S, EVENTS>(simd, bounds, items, now, before, kept, resting)
+            take_in_fours::<S, EVENTS>(simd, fours)
         };
         if taken == u32::MAX >> unused {
-            return objects.note(word, others, 0);
+            return objects.note(word, others, stay);
         }
-        (resting, four_changed) = (resting | taken, others);
+        (resting, four_changed, contained) = (resting | taken, others, stay);
     }
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
@@ -235,7 +239,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
                     before.put(at % 32, fat.reported(*mode, at, old));
                 }
                 if fat.exist() {
-                    contained |= u32::from(fat.follow(simd, at, old, keys)) << (at % 32);
+                    contained |= u32::from(fat.follow(simd, at, old, &bounds)) << (at % 32);
                 }
                 *old = bounds;
                 changed |= 1 << 31;
@@ -252,39 +256,37 @@ fn take_in<S: Simd, const EVENTS: bool>(
     objects.note(word, changed, contained)
 }
 
-/// [`take_in_fours`] as a phase, with events or without.
-struct Fours<'f, 'b> {
+/// The boxes of the slots of a word, to be taken in four at a time.
+struct Fours<'f, 'b, 'o> {
     bounds: &'f Boxes<'b>,
     items: &'b [u8],
     now: &'f mut [KeyBox],
     before: &'f mut [KeyBox],
     kept: u32,
     resting: u32,
+    fat: &'f mut FatBoxes<'o>,
+    /// The first slot of the word.
+    first: usize,
+    mode: Mode,
 }
 
-impl Phase for Fours<'_, '_> {
-    type Output = (u32, u32);
+impl Phase for Fours<'_, '_, '_> {
+    type Output = (u32, u32, u32);
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> (u32, u32) {
-        let Self { bounds, items, now, before, kept, resting } = self;
-        take_in_fours::<S, true>(simd, bounds, items, now, before, kept, resting)
+    fn run<S: Simd>(self, simd: S) -> (u32, u32, u32) {
+        take_in_fours::<S, true>(simd, self)
     }
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns
-/// the bits of the slots that are done with, and of those among them that have other boxes now.
+/// the bits of the slots that are done with, of those among them that have other boxes now, and of those that stay in
+/// their fat boxes.
 #[inline(always)]
-fn take_in_fours<'b, S: Simd, const EVENTS: bool>(
-    simd: S,
-    bounds: &Boxes<'b>,
-    mut items: &'b [u8],
-    now: &mut [KeyBox],
-    before: &mut [KeyBox],
-    kept: u32,
-    resting: u32,
-) -> (u32, u32) {
-    let (mut taken, mut changed) = (0, 0);
+fn take_in_fours<S: Simd, const EVENTS: bool>(simd: S, fours: Fours<'_, '_, '_>) -> (u32, u32, u32) {
+    let Fours { bounds, mut items, now, before, kept, resting, fat, first: word, mode } = fours;
+    let (mut taken, mut changed, mut contained) = (0, 0, 0);
+    let has_fat = fat.exist();
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items) else { break };
@@ -295,15 +297,20 @@ fn take_in_fours<'b, S: Simd, const EVENTS: bool>(
         let mut new = [KeyBox::EMPTY; 4];
         let Some(others) = simd.encode_four(boxes, old, &mut new) else { continue };
         match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
-            (0b1111, Some(before)) if EVENTS => *before = *old,
+            (0b1111, Some(before)) if EVENTS && mode == Mode::Exact => *before = *old,
             (unkept, Some(before)) if EVENTS => {
-                bits::of_word(unkept).for_each(|bit| before.put(bit, old.at(bit)));
+                bits::of_word(unkept).for_each(|bit| {
+                    before.put(bit, fat.reported(mode, word + first + bit, KeyBox::of(old, bit)));
+                });
             }
             _ => {}
+        }
+        if has_fat {
+            contained |= fat.follow_four(simd, word + first, old, &new, others) << first;
         }
         *old = new;
         taken |= 0b1111 << first;
         changed |= others << first;
     }
-    (taken, changed)
+    (taken, changed, contained)
 }

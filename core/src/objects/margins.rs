@@ -1,33 +1,40 @@
-//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section III.B;
-//! erratum E2). In exact mode margins are left unused for a while if most objects keep leaving theirs, since they
-//! then only make the swept boxes larger.
+//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section III.B.1; erratum E2).
+//!
+//! A fat box is the box and a margin; or it is predicted: it holds the box, the next ones if the object goes on as it does, and
+//! a little around these. Such a box lasts several times as long as one of its size that is grown on all sides. All are made anew
+//! at once when some objects have left theirs, so that most steps are quiet: nobody leaves. Where they do not last some steps
+//! even so, the boxes as given are swept for a while: see [`renew`](crate::step::policy::renew).
 
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::config::{Margin, Mode};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::Simd;
 
-/// The fat boxes of some consecutive slots; none if there are no margins, or they are left unused.
+/// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
+    /// What is around each box at least; none if the caller has given no margin.
     pub(crate) margins: &'o [f32],
-    pub(crate) fixed_margins: bool,
+    /// Whether fat boxes are predicted, not only grown by the margin.
+    pub(crate) predicted: bool,
+    /// Whether each new box gets a new fat box.
+    pub(crate) renews: bool,
     pub(crate) motions: Motions,
 }
 
-/// What new boxes meant to objects with margins.
+/// What new boxes meant to objects with fat boxes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Motions {
     /// Whether a box changed inside its fat box, which stays.
     pub(crate) moved_inside_margin: bool,
-    /// Boxes that were farther from the last one than the margin.
+    /// Boxes that left their fat boxes.
     pub(crate) outran: u32,
 }
 
 impl FatBoxes<'_> {
-    /// Whether there are margins in use.
+    /// Whether there are fat boxes in use.
     #[inline(always)]
     pub(crate) fn exist(&self) -> bool {
         !self.boxes.is_empty()
@@ -39,40 +46,62 @@ impl FatBoxes<'_> {
         if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
     }
 
-    /// Makes the fat box of an object around its box.
-    pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
-        self.boxes.put(at, bounds.grown(self.margins.at(at)));
-    }
-
-    /// Gives an object with a margin another box. Returns whether it stays in its fat box.
     #[inline(always)]
-    pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, keys: S::Keys) -> bool {
-        let margin = if self.fixed_margins { None } else { Some(self.margins.at(at)) };
-        if simd.suits(KeyBox::of(self.boxes, at), keys, margin) {
-            self.motions.moved_inside_margin = true;
-            return true;
-        }
-        self.stays(at, old, &simd.bounds(keys))
+    fn margin(&self, at: usize) -> f32 {
+        self.margins.get(at).copied().unwrap_or_default()
     }
 
-    /// The same without vectors. Not inline, as it is as long as the rest of the intake.
-    #[inline(never)]
-    fn stays(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+    /// Makes the fat box of an object whose motion nobody knows.
+    pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
+        self.boxes.put(at, bounds.grown(self.margin(at)));
+    }
+
+    /// Gives an object another box. Returns whether it stays in its fat box.
+    #[inline(always)]
+    pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let fat = KeyBox::of(self.boxes, at);
-        let margin = self.margins.at(at);
-        if fat.contains(bounds) && (self.fixed_margins || !fat.dwarfs(bounds, margin)) {
+        let contained = fat.contains(bounds);
+        self.motions.outran += u32::from(!contained);
+        if contained && !self.renews {
             self.motions.moved_inside_margin = true;
             return true;
         }
-        // The last box tells how fast the object is: its margin around that one would not have held this one either.
-        let outran = !self.fixed_margins && !old.grown(margin).contains(bounds);
-        self.motions.outran += u32::from(outran);
-        self.boxes.put(at, bounds.grown(if outran { 0.0 } else { margin }));
+        self.make(simd, at, old, bounds);
         false
+    }
+
+    /// Makes the fat box of an object that has come from an old box.
+    #[inline(always)]
+    fn make<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) {
+        let margin = self.margin(at);
+        let fat = if self.predicted { simd.predict(old, bounds, margin) } else { bounds.grown(margin) };
+        self.boxes.put(at, fat);
+    }
+
+    /// As [`follow`](Self::follow) for four objects from a position on, of which some have `changed`. Returns which of them
+    /// stay in their fat boxes.
+    #[inline(always)]
+    pub(crate) fn follow_four<S: Simd>(
+        &mut self,
+        simd: S,
+        at: usize,
+        old: &[KeyBox; 4],
+        new: &[KeyBox; 4],
+        changed: u32,
+    ) -> u32 {
+        let Some(fat) = self.boxes.get(at..).and_then(|fat| fat.first_chunk::<4>()) else { return 0 };
+        let outside = simd.outside(fat, new) & changed;
+        let left = if self.renews { changed } else { outside };
+        self.motions.outran += outside.count_ones();
+        self.motions.moved_inside_margin |= left != changed;
+        for bit in bits::of_word(left) {
+            self.make(simd, at + bit, KeyBox::of(old, bit), KeyBox::of(new, bit));
+        }
+        changed & !left
     }
 }
 
-/// Leaves margins unused from now on. Objects that had one count as moved. O(slots).
+/// Leaves fat boxes unused from now on. Objects that had another one count as moved. O(slots).
 #[cold]
 #[inline(never)]
 pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
@@ -85,7 +114,7 @@ pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
     parts.boxes.tight = true;
 }
 
-/// Uses margins again. An object has one from its next box on. O(slots).
+/// Uses fat boxes again. An object has another one than its box from its next box on. O(slots).
 #[cold]
 #[inline(never)]
 pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {

@@ -31,7 +31,8 @@ impl<I: Index> Parts<'_, I> {
         let fat = FatBoxes {
             boxes: if self.boxes.tight { &mut [] } else { self.boxes.fat },
             margins: self.boxes.margins,
-            fixed_margins: self.state.setup.has_fixed_margins(),
+            predicted: self.state.setup.is_predicted(),
+            renews: self.state.step.renews != 0,
             motions: Motions::default(),
         };
         Objects {
@@ -92,7 +93,7 @@ impl Objects<'_> {
         if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
-            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, bounds);
+            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }

@@ -12,7 +12,7 @@
 use crate::access::{Access, bits};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::memory::state::{PairState, State};
 
 /// This many times as many objects may be active as have another box, before the others become inactive.
 const ACTIVE_FOR_EACH: u32 = 8;
@@ -20,32 +20,84 @@ const ACTIVE_FOR_EACH: u32 = 8;
 /// Whether worlds can park pairs. Small builds have only worlds without a tree, which do not.
 const PARKS: bool = cfg!(feature = "large");
 
-/// For a step that tests only moved objects: brings the pairs that stay to the front of the buffer and returns how
-/// many there are. With events, the others are kept to be compared.
+/// For a step that tests only moved objects: brings the pairs of two others to the front of the buffer, those of the
+/// result first, and returns how many there are. With events, the other pairs of the result are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     if PARKS && !parts.sizes.is_small() && parts.sizes.tree > 0 {
         keep_parked(parts);
     }
-    keep_for_events(parts);
     let Parts { state, moved, output, .. } = parts;
-    if moved.count() == 0 {
-        return state.pairs.swept;
+    output.segments.forget();
+    let (swept, result, parked) =
+        (state.pairs.swept as usize, state.pairs.result().end, state.pairs.parked as usize);
+    let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
+    if moved.count() > 0 {
+        let pairs = output.pairs.span_mut(0, swept);
+        (kept_result, gone) = keep_clear(pairs, parked..result, parked, moved.words, output.previous);
+        (kept, _) = keep_clear(pairs, result..swept, kept_result, moved.words, &mut []);
     }
-    let pairs = output.pairs.span_mut(0, state.pairs.swept as usize);
-    let parked = state.pairs.parked as usize;
-    let mut kept = parked;
-    for index in parked..pairs.len() {
-        let pair = pairs.at(index);
-        // Always written, kept or not: there is no branch to predict.
-        pairs.put(kept, pair);
-        kept += usize::from(is_clear_of(moved.words, &pair));
-    }
+    // From now on these are the last complete result.
+    state.pairs.complete = 0;
+    state.pairs.previous = gone as u64;
+    (state.pairs.kept, state.pairs.kept_result) = (kept as u32, kept_result as u32);
     kept as u64
+}
+
+/// Pairs that are looked at together.
+const TOGETHER: usize = 64;
+
+/// Moves the pairs of a range without an object of a set to a position at or before it, in order, and writes the others to
+/// another buffer as far as there is room. Returns where the first ones end and how many the others are.
+fn keep_clear<I: Index>(
+    pairs: &mut [Pair<I>],
+    range: core::ops::Range<usize>,
+    mut to: usize,
+    set: &[u32],
+    others: &mut [Pair<I>],
+) -> (usize, usize) {
+    let mut gone = 0;
+    for start in range.clone().step_by(TOGETHER) {
+        let len = TOGETHER.min(range.end - start);
+        let mut goes = 0u64;
+        for (bit, pair) in pairs.span(start, len).iter().enumerate() {
+            goes |= u64::from(!is_clear_of(set, pair)) << bit;
+        }
+        if goes == 0 && to == start {
+            to += len;
+            continue;
+        }
+        for index in start..start + len {
+            let pair = pairs.at(index);
+            // Always written, kept or not: there is no branch to predict.
+            pairs.put(to, pair);
+            to += usize::from(goes & 1 == 0);
+            if let Some(other) = others.get_mut(gone) {
+                *other = pair;
+                gone += usize::from(goes & 1 != 0);
+            }
+            goes >>= 1;
+        }
+    }
+    (to, gone)
+}
+
+/// With events: sets aside the kept pairs of the result from a position on, too.
+pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
+    let PairState { kept_result, previous, .. } = &mut parts.state.pairs;
+    let pairs = parts.output.pairs.get(from..*kept_result as usize).unwrap_or_default();
+    if let Some(to) = parts.output.previous.get_mut(*previous as usize..) {
+        to.copy_in(pairs);
+        *previous += pairs.len().min(to.len()) as u64;
+    }
+    *kept_result = (from as u32).min(*kept_result);
 }
 
 /// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the two
 /// buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
+    if parts.state.pairs.complete == 0 {
+        set_aside(parts, parts.state.pairs.parked as usize);
+    }
     let Parts { state, output, .. } = parts;
     let result = state.pairs.result();
     if parts.sizes.previous > 0 && state.pairs.complete != 0 {
@@ -59,7 +111,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
     } else if PARKS && parts.sizes.previous > 0 {
-        // The step that had no room for all its pairs has kept the others. The parked ones are still here.
+        // The step that did not end, or had no room for all its pairs, has set aside the others. The parked ones are still here.
         let parked = result.start..state.pairs.parked as usize;
         if !parked.is_empty() {
             output.segments.forget();
@@ -70,22 +122,9 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
     state.pairs.complete = 0;
-    state.pairs.parked = 0;
-    state.pairs.surplus_parked = 0;
+    (state.pairs.parked, state.pairs.surplus_parked) = (0, 0);
+    (state.pairs.kept, state.pairs.kept_result) = (0, 0);
     state.pairs.active = u32::MAX;
-}
-
-/// With events, copies the result without the parked pairs to the other buffer. From now on it is the last
-/// complete one.
-fn keep_for_events<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.sizes.previous > 0 {
-        parts.output.segments.forget();
-        let first = parts.state.pairs.parked as usize;
-        let count = parts.state.pairs.result().end - first;
-        parts.output.previous.span_mut(0, count).copy_in(parts.output.pairs.span(first, count));
-        parts.state.pairs.previous = count as u64;
-    }
-    parts.state.pairs.complete = 0;
 }
 
 /// Whether neither object of a pair is in a set.

@@ -67,10 +67,12 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let encode = |[min, max]: &[[u8; 12]; 2]| Scalar.encode(min, max);
     let frame = random.frame();
     let tag = random.bits() as u32;
-    // Close to where the answer changes, or not.
-    let near = 0.25 * (value(a.max[1]) - value(b.max[1])).abs();
-    let margin = [None, Some(near), Some(1.0)][random.below(3)];
-    let suits = a.contains(&b) && margin.is_none_or(|margin| !a.dwarfs(&b, margin));
+    let margin = [0.0, 1e-37, 0.25, f32::MAX][random.below(4)];
+    // Moved a little.
+    let near = KeyBox { min: a.min.map(|k| k.saturating_sub(random.below(1 << 21) as i32)), max: a.max };
+    let held = [(); 4].map(|()| if random.below(2) == 0 { a } else { b });
+    let four = [a, b, near, a];
+    let outside = (0..4).map(|k| u32::from(!held[k].contains(&four[k])) << k).sum::<u32>();
     rounds.check([
         ("keys", simd.bounds(keys) == a),
         ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
@@ -80,8 +82,9 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
         ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
         ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
-        // Some levels always say no.
-        ("suits", !simd.suits(&a, other, margin) || suits),
+        ("outside", simd.outside(&held, &four) == outside),
+        ("predict", simd.predict(&b, &a, margin) == a.predicted(&b, margin)),
+        ("predict", simd.predict(&a, &near, margin) == near.predicted(&a, margin)),
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
     ]);

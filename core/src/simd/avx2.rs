@@ -4,8 +4,8 @@ use super::casts;
 use super::detect::Avx2;
 use super::encode;
 use super::fours::{self, HALVES};
-use super::lengths;
 use super::overlaps;
+use super::predict;
 use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
@@ -178,8 +178,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn suits(self, fat: &KeyBox, inner: __m256i, margin: Option<f32>) -> bool {
-        lengths::suits(self, fat, inner, margin)
+    fn outside(self, held: &[KeyBox; 4], boxes: &[KeyBox; 4]) -> u32 {
+        predict::outside(self, held, boxes)
+    }
+
+    #[inline(always)]
+    fn predict(self, old: &KeyBox, bounds: &KeyBox, margin: f32) -> KeyBox {
+        predict::predict(self, old, bounds, margin)
     }
 
     #[inline(always)]

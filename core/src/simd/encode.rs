@@ -8,7 +8,7 @@ use core::arch::x86_64::*;
 /// The keys of eight floats: the magnitude with the sign, which turns -0.0 into zero. A plain function, since a closure would
 /// not share the instruction set of its function.
 #[inline(always)]
-fn keys(_: Avx2, bits: __m256i) -> __m256i {
+pub(super) fn keys(_: Avx2, bits: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
     unsafe { _mm256_sign_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(i32::MAX)), bits) }
 }
@@ -139,7 +139,7 @@ pub(super) fn encode_four(
 
 /// Which of four boxes have changed, from a bit for each of their 24 keys; bits above these mean nothing.
 #[inline(always)]
-const fn changed_boxes(keys: u32) -> u32 {
+pub(super) const fn changed_boxes(keys: u32) -> u32 {
     // The sixth bit of each box, set where any of its six is.
     const SIXTH: u32 = 0b100000_100000_100000_100000;
     const FIRST_FIVE: u32 = SIXTH - (SIXTH >> 5);

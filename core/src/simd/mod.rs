@@ -17,8 +17,6 @@ mod encode;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod fours;
 pub(crate) mod kernels;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod lengths;
 #[cfg(any(
     all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
@@ -34,6 +32,8 @@ mod narrow;
 mod narrow;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod overlaps;
+#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
+mod predict;
 pub(crate) mod scalar;
 #[cfg(test)]
 mod tests;
@@ -182,11 +182,20 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether the two keys of an axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
 
-    /// Whether vectors can tell that a fat box holds a box and, if there is a margin that adapts, does not
-    /// [dwarf](KeyBox::dwarfs) it. Levels without vectors for it always say no.
+    /// Which of four boxes are not inside those of the same places: a bit each.
     #[inline(always)]
-    fn suits(self, _fat: &KeyBox, _inner: Self::Keys, _margin: Option<f32>) -> bool {
-        false
+    fn outside(self, held: &[KeyBox; 4], boxes: &[KeyBox; 4]) -> u32 {
+        let mut bits = 0;
+        for (bit, (held, bounds)) in held.iter().zip(boxes).enumerate() {
+            bits |= u32::from(!held.contains(bounds)) << bit;
+        }
+        bits
+    }
+
+    /// As [`KeyBox::predicted`].
+    #[inline(always)]
+    fn predict(self, old: &KeyBox, bounds: &KeyBox, margin: f32) -> KeyBox {
+        bounds.predicted(old, margin)
     }
 
     /// Prepares the rows of a sweep along an axis.

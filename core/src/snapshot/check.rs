@@ -53,7 +53,7 @@ fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
-    let margins = stored.state.setup.margin().is_some();
+    let margins = stored.state.setup.margin().is_some() || stored.state.setup.is_predicted();
     check(margins || objects.moved_inside_margin == 0, "movement in margins that there are not", 0)?;
     check(stored.state.step.is_known(), "a path that there is not", 0)?;
     check(pairs.found <= pairs.reported, "more pairs are found than there are", pairs.found as usize)?;
@@ -91,6 +91,8 @@ fn object<I: Index>(stored: &Stored<'_, I>, slot: usize) -> Result<(), Invalid> 
         let fat = stored.fat.at(slot);
         let holds = if now.is_empty() { is_free(&fat) } else { fat.is_valid() && fat.contains(&now) };
         check(holds, "a fat box does not hold its box", slot)?;
+    }
+    if stored.margins.len() > 0 {
         check(Margin::length(stored.margins.at(slot)).is_valid(), "a margin is none", slot)?;
     }
     let class = if stored.filters.len() > 0 { stored.filters.at(slot).class } else { 0 };

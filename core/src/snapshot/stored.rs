@@ -6,6 +6,7 @@ use crate::config::{Config, Mode};
 use crate::filter::Filter;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
+use crate::memory::layout::has_fat;
 use crate::memory::sections::sections;
 use crate::memory::slab::{BoxParts, Parts, Section as _};
 use crate::memory::state::{PairState, State};
@@ -73,6 +74,7 @@ struct Counts {
     slots: usize,
     /// Slots with a fat box, with a filter, with a value, with a box of the last step; and the words of their sets.
     fat: usize,
+    margins: usize,
     filters: usize,
     classes: usize,
     values: usize,
@@ -89,7 +91,8 @@ impl Counts {
         let of = |kept: bool, count: usize| if kept { count } else { 0 };
         Self {
             slots,
-            fat: of(config.margin.is_some(), slots),
+            fat: of(has_fat(config), slots),
+            margins: of(config.margin.is_some(), slots),
             filters: of(config.filters, slots),
             classes: of(config.filters, crate::filter::CLASSES),
             values: of(config.values, slots),
@@ -226,8 +229,11 @@ impl<I: Index> Stored<'_, I> {
 
     /// What is no more than to [load](Section::load) a section.
     fn finish(&self, to: &mut Parts<'_, I>) {
-        let BoxParts { before, tight, .. } = &mut to.boxes;
+        let BoxParts { fat, before, tight, .. } = &mut to.boxes;
         *tight = false;
+        if self.fat.len() == 0 {
+            fat.load(self.now.bytes);
+        }
         if !before.is_empty() {
             before.load(self.reported().bytes);
             self.of_set(&self.changed, &self.before).for_each(|(slot, bounds)| before.put(slot, bounds));

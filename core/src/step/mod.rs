@@ -36,18 +36,14 @@ pub(crate) fn find<I: Index>(
 }
 
 /// Finds the overlaps of the boxes as given, after an exact world had no room for those of fat boxes: without the
-/// surplus they may fit. No such pair can be kept, so the next step finds all pairs anew.
+/// surplus they may fit. Fat boxes are left unused for a while.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    // The last result is already kept for the events.
-    parts.boxes.tight = true;
+    policy::pause(parts);
     let route = policy::choose(parts, parts.state.objects.live);
     let (route, progress) = find(parts, route, None, context);
-    parts.boxes.tight = false;
-    parts.state.tree.filled = 0;
-    parts.state.pairs.unkept = 1;
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 

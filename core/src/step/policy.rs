@@ -1,11 +1,12 @@
 //! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose equally.
 //! The table of constants in `PERFORMANCE.md` says what was measured.
 
-use crate::access::Access;
-use crate::config::Choice;
+use crate::access::{Access, bits};
+use crate::config::{Choice, Mode};
+use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
-use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::memory::slab::{BoxParts, Parts};
+use crate::memory::state::{State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::margins;
 use crate::pairs::persistent;
@@ -32,41 +33,94 @@ const PAIR_SAMPLE: usize = 256;
 /// After this many steps with few movers in a row leaves are divided, since the next ones probably have few too.
 const CALM: u8 = 2;
 
-/// Steps for which margins are left unused if they do not help.
-const MARGINS_PAUSE: u8 = 64;
+/// Fat boxes are made anew when more than one in this many objects have left theirs.
+const RENEW_SHARE: u64 = 32;
+/// Steps that they have to last, else they do not pay.
+const LEAST_AGE: u32 = 3;
+/// Fat boxes do not pay if half of them are so many times as large as the boxes, as a sample of about so many tells.
+const MOST_GROWTH: f32 = 2.0;
+const SIZE_SAMPLE: usize = 128;
+/// Steps without them after that: the first time, and at most.
+const PAUSES: [u8; 2] = [16, 64];
 
-/// Margins do not help after three steps of many movers in a row, or three more than others lately: a step of many
-/// movers counts two, another takes one away.
-const MARGINS_FAIL: u8 = 6;
-
-/// Leaves margins unused from this step on if most objects keep leaving theirs, since each step is then a full one of
-/// larger boxes; and uses them again after some steps. Returns whether other boxes are swept now than objects were
-/// placed by. Margins stay in use in worlds that report fat boxes, and if the caller has fixed them.
-pub(crate) fn weigh_margins<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
+/// Has fat boxes made anew with the next boxes, if many have left theirs; leaves them unused, if they do not last; and uses them
+/// again after some steps, if many move. All as one number tells: the steps from one time that they were made to the next.
+/// Returns whether other boxes are swept now than objects were placed by. Boxes with margins that the caller has fixed stay, and
+/// those of a fat world with margins are never left unused.
+pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
+    let (live, mode) = (u64::from(parts.state.objects.live), parts.mode());
+    let many = u64::from(moved) * RENEW_SHARE > live;
+    let has_margin = parts.state.setup.margin().is_some();
+    let fixed = parts.state.setup.has_fixed_margins()
+        || parts.state.setup.hooks().movers_only.fixed().is_some()
+        || mode == Mode::Fat && !parts.state.setup.is_predicted();
     let step = &mut parts.state.step;
+    step.age = if step.renews != 0 { 0 } else { step.age.saturating_add(1) };
+    step.renews = step.renews.saturating_sub(1);
     if step.margins_in > 0 {
-        step.margins_in -= 1;
-        if step.margins_in == 0 {
+        // Where few move, they are tested one by one anyway.
+        let waits = step.margins_in == 1 && !many && !has_margin;
+        step.margins_in -= u8::from(!waits);
+        if step.margins_in == 0 && !has_margin && are_swollen(parts) {
+            lengthen_pause(&mut parts.state.step);
+        } else if parts.state.step.margins_in == 0 {
+            parts.state.step.renews = 1;
             margins::use_again(parts);
         }
         return false;
     }
-    let fixed =
-        parts.state.setup.has_fixed_margins() || parts.state.setup.hooks().movers_only.fixed().is_some();
-    if !parts.has_surplus() || fixed || parts.sizes.is_small() {
+    if parts.boxes.fat.is_empty() || fixed || parts.sizes.is_small() || parts.state.tree.filled == 0 {
         return false;
     }
-    let many = !are_few(parts.state, moved);
-    let step = &mut parts.state.step;
-    let failed =
-        if many { step.margins_failed.saturating_add(2) } else { step.margins_failed.saturating_sub(1) };
-    let useless = many && failed >= MARGINS_FAIL;
-    step.margins_failed = if useless { 0 } else { failed };
-    if useless {
-        step.margins_in = MARGINS_PAUSE;
-        margins::leave_unused(parts);
+    if !many || step.age == 0 && (has_margin || !are_swollen(parts)) {
+        return false;
     }
-    useless
+    let step = &mut parts.state.step;
+    if step.age >= LEAST_AGE || has_margin && mode == Mode::Fat {
+        step.renews = 1;
+        step.margins_after = 0;
+        return false;
+    }
+    pause(parts);
+    true
+}
+
+/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare, by a sample. Where none are
+/// in use: whether they would be, as far as the boxes of the last step tell.
+fn are_swollen<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let BoxParts { now, fat, before, tight, .. } = &parts.boxes;
+    let slots = parts.state.objects.slots as usize;
+    let (mut swollen, mut looked) = (0, 0);
+    for slot in (0..slots).step_by((slots / SIZE_SAMPLE).max(1)) {
+        let now = KeyBox::of(now, slot);
+        let fat = match before.get(slot) {
+            _ if !tight => fat.at(slot),
+            Some(before) if bits::test(parts.changed.words, slot) => now.predicted(before, 0.0),
+            _ => *now,
+        };
+        let mut growth = 1.0;
+        for k in 0..3 {
+            let (side, fat) = (length(now.min[k], now.max[k]), length(fat.min[k], fat.max[k]));
+            // Not of flat and unbounded ones.
+            if side > 0.0 && fat < f32::MAX {
+                growth *= fat / side;
+            }
+        }
+        looked += 1;
+        swollen += usize::from(growth > MOST_GROWTH);
+    }
+    2 * swollen > looked
+}
+
+/// Leaves fat boxes unused for some steps.
+pub(crate) fn pause<I: Index>(parts: &mut Parts<'_, I>) {
+    lengthen_pause(&mut parts.state.step);
+    margins::leave_unused(parts);
+}
+
+fn lengthen_pause(step: &mut StepState) {
+    step.margins_after = step.margins_after.saturating_mul(2).clamp(PAUSES[0], PAUSES[1]);
+    step.margins_in = step.margins_after;
 }
 
 /// The path for a number of moved objects, and why.

@@ -27,8 +27,7 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
-    let can_fail = state.setup.mode() == Mode::Exact && sizes.fat > 0;
-    check(state.step.margins_in == 0 || can_fail, "margins that are not used where there are none", 0)
+    check(state.step.margins_in == 0 || sizes.fat > 0, "fat boxes that are not used where there are none", 0)
 }
 
 fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {

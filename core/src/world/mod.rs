@@ -97,7 +97,7 @@ impl<I: Index> World<'_, I> {
         context: StepContext<'_>,
     ) -> Option<u64> {
         let moved = parts.moved.count();
-        if cfg!(feature = "large") && policy::weigh_margins(parts, moved) {
+        if cfg!(feature = "large") && policy::renew(parts, moved) {
             settled = None;
         }
         let route = policy::choose(parts, moved);

@@ -19,6 +19,7 @@ const FIELDS = {
   marginMax: [48, "length"],
   fixedMargins: [52, "flag"],
   values: [60, "flag"],
+  predictedBoxes: [64, "flag"],
 };
 const HAS_MARGIN = 36;
 const MARGINS = ["marginPerExtent", "marginMin", "marginMax"];

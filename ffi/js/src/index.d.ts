@@ -39,8 +39,10 @@ export interface Config {
   marginMin?: number;
   /** The largest margin, a length. */
   marginMax?: number;
-  /** Objects have their margin however fast they are. By default false. */
+  /** Margins stay in use however fast objects are. By default false. */
   fixedMargins?: boolean;
+  /** Objects that go on as they do cost little: their boxes are predicted for some steps. By default false. */
+  predictedBoxes?: boolean;
   /**
    * Objects and pairs that do not fit make the world move to more memory: no error, but all views are taken away in that call.
    * By default false.

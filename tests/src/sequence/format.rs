@@ -74,6 +74,7 @@ impl Header {
         config.values = self.0[4] & 4 != 0;
         config.lean = self.flag(5) && objects <= 256;
         config.fixed_margins = self.flag(6);
+        config.predicted = self.0[4] & 8 != 0;
         config
     }
 

@@ -27,7 +27,8 @@ pub(crate) struct State {
 impl State {
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let pairs = PairState { complete: 1, ..PairState::zeroed() };
-        Self { setup: Setup::new(config, index_bytes), pairs, ..Self::zeroed() }
+        let step = StepState { renews: if config.predicted { 2 } else { 0 }, ..StepState::zeroed() };
+        Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
     }
 
     /// The leaves now; without a tree, those of the last step.
@@ -43,7 +44,7 @@ impl State {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
             pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
-            step: StepState { calm: 0, kept: 0, margins_in: 0, margins_failed: 0, ..self.step },
+            step: StepState { calm: 0, kept: 0, margins_in: 0, margins_after: 0, ..self.step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             stepping: 0,

@@ -89,7 +89,7 @@ pub(crate) struct TreeState {
 impl TreeState {
     /// The next step makes new planes and fills all leaves.
     pub(crate) const fn forget(&mut self) {
-        (self.count, self.filled) = (0, 0);
+        (self.count, self.filled, self.subdivided) = (0, 0, 0);
     }
 
     /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
@@ -135,6 +135,10 @@ pub(crate) struct PairState {
     /// `persistent`.
     pub(crate) parked: u32,
     pub(crate) surplus_parked: u32,
+    /// In a step that keeps pairs: where these end at the front of the pair buffer, and where those of the last result do
+    /// among them. Surplus is between.
+    pub(crate) kept: u32,
+    pub(crate) kept_result: u32,
     /// At least as many as there are active objects.
     pub(crate) active: u32,
     /// Whether the last step had room for all its pairs.
@@ -183,16 +187,20 @@ pub(crate) struct StepState {
     pub(super) rebalanced: u32,
     /// Steps in a row in which few objects have moved.
     pub(crate) calm: u8,
-    /// Steps until margins are used again; zero where they are.
+    /// Steps until fat boxes are used again; zero where they are.
     pub(crate) margins_in: u8,
-    /// Rises by two in a step of many movers in spite of margins, falls by one in another.
-    pub(crate) margins_failed: u8,
+    /// How many it will be the next time.
+    pub(crate) margins_after: u8,
     /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have kept
     /// them since all were filled.
     pub(crate) kept: u8,
     /// The path in the low eight bits, the reason in the next eight, and above them whether the step was shared, and
     /// whether `f32` was too coarse.
     pub(super) chosen: u32,
+    /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
+    pub(crate) renews: u32,
+    /// Steps since that was so last.
+    pub(crate) age: u32,
 }
 
 const SHARED: u32 = 1 << 16;

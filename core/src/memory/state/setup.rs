@@ -15,12 +15,13 @@ const MARGIN: u32 = 1 << 3;
 const FAT: u32 = 1 << 4;
 const FIXED_MARGINS: u32 = 1 << 5;
 const VALUES: u32 = 1 << 6;
+const PREDICTED: u32 = 1 << 7;
 /// The first bit of the hooks, which are not in a snapshot.
-const HOOKS: u32 = 7;
+const HOOKS: u32 = 8;
 const PORTABLE: u32 = !(Hooks::MASK << HOOKS);
 
 const fn flags(config: &Config) -> u32 {
-    let Config { mode, margin, events, filters, values, lean, fixed_margins, hooks, .. } = *config;
+    let Config { mode, margin, events, filters, values, lean, fixed_margins, predicted, hooks, .. } = *config;
     flag(EVENTS, events)
         | flag(LEAN, lean)
         | flag(FILTERS, filters)
@@ -28,6 +29,7 @@ const fn flags(config: &Config) -> u32 {
         | flag(MARGIN, margin.is_some())
         | flag(FAT, matches!(mode, Mode::Fat))
         | flag(FIXED_MARGINS, fixed_margins)
+        | flag(PREDICTED, predicted)
         | (hooks.bits() << HOOKS)
 }
 
@@ -80,6 +82,7 @@ impl Setup {
             values: self.flags & VALUES != 0,
             workers: self.workers,
             fixed_margins: self.has_fixed_margins(),
+            predicted: self.is_predicted(),
             hooks: Hooks::from_bits(self.flags >> HOOKS)?,
         })
     }
@@ -96,6 +99,10 @@ impl Setup {
             sharing: choice(bits >> 4),
             movers_by_leaf: choice(bits >> 6),
         }
+    }
+
+    pub(crate) const fn is_predicted(&self) -> bool {
+        self.flags & PREDICTED != 0
     }
 
     pub(crate) const fn has_fixed_margins(&self) -> bool {
