@@ -94,7 +94,6 @@ struct Row {
     bounded: bool,
     /// Instructions a step.
     ours: u32,
-    theirs: u32,
 }
 
 /// Steps through a scene and prints its row.
@@ -133,7 +132,7 @@ fn row(memory: &mut Memory, scene: &Scene, events: bool, objects: usize) -> Resu
     cell(bound(objects, most_pairs, events), 11);
     theirs.print();
     board::print("\n");
-    Ok(Row { agree, bounded, ours: ours.mean(), theirs: theirs.mean() })
+    Ok(Row { agree, bounded, ours: ours.mean() })
 }
 
 fn cell(value: u32, width: usize) {
