@@ -10,7 +10,7 @@ use trisap_core::{
 };
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::scenes::{self, Rng};
-use trisap_tests::worlds::{Slab, ample};
+use trisap_tests::worlds::{Setup, Slab, ample};
 
 /// Burns down by one each time that the world calls the caller's code; at the end that code panics, once.
 struct Fuse(AtomicU32);
@@ -241,4 +241,61 @@ fn a_step_after_a_panic_finds_what_brute_force_finds_with_margins() {
         play(config, 60, 1, 100, 11 + at as u64);
         play(config.with_sharing(Choice::Always), 700, 2, 100, 13 + at as u64);
     }
+}
+
+/// Queries only look: after a visitor or a condition has panicked they answer as before, and so does the next step.
+#[test]
+fn visitors_and_conditions_leave_nothing_behind() {
+    for config in [Config::new(ample(1000, 20_000)).with_events(), Config::new(ample(40, 800)).with_events()]
+    {
+        let boxes = scenes::uniform(config.capacity.objects as usize, 3);
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        world.insert_many(&boxes);
+        world.step(Setup::REFERENCE);
+        let region = Region::Aabb(boxes[7]);
+        let answers = |world: &Checked<'_>| {
+            let mut ids = vec![];
+            let visit = &mut |id| {
+                ids.push(id);
+                ControlFlow::Continue(())
+            };
+            world.world().visit_overlaps(&region, visit).expect("a region");
+            ids
+        };
+        let before = answers(&world);
+        assert!(!before.is_empty());
+        let panics = |call: &dyn Fn() -> bool| {
+            assert!(catch_unwind(AssertUnwindSafe(call)).is_err(), "nobody was asked");
+            assert_eq!(answers(&world), before);
+        };
+        let now = world.world();
+        panics(&|| now.visit_overlaps(&region, &mut |_| resume_unwind(Box::new(()))).is_ok());
+        panics(&|| now.visit_nearest([0.0; 3], f64::INFINITY, &mut |_| resume_unwind(Box::new(()))).is_ok());
+        panics(&|| now.among(|_| resume_unwind(Box::new(()))).nearest([0.0; 3], &mut [None]).is_ok());
+        world.step_over(&boxes, Setup::REFERENCE);
+    }
+}
+
+/// Half of the ids are taken, then the iterator is forgotten: those objects are there and no others, and steps are right.
+#[test]
+fn an_iterator_that_is_forgotten_leaves_a_whole_world() {
+    let config = Config::new(ample(300, 6000)).with_events();
+    let boxes = scenes::uniform(300, 3);
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let mut inserted = world.insert_many(Boxes::new(&boxes)).expect("room");
+    let ids: Vec<Id> = inserted.by_ref().take(150).collect();
+    std::mem::forget(inserted);
+    assert_eq!((world.len(), world.validate()), (150, Ok(())));
+    let expected =
+        trisap_tests::oracle::overlaps(&boxes[..150].iter().copied().map(Some).collect::<Vec<_>>());
+    let step = world.step().expect("room");
+    assert_eq!(
+        (trisap_tests::sorted(step.pairs()), trisap_tests::sorted(step.found())),
+        (expected.clone(), expected)
+    );
+    assert!(ids.iter().all(|id| world.contains(*id)));
+    assert_eq!(world.insert_many(Boxes::new(&boxes[150..])).expect("room").count(), 150);
+    assert_eq!((world.len(), world.validate()), (300, Ok(())));
 }

@@ -106,7 +106,9 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
 /// ```
 impl<I: Index> World<'_, I> {
     /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. The same calls give the
-    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree.
+    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that panics
+    /// leaves the world as it was, as do those of [`visit_hits`](Self::visit_hits) and [`visit_nearest`](Self::visit_nearest) and
+    /// the conditions of [`among`](Self::among): queries only look.
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the region is not valid: NaN, a minimum above its maximum, a negative radius.

@@ -216,9 +216,14 @@ test("pairs by id, bulk calls, and a world that is cleared", async () => {
   const { pairs } = world.step();
   assert.deepEqual([...world.pairIds()], Array.from(pairs, (slot) => ids[slot]));
   assert.deepEqual(world.pairIds("found"), world.pairIds());
+  // A removed object is in no pair any more, and a newcomer in its slot in none yet.
   const [gone] = pairs;
   world.remove(ids[gone]);
-  assert.ok(!world.pairIds().includes(ids[gone]));
+  const newcomer = world.insert([0, 0, 0, 1, 1, 1]);
+  assert.equal(slotOf(newcomer), gone);
+  const left = world.pairIds();
+  assert.ok(left.length < 2 * pairs.length && !left.includes(newcomer) && !left.includes(ids[gone]));
+  world.remove(newcomer);
   const living = world.ids();
   assert.equal(living.length, 299);
   const even = (id) => slotOf(id) % 2 === 0;

@@ -61,3 +61,18 @@ test("values are refused where there are none", async () => {
   assert.throws(() => other.setValue(id, 1n), StaleIdError);
   assert.equal(other.config.values, true);
 });
+
+test("values of a pair that never was are not told", async () => {
+  const world = await createWorld({ objects: 4, events: true, values: true });
+  const [one, other] = world.insertMany(new Float32Array([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]));
+  world.setValues([one, other], [100n, 200n]);
+  world.step();
+  world.remove(other);
+  const newcomer = world.insert([50, 0, 0, 51, 1, 1]);
+  world.setValue(newcomer, 300n);
+  assert.equal(slotOf(newcomer), slotOf(other));
+  assert.deepEqual([...world.pairValues()], []);
+  assert.deepEqual([...world.pairValues("found")], []);
+  world.step();
+  assert.deepEqual([...world.pairValues("lost")], [100n, 200n]);
+});
