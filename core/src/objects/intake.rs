@@ -212,11 +212,12 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let (mut resting, mut four_changed) = (resting, 0);
     if S::ENCODES_FOUR {
         let fours = Fours { bounds, items, now, before, kept, resting, fat, first: word * 32, mode: *mode };
-        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network.
-        let (taken, others, stay) = if cfg!(target_family = "wasm") {
+        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network; and one for worlds
+        // with fat boxes, so that others pay nothing for them.
+        let (taken, others, stay) = if cfg!(target_family = "wasm") || fours.fat.exist() {
             simd.call(fours)
         } else {
-            take_in_fours::<S, EVENTS>(simd, fours)
+            take_in_fours::<S, EVENTS, false>(simd, fours)
         };
         if taken == u32::MAX >> unused {
             return objects.note(word, others, stay);
@@ -275,7 +276,7 @@ impl Phase for Fours<'_, '_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> (u32, u32, u32) {
-        take_in_fours::<S, true>(simd, self)
+        take_in_fours::<S, true, true>(simd, self)
     }
 }
 
@@ -283,10 +284,12 @@ impl Phase for Fours<'_, '_, '_> {
 /// the bits of the slots that are done with, of those among them that have other boxes now, and of those that stay in
 /// their fat boxes.
 #[inline(always)]
-fn take_in_fours<S: Simd, const EVENTS: bool>(simd: S, fours: Fours<'_, '_, '_>) -> (u32, u32, u32) {
+fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
+    simd: S,
+    fours: Fours<'_, '_, '_>,
+) -> (u32, u32, u32) {
     let Fours { bounds, mut items, now, before, kept, resting, fat, first: word, mode } = fours;
     let (mut taken, mut changed, mut contained) = (0, 0, 0);
-    let has_fat = fat.exist();
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items) else { break };
@@ -297,15 +300,16 @@ fn take_in_fours<S: Simd, const EVENTS: bool>(simd: S, fours: Fours<'_, '_, '_>)
         let mut new = [KeyBox::EMPTY; 4];
         let Some(others) = simd.encode_four(boxes, old, &mut new) else { continue };
         match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
-            (0b1111, Some(before)) if EVENTS && mode == Mode::Exact => *before = *old,
+            (0b1111, Some(before)) if EVENTS && (!FAT || mode == Mode::Exact) => *before = *old,
             (unkept, Some(before)) if EVENTS => {
                 bits::of_word(unkept).for_each(|bit| {
-                    before.put(bit, fat.reported(mode, word + first + bit, KeyBox::of(old, bit)));
+                    let old = KeyBox::of(old, bit);
+                    before.put(bit, if FAT { fat.reported(mode, word + first + bit, old) } else { *old });
                 });
             }
             _ => {}
         }
-        if has_fat {
+        if FAT {
             contained |= fat.follow_four(simd, word + first, old, &new, others) << first;
         }
         *old = new;

@@ -216,7 +216,8 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);
     let some_are_undivided = parts.state.tree.subdivided <= parts.state.tree.count;
-    if parts.state.step.calm >= due && some_are_undivided {
+    // A step in which nobody moves needs no leaves.
+    if parts.state.step.calm >= due && some_are_undivided && moved > 0 {
         context.executor.enter(Stage::Fill);
         context.kernels.run(Subdivide(parts));
     }
