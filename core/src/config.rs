@@ -227,8 +227,8 @@ pub struct Config {
     pub fixed_margins: bool,
     /// Whether fat boxes are predicted from the motion of each object and hold it for some steps as it goes on, so that steps
     /// in which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result of an exact
-    /// world. Needs no margin; with one, there is at least that around each box. Costs 24 bytes an object. Without a margin,
-    /// fat worlds and worlds without a tree have none.
+    /// world. Needs no margin; with one, there is at least that around each box. Costs 24 bytes an object. Worlds
+    /// without a tree have none, nor have fat worlds without a margin.
     pub predicted: bool,
     /// For tests.
     #[doc(hidden)]

@@ -103,7 +103,7 @@ pub(crate) struct Sizes {
 }
 
 /// Whether a world has no tree.
-const fn is_small(config: &Config) -> bool {
+pub(crate) const fn is_small(config: &Config) -> bool {
     config.capacity.objects as usize <= TINY || config.lean
 }
 

@@ -95,8 +95,7 @@ fn ingest_small<I: Index>(
     slots: usize,
     kernels: Kernels,
 ) -> Intake {
-    let (mode, predicted) = (parts.mode(), parts.state.setup.is_predicted());
-    let renews = parts.state.step.renews != 0;
+    let (mode, (predicted, renews)) = (parts.mode(), parts.fat_boxes());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let now = parts.boxes.now.span_mut(0, slots);
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
@@ -117,8 +116,7 @@ fn ingest_blocks<I: Index>(
     settle: bool,
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let (mode, predicted) = (parts.mode(), parts.state.setup.is_predicted());
-    let renews = parts.state.step.renews != 0;
+    let (mode, (predicted, renews)) = (parts.mode(), parts.fat_boxes());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;

@@ -26,13 +26,20 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
+    /// Whether fat boxes are predicted, and whether each new box gets a new one. Neither in a world without a tree.
+    pub(crate) fn fat_boxes(&self) -> (bool, bool) {
+        let has_tree = !self.sizes.is_small();
+        (has_tree && self.state.setup.is_predicted(), has_tree && self.state.step.renews != 0)
+    }
+
     /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
+        let (predicted, renews) = self.fat_boxes();
         let fat = FatBoxes {
             boxes: if self.boxes.tight { &mut [] } else { self.boxes.fat },
             margins: self.boxes.margins,
-            predicted: self.state.setup.is_predicted(),
-            renews: self.state.step.renews != 0,
+            predicted,
+            renews,
             motions: Motions::default(),
         };
         Objects {

@@ -31,7 +31,7 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
     let (swept, result, parked) =
         (state.pairs.swept as usize, state.pairs.result().end, state.pairs.parked as usize);
     let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
-    if moved.count() > 0 {
+    if cfg!(feature = "large") && moved.count() > 0 {
         let pairs = output.pairs.span_mut(0, swept);
         (kept_result, gone) = keep_clear(pairs, parked..result, parked, moved.words, output.previous);
         (kept, _) = keep_clear(pairs, result..swept, kept_result, moved.words, &mut []);

@@ -6,6 +6,7 @@ mod setup;
 pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState};
 pub(crate) use setup::Setup;
 
+use super::layout::is_small;
 use super::stats::Stats;
 use crate::config::Config;
 use bytemuck::{Pod, Zeroable};
@@ -27,7 +28,8 @@ pub(crate) struct State {
 impl State {
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let pairs = PairState { complete: 1, ..PairState::zeroed() };
-        let step = StepState { renews: if config.predicted { 2 } else { 0 }, ..StepState::zeroed() };
+        let predicted = config.predicted && !is_small(config);
+        let step = StepState { renews: if predicted { 2 } else { 0 }, ..StepState::zeroed() };
         Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
     }
 
