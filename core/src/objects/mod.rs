@@ -35,13 +35,9 @@ impl<I: Index> Parts<'_, I> {
     /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
         let (predicted, renews) = self.fat_boxes();
-        let fat = FatBoxes {
-            boxes: if self.boxes.tight { &mut [] } else { self.boxes.fat },
-            margins: self.boxes.margins,
-            predicted,
-            renews,
-            motions: Motions::default(),
-        };
+        let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
+        let (margins, motions) = (&*self.boxes.margins, Motions::default());
+        let fat = FatBoxes { boxes, margins, predicted, renews, motions };
         Objects {
             now: self.boxes.now,
             fat,
