@@ -36,14 +36,23 @@ pub(crate) fn find<I: Index>(
 }
 
 /// Finds the overlaps of the boxes as given, after an exact world had no room for those of fat boxes: without the
-/// surplus they may fit. Fat boxes are left unused for a while.
+/// surplus they may fit. Fat boxes are left unused for a while; in a world without a tree, which is small, for this step.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    policy::pause(parts);
+    let is_small = parts.sizes.is_small();
+    if is_small {
+        parts.boxes.tight = true;
+    } else {
+        policy::pause(parts);
+    }
     let route = policy::choose(parts, parts.state.objects.live);
     let (route, progress) = find(parts, route, None, context);
+    if is_small {
+        parts.boxes.tight = false;
+        parts.state.pairs.unkept = 1;
+    }
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 
