@@ -10,13 +10,13 @@ use trisap_tests::scenes::{at, cube};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 /// An object that becomes large when the list of large objects is exactly full starts a step that fills all leaves anew.
-/// In `large::put`, an `end` that is one less would let it stand over the nodes. One object and three nodes need room for four.
+/// In `admit_large`, `at >= fronts.len()` made `>` would drop it.
 #[test]
 fn a_mover_becomes_large_when_the_list_is_full() {
     const COUNT: usize = 1100;
     let places: Vec<[f32; 3]> =
         (0..COUNT).map(|k| [k % 11, k / 11 % 10, k / 110].map(|x| 3.0 * x as f32)).collect();
-    for leaf_refs in 4..=24 {
+    for leaf_refs in 1..=24 {
         let mut config = Config::new(ample(COUNT, 40 * COUNT)).with_movers_only(Choice::Always);
         config.capacity.leaf_refs = leaf_refs;
         let mut slab = Slab::new::<u32>(&config);

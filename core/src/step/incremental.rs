@@ -13,7 +13,6 @@ use crate::parallel::executor::Stage;
 use crate::sweep::Collector;
 use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::SweepMovers;
-use crate::tree::large;
 use crate::tree::refit::Refit;
 use crate::tree::relocate::{Relocate, order_movers};
 
@@ -25,7 +24,6 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     if !context.kernels.run(Relocate(parts, moved)) {
         return None;
     }
-    large::order_if_due(parts);
     context.kernels.run(Refit { parts, movers: moved });
     let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts);

@@ -14,7 +14,6 @@ use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::{MINIMA, Phase, Simd};
-use crate::tree::large::Large;
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Nodes, Record, Straddler};
 
@@ -31,7 +30,8 @@ pub(crate) struct TreeView<'g> {
     pub(crate) bounds: &'g [Record],
     pub(crate) records: &'g [Record],
     pub(crate) straddlers: &'g [Straddler],
-    pub(crate) large: Large<'g>,
+    /// The large objects.
+    pub(crate) large: &'g [Straddler],
 }
 
 impl<'g> TreeView<'g> {
@@ -46,7 +46,7 @@ impl<'g> TreeView<'g> {
             bounds: tree.bounds,
             records: tree.records,
             straddlers: tree.straddlers,
-            large: Large::new(&state.tree, tree.straddlers),
+            large: tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize),
         }
     }
 
@@ -73,12 +73,7 @@ impl<'g> TreeView<'g> {
                     .add(self.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize));
             }
         }
-        if !self.large.is_empty() {
-            let mut visit = self.large.visit(cell.inside());
-            while let Some(group) = visit.next(simd) {
-                gathered.add(self.large.group(group));
-            }
-        }
+        gathered.add(self.large);
         gathered.count
     }
 }

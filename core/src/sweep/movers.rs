@@ -43,8 +43,7 @@ impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
         while start < homes.len() {
             let home = homes.at(start);
             let mut end = start + 1;
-            // Large objects may be anywhere: each by itself.
-            while homes.get(end) == Some(&home) && home != I::LARGE {
+            while homes.get(end) == Some(&home) {
                 end += 1;
             }
             near.visit(simd, home, start as u32, end as u32, &mut report);
@@ -86,13 +85,11 @@ impl<I: Index> Near<'_, '_, I> {
         for mover in movers {
             let bounds = tree_view.boxes.at(mover.at());
             around.include(&bounds);
-            if !tree_view.large.is_empty() {
-                tree_view.large.each(simd, bounds, |large| {
-                    self.tested += 1;
-                    if large.bounds.overlaps(&bounds) {
-                        report.pair(mover.slot(), large.slot);
-                    }
-                });
+            self.tested += tree_view.large.len();
+            for large in tree_view.large {
+                if large.bounds.overlaps(&bounds) {
+                    report.pair(mover.slot(), large.slot);
+                }
             }
         }
         // A large object has no home: the walk starts anywhere.

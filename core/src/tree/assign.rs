@@ -9,7 +9,7 @@ use super::cells::{cut, frame};
 use super::enclose::enclose;
 use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Split, Straddler, are_few, large, leaf_of, most};
+use super::{Cell, Leaf, Split, Straddler, are_few, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
@@ -45,7 +45,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
             }
             large += u64::from(rest.at(0));
         }
-        let fits = large::fits(straddlers, large, parts.tree.straddlers.len());
+        let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
         if leaves == 1 || (fits && are_few(large, leaves as u32, parts.state.objects.live)) {
             return counted;
         }
@@ -164,13 +164,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
     offsets(parts, leaves);
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
-    let listed = large::renew(parts);
-    scatter(parts, leaves, listed, context);
-    if listed && !large::is_due(parts) {
-        large::enclose(parts);
-    } else {
-        large::order(parts);
-    }
+    scatter(parts, leaves, context);
     sharpen(parts, context.kernels);
     enclose(parts);
     parts.state.tree.filled = 1;
@@ -199,21 +193,17 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    let from = core::mem::replace(&mut parts.state.tree.large_start, straddler);
+    parts.state.tree.large_start = straddler;
     for histogram in histograms.chunks_exact_mut(row.max(1)) {
         let (_, large) = histogram.as_chunks_mut::<2>();
         let count = large.at(0);
         large.put(0, straddler);
         straddler += count;
     }
-    let large = straddler - parts.state.tree.large_start;
-    if core::mem::replace(&mut parts.state.tree.large, large) == large {
-        large::shift(parts, from);
-    }
+    parts.state.tree.large = straddler - parts.state.tree.large_start;
 }
 
-/// Writes records and straddlers; and the large objects, if they are not `listed` yet.
-fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, context: StepContext<'_>) {
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(leaf_count);
@@ -239,7 +229,6 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, 
             records,
             straddlers,
             large_start,
-            listed,
             histogram,
         });
     });
@@ -256,7 +245,6 @@ struct ScatterBlock<'b, 's, I> {
     records: Shared<'s, Record>,
     straddlers: Shared<'s, Straddler>,
     large_start: u32,
-    listed: bool,
     histogram: &'b mut [u32],
 }
 
@@ -266,7 +254,7 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
-        let Self { large_start, listed, histogram, .. } = self;
+        let Self { large_start, histogram, .. } = self;
         let (next, large) = histogram.as_chunks_mut::<2>();
         // Of one length, for the same reason.
         let (Some(next), Some(cells), Some(frames)) =
@@ -288,14 +276,14 @@ impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
                 let record = simd.record(frame, keys, slot | classified.marks());
                 records.store((leaf.start + at) as usize, &record);
                 if classified.straddles() {
-                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, long: 0 });
+                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
                     *straddler += 1;
                 }
-            } else if *home == I::LARGE && !listed {
+            } else if *home == I::LARGE {
                 let at = large.at(0);
                 large.put(0, at + 1);
                 *place = I::from_slot(at - large_start);
-                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
+                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
             }
         }
     }

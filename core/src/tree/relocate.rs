@@ -3,8 +3,9 @@
 use super::enclose::expand_ancestors;
 use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
-use super::{Cell, Straddler, home_of, large};
+use super::{Cell, Straddler, home_of};
 use crate::access::Access;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::prefetch::RELOCATED_AHEAD;
 use crate::memory::slab::Parts;
@@ -69,12 +70,16 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         classified = cell.classify(simd, keys);
     }
     if classified.is_large() {
-        let straddler = Straddler { bounds, slot: slot as u32, long: 0 };
         if home == I::LARGE {
-            return large::put(parts, parts.place.at(slot).at(), straddler);
+            let straddler = Straddler { bounds, slot: slot as u32, unused: 0 };
+            parts
+                .tree
+                .straddlers
+                .put(parts.state.tree.large_start as usize + parts.place.at(slot).at(), straddler);
+            return true;
         }
         withdraw(parts, slot);
-        return large::put(parts, parts.state.tree.large as usize, straddler);
+        return admit_large(parts, slot, &bounds);
     }
     if !stays {
         withdraw(parts, slot);
@@ -101,7 +106,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         bounds.include(&record);
     }
     let top = parts.tree.tops.at(whole) as usize;
-    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
+    expand_ancestors(parts.tree.boxes, parts.tree.parents, top, &bounds);
     true
 }
 
@@ -111,7 +116,11 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     parts.home.put(slot, I::NONE);
     let place = parts.place.at(slot).at();
     if home == I::LARGE {
-        large::take(parts, place);
+        parts.state.tree.large -= 1;
+        let start = parts.state.tree.large_start as usize;
+        let last = parts.tree.straddlers.at(start + parts.state.tree.large as usize);
+        parts.tree.straddlers.put(start + place, last);
+        parts.place.put(last.slot as usize, I::from_slot(place as u32));
     } else if home != I::NONE {
         let mut leaf = parts.tree.leaves.at(home.at());
         leaf.len -= 1;
@@ -120,6 +129,19 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
         parts.tree.records.put(leaf.start as usize + place, last);
         parts.place.put(last.slot() as usize, I::from_slot(place as u32));
     }
+}
+
+/// Adds an object to the large ones.
+fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox) -> bool {
+    let at = parts.state.tree.large_start as usize + parts.state.tree.large as usize;
+    if at >= parts.tree.straddlers.len() {
+        return false;
+    }
+    parts.tree.straddlers.put(at, Straddler { bounds: *bounds, slot: slot as u32, unused: 0 });
+    parts.home.put(slot, I::LARGE);
+    parts.place.put(slot, I::from_slot(parts.state.tree.large));
+    parts.state.tree.large += 1;
+    true
 }
 
 /// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed ones are

@@ -14,7 +14,6 @@ use crate::simd::kernels::Kernels;
 use crate::simd::{Phase, Simd, limit};
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::first_of_eight;
-use crate::tree::large::Large;
 use crate::tree::visit::Visit;
 
 /// Checks all of it.
@@ -150,8 +149,10 @@ impl<I: Index> Phase for InTree<'_, '_, I> {
                     }
                 }
             }
-            let large = Large::new(&state.tree, tree.straddlers);
-            large.each(simd, *bounds, |straddler| meet(straddler.slot as usize));
+            for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize)
+            {
+                meet(straddler.slot as usize);
+            }
         }
         all
     }

@@ -66,9 +66,6 @@ pub(crate) struct TreeState {
     /// First large object among the straddlers, and how many there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
-    /// The depth of their tree, and how many have changed since they were ordered.
-    pub(crate) large_depth: u32,
-    pub(crate) large_changed: u32,
     /// Bounds of the minima.
     pub(super) low: [i32; 3],
     pub(super) high: [i32; 3],
