@@ -374,7 +374,8 @@ fn fat_boxes_cross_the_border() {
             assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
         }
         // Every other box has gone far.
-        assert_eq!(stats.outran, COUNT as u32 / 2);
+        // A world without a tree has no fat boxes without a margin.
+        assert_eq!(stats.outran, if has_margin == 1 { COUNT as u32 / 2 } else { 0 });
     }
 }
 
