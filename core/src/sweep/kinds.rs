@@ -160,15 +160,16 @@ impl<'g, I: Index> Kinds<'g, I> {
         }
         let (mut all, mut met, mut passes) = (0, 0, 0);
         for a in 0..PARTS {
-            let before = met;
+            let (before, own) = (met, counts.at(a));
             for b in 0..=a {
-                let pairs =
-                    if a == b { counts[a] * counts[a].saturating_sub(1) / 2 } else { counts[a] * counts[b] };
+                let pairs = if a == b { own * own.saturating_sub(1) / 2 } else { own * counts.at(b) };
                 all += pairs;
-                if pairs > 0 && meets[b] >> a & 1 != 0 {
+                if pairs > 0 && meets.at(b) >> a & 1 != 0 {
                     met += pairs;
                 } else {
-                    (meets[a], meets[b]) = (meets[a] & !(1 << b), meets[b] & !(1 << a));
+                    let (of_a, of_b) = (meets.at(a) & !(1 << b), meets.at(b) & !(1 << a));
+                    meets.put(a, of_a);
+                    meets.put(b, of_b);
                 }
             }
             passes += u64::from(met > before);
@@ -179,7 +180,7 @@ impl<'g, I: Index> Kinds<'g, I> {
             (meets, met) = ([1, 0, 0, 0], all);
         }
         let count: u64 = counts.iter().sum();
-        let whole = one && counts[PARTS] == 0 && !moved_alone;
+        let whole = one && counts.at(PARTS) == 0 && !moved_alone;
         Plan { meets, one, moved_alone, whole, spared: count * count.saturating_sub(1) / 2 - met }
     }
 }
@@ -192,7 +193,7 @@ impl Plan {
     /// Whether a record with this code is compared with any other one.
     #[inline(always)]
     pub(super) fn takes(&self, code: usize) -> bool {
-        code < LONE && self.meets[self.part(code)] != 0
+        code < LONE && self.meets.at(self.part(code)) != 0
     }
 
     /// The passes over two buckets; if `across`, each record of the first bucket with those of the second one.
@@ -200,7 +201,7 @@ impl Plan {
         // Those of each part that have moved, then the others.
         let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);
         passes.filter_map(move |(first, resting)| {
-            let meets = self.meets[first];
+            let meets = self.meets.at(first);
             let later = if across { meets } else { meets & u8::MAX << first << 1 };
             let within = !across && !resting && meets >> first & 1 != 0;
             if later == 0 && !within || resting && !self.moved_alone {

@@ -193,7 +193,9 @@ impl<I: Index> Phase for Passes<'_, '_, '_, I> {
     fn run<S: Simd>(self, simd: S) {
         let Self { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink } = self;
         for Pass { sides, within } in plan.passes(across) {
-            let side = |bucket: usize, record: &Record| sides[bucket % 2][kinds.code(record) % CODES].into();
+            let side = |bucket: usize, record: &Record| {
+                sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
+            };
             bucket::sweep_parts(simd, buckets, (side, within), axis, leaf_scratch, boxes, sink);
         }
     }
