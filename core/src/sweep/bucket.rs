@@ -142,18 +142,20 @@ fn sort_apart<S: Simd, I>(
     // The runs of the parts, and one of all others.
     let mut runs = [0u16; 2 * 256 + 1];
     let run = |number: usize, record: &Record| {
-        (part(number, record) << 8 | high(record.lanes[axis]) as usize).min(2 * 256)
+        (part(number, record) << 8 | high(record.lanes.at(axis)) as usize).min(2 * 256)
     };
     for (number, bucket) in buckets.into_iter().enumerate() {
         for record in bucket {
-            runs[run(number, record)] += 1;
+            if let Some(end) = runs.get_mut(run(number, record)) {
+                *end += 1;
+            }
         }
     }
     let mut next = 0u16;
     for end in &mut runs {
         next += core::mem::replace(end, next);
     }
-    let [first, both] = [256, 2 * 256].map(|run| runs[run] as usize);
+    let [first, both] = [256, 2 * 256].map(|run| runs.at(run) as usize);
     let count = buckets[0].len() + buckets[1].len();
     let lanes = simd.axis(axis);
     if let (Some(sorted), Some(rows)) =
@@ -161,7 +163,7 @@ fn sort_apart<S: Simd, I>(
     {
         for (number, bucket) in buckets.into_iter().enumerate() {
             for record in bucket {
-                let next = &mut runs[run(number, record)];
+                let Some(next) = runs.get_mut(run(number, record)) else { continue };
                 let at = *next as usize;
                 *next += 1;
                 sorted.put(at, *record);
@@ -169,8 +171,8 @@ fn sort_apart<S: Simd, I>(
             }
         }
     }
-    let (ends, _) = runs.as_chunks();
-    ([ends[0], ends[1]], first, both)
+    let ends = |part: usize| core::array::from_fn(|run| runs.at(256 * part + run));
+    ([ends(0), ends(1)], first, both)
 }
 
 /// The end of the last run that a record reaches.
