@@ -99,7 +99,7 @@ static void flushed_denormals(void) {
 // Memory that others wrote to, word by word: each step ends with a status, and an index that leads nowhere is told of.
 static void damaged_memory(void) {
     // The header and the world's numbers, which decide how much there is to do.
-    enum { OBJECTS = 40, FIRST = 1024 };
+    enum { OBJECTS = 40, FIRST = 512 };
     const trisap_config config = trisap_default_config(OBJECTS);
     trisap_aabb aabbs[OBJECTS];
     trisap_id ids[OBJECTS];
@@ -127,8 +127,7 @@ static void damaged_memory(void) {
     // At least the places of the objects in the list that is swept.
     CHECK(told >= OBJECTS / 2);
     memcpy(world, good, bytes);
-    // The count of faults is the process's: the copy is of a time before them, so its first step tells of them.
-    CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_CORRUPT);
+    // A fault is a matter of the step that has it: what is whole again is right at once.
     CHECK_OK(trisap_world_step(world, NULL, &result));
     CHECK(result.pair_count == OBJECTS - 1);
     free(good);

@@ -330,7 +330,7 @@ inline void seal(Bytes &snapshot) {
 
 /// Changes some numbers of a snapshot, most of them near the front, and seals it.
 inline void forge(Bytes &snapshot, Rng &rng) {
-    constexpr std::size_t header = 24, state = 256;
+    constexpr std::size_t header = 24, state = 288;
     for (std::uint32_t left = 1 + rng.below(3); left > 0; left--) {
         const std::size_t near = snapshot.size() < header + state ? snapshot.size() : header + state;
         const std::size_t reach = rng.once_in(2) ? near : snapshot.size();
