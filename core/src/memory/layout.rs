@@ -93,8 +93,6 @@ pub(crate) struct Sizes {
     pub(crate) pairs: usize,
     /// Pairs of the last step, kept for the events.
     pub(crate) previous: usize,
-    /// With events: blocks of leaves in a full step. See [`Segments`](super::slab::Segments).
-    pub(crate) event_blocks: usize,
     /// Chunks of pairs that workers write before they are put in order.
     pub(crate) staged: usize,
     pub(crate) workers: usize,
@@ -163,7 +161,6 @@ impl Sizes {
             whole_leaves,
             pairs,
             previous: if config.events { pairs } else { 0 },
-            event_blocks: if config.events { blocks } else { 0 },
             // Each block may leave its last chunk unfinished.
             staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
             workers: config.workers as usize,

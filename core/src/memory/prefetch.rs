@@ -5,8 +5,6 @@
 pub(crate) const BOXES_NEAR: usize = 4096;
 /// The same where some pairs are tested at once, which waits less for the boxes.
 pub(crate) const BOXES_OF_SOME_NEAR: usize = 32_768;
-/// Worlds of up to this many boxes prefetch none of a leaf before its sweep, for the events that are told after it.
-pub(crate) const EVENT_BOXES_NEAR: usize = 16_384;
 
 /// Movers ahead whose leaves are prefetched when records are moved; twice as many ahead, what tells which leaves these are.
 pub(crate) const RELOCATED_AHEAD: usize = 6;

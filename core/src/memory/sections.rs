@@ -111,7 +111,6 @@ macro_rules! sections {
 
             /// The pairs, and all that a sweep writes to.
             output: OutputParts ['m, I] {
-                segments: Segments<'m> = [u32; Segments::len(s.event_blocks)], new 0;
                 /// The overlaps of swept boxes: see `PairState::swept`.
                 pairs: &'m mut [Pair<I>] = [Pair<I>; s.pairs], used state.pairs.swept as usize;
                 /// With events: the pairs of the last complete step, in a step with few movers without the parked ones.

@@ -149,6 +149,4 @@ pub(crate) struct Progress {
     pub(crate) leaves: u32,
     pub(crate) rebalanced: u32,
     pub(crate) coarse: Option<bool>,
-    /// How many pairs are found, if the sweep has told the events. They come behind the others.
-    pub(crate) found: Option<u64>,
 }

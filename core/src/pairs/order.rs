@@ -22,7 +22,6 @@ pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     exchange(output.pairs.span_mut(0, surplus + persisting), surplus);
     exchange(output.pairs.span_mut(persisting, surplus + found), surplus);
     (state.pairs.parked, state.pairs.active) = (0, u32::MAX);
-    output.segments.forget();
     sort(output.pairs.span_mut(0, persisting), state.objects.slots);
     sort(output.pairs.span_mut(persisting, found), state.objects.slots);
     sort(output.previous.span_mut(0, state.pairs.lost as usize), state.objects.slots);

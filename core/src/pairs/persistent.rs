@@ -27,7 +27,6 @@ pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>) -> u64 {
         keep_parked(parts);
     }
     let Parts { state, moved, output, .. } = parts;
-    output.segments.forget();
     let (swept, result, parked) =
         (state.pairs.swept as usize, state.pairs.result().end, state.pairs.parked as usize);
     let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
@@ -113,9 +112,6 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     } else if PARKS && parts.sizes.previous > 0 {
         // The step that did not end, or had no room for all its pairs, has set aside the others. The parked ones are still here.
         let parked = result.start..state.pairs.parked as usize;
-        if !parked.is_empty() {
-            output.segments.forget();
-        }
         let others = state.pairs.previous as usize;
         state.pairs.previous += parked.len() as u64;
         let parked = output.pairs.span(parked.start, parked.len());

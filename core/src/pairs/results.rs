@@ -11,30 +11,20 @@ use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
 use crate::pairs::partition::{Among, Apart, ClearOf, Dropped, Ended, Overlap, Touch, partition};
-use crate::pairs::{events, persistent};
+use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones,
-/// unless the sweep has `found` the events. Kept pairs are looked at only if a box has moved inside its fat box: where
-/// such a pair stands tells whether it overlapped before. Events need complete pairs: a part does not tell what is lost.
+/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones.
+/// Kept pairs are looked at only if a box has moved inside its fat box: where such a pair stands tells whether it
+/// overlapped before. Events need complete pairs: a part does not tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,
     complete: bool,
-    found: Option<u64>,
     context: StepContext<'_>,
 ) {
     parts.state.pairs.swept = swept as u64;
-    if cfg!(feature = "large")
-        && complete
-        && let Some(found) = found
-    {
-        parts.state.pairs.reported = swept as u64;
-        parts.state.pairs.found = found;
-        parts.state.pairs.lost = events::conclude(parts) as u64;
-        return;
-    }
     let events = parts.sizes.previous > 0;
     let (has_surplus, mode) = (parts.has_surplus(), parts.state.setup.mode());
     let PairState { parked, kept, kept_result, surplus_parked, .. } = parts.state.pairs;
@@ -57,7 +47,6 @@ pub(crate) fn sort_out<I: Index>(
     let mut persisting = result;
     parts.state.pairs.lost = 0;
     if events && complete {
-        parts.output.segments.forget();
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
         persisting = partition(context, new, Overlap(before));

@@ -75,52 +75,6 @@ unsafe impl<'a, T: Send> Parted for Chunks<'a, T> {
     }
 }
 
-/// A slice in parts of any lengths, taken two by two: the first and the last one, the second and the last but one,
-/// and so on.
-pub(crate) struct Mirrored<'a, T> {
-    start: *mut T,
-    /// Where the parts end. Their number is even.
-    ends: &'a [u32],
-    borrow: PhantomData<&'a mut [T]>,
-}
-
-impl<'a, T> Mirrored<'a, T> {
-    /// Parts that end there; no parts if the ends do not fit the slice.
-    pub(crate) fn new(slice: &'a mut [T], ends: &'a [u32]) -> Self {
-        // Not `is_sorted`, which has a panic in it if it is compiled for size.
-        let fit =
-            ends.is_sorted_by(|a, b| a <= b) && ends.last().is_none_or(|end| *end as usize <= slice.len());
-        Self { start: slice.as_mut_ptr(), ends: if fit { ends } else { &[] }, borrow: PhantomData }
-    }
-
-    /// # Safety
-    /// No other part with this index may be alive.
-    unsafe fn one(&self, index: usize) -> &'a mut [T] {
-        let end = |index: usize| self.ends.get(index).copied().unwrap_or_default() as usize;
-        let (start, end) = (index.checked_sub(1).map_or(0, end), end(index));
-        // SAFETY: `new` has seen that ends ascend and stay in the borrowed slice, so parts of different indices are disjoint
-        // ranges of it, and the caller holds no other one with this index. An index that is out of range reads zero twice.
-        unsafe { core::slice::from_raw_parts_mut(self.start.add(start), end.saturating_sub(start)) }
-    }
-}
-
-// SAFETY: a `Mirrored` is an exclusive borrow of a slice of `T: Send`; it reaches other threads only part by part.
-unsafe impl<T: Send> Sync for Mirrored<'_, T> {}
-
-// SAFETY: of `2 n` disjoint parts, `i` and `2 n - 1 - i` are two, and other ones for each `i < n`.
-unsafe impl<'a, T: Send> Parted for Mirrored<'a, T> {
-    type Part = [&'a mut [T]; 2];
-
-    fn count(&self) -> usize {
-        self.ends.len() / 2
-    }
-
-    unsafe fn part(&self, index: usize) -> [&'a mut [T]; 2] {
-        // SAFETY: the caller holds no other part with this index, and no other index has these two.
-        unsafe { [self.one(index), self.one(self.ends.len() - 1 - index)] }
-    }
-}
-
 macro_rules! parted_tuple {
     ($($name:ident $index:tt),+) => {
         // SAFETY: each element of the tuple keeps the promise for its own slice.
@@ -340,20 +294,6 @@ mod tests {
                 (1, _) => assert!(order.is_sorted()),
                 _ => {}
             }
-        }
-    }
-
-    #[test]
-    fn parts_of_any_lengths_are_taken_two_by_two() {
-        let mut items = [0u8; 10];
-        let queue = BlockQueue::new(Mirrored::new(&mut items, &[3, 4, 4, 9]));
-        while let Some((index, [first, second])) = queue.claim() {
-            first.fill(index as u8 + 1);
-            second.fill(index as u8 + 5);
-        }
-        assert_eq!(items, [1, 1, 1, 2, 5, 5, 5, 5, 5, 0]);
-        for ends in [[3, 2, 4, 9], [3, 4, 4, 11]] {
-            assert_eq!(Mirrored::new(&mut items, &ends).count(), 0);
         }
     }
 

@@ -7,7 +7,6 @@ use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Route};
-use crate::pairs::events;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -60,30 +59,26 @@ pub(super) fn full<I: Index>(
     }
     balance::review(parts);
     executor.enter(Stage::Sweep);
-    let Swept { pairs, work, found, leaves } = sweep(parts, kept, context);
+    let leaves = parts.state.tree.count;
+    let (pairs, work) = sweep(parts, kept, leaves as usize, context);
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies, anew);
     }
     keep::plan(parts.state, work.tied, left);
     let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
-    (route, Progress { pairs, work, leaves, rebalanced, coarse, found })
+    (route, Progress { pairs, work, leaves, rebalanced, coarse })
 }
 
-/// The result of a sweep of all leaves.
-struct Swept {
-    pairs: u64,
-    work: Work,
-    /// How many of these pairs are found, if the events were told block by block.
-    found: Option<u64>,
-    leaves: u32,
-}
-
-/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects.
-fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepContext<'_>) -> Swept {
+/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns how many
+/// pairs there are.
+fn sweep<I: Index>(
+    parts: &mut Parts<'_, I>,
+    kept: Option<u64>,
+    leaf_count: usize,
+    context: StepContext<'_>,
+) -> (u64, Work) {
     let StepContext { kernels, executor, .. } = context;
-    let leaf_count = parts.state.tree.count as usize;
     let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
-    let tells = kept.is_none() && events::share_out(parts, blocks);
     let moved = kept.map(|_| &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
@@ -91,19 +86,10 @@ fn sweep<I: Index>(parts: &mut Parts<'_, I>, kept: Option<u64>, context: StepCon
     parts.state.lists.stale = 1;
     let codes = parts.order[2].span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
-    let mut next = [&[][..]; 2];
-    let mut collector = if tells {
-        let boxes = events::Boxes::new(&parts.boxes, parts.state, kernels);
-        next = boxes.far();
-        Collector::with_events(&mut parts.output, &parts.sizes, pair_filter, boxes, parts.state)
-    } else {
-        Collector::new(&mut parts.output, &parts.sizes, pair_filter)
-    };
-    let (pairs, work) =
-        collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
-            let first = block * LEAVES_PER_BLOCK;
-            let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-            kernels.run(SweepLeaves { tree_view: &tree_view, leaves, kinds, next, scratch, sink });
-        });
-    Swept { pairs, work, found: tells.then_some(collector.found), leaves: leaf_count as u32 }
+    let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
+    collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
+        let first = block * LEAVES_PER_BLOCK;
+        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
+        kernels.run(SweepLeaves { tree_view: &tree_view, leaves, kinds, scratch, sink });
+    })
 }

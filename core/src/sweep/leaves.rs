@@ -122,8 +122,6 @@ pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
     pub(crate) tree_view: &'p TreeView<'g>,
     pub(crate) leaves: core::ops::Range<usize>,
     pub(crate) kinds: Kinds<'g, I>,
-    /// The boxes that are needed right after the sweep of a leaf, for its members and ghosts.
-    pub(crate) next: [&'g [KeyBox]; 2],
     pub(crate) scratch: &'p mut Scratch<'s, I>,
     pub(crate) sink: &'p mut dyn Sink<I>,
 }
@@ -133,9 +131,9 @@ impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, leaves, kinds, next, scratch, sink } = self;
+        let Self { tree_view, leaves, kinds, scratch, sink } = self;
         for index in leaves {
-            sweep_leaf(simd, tree_view, index, &kinds, next, scratch, sink);
+            sweep_leaf(simd, tree_view, index, &kinds, scratch, sink);
         }
     }
 }
@@ -146,7 +144,6 @@ fn sweep_leaf<S: Simd, I: Index>(
     tree_view: &TreeView<'_>,
     index: usize,
     kinds: &Kinds<'_, I>,
-    next: [&[KeyBox]; 2],
     scratch: &mut Scratch<'_, I>,
     sink: &mut dyn Sink<I>,
 ) {
@@ -160,9 +157,6 @@ fn sweep_leaf<S: Simd, I: Index>(
     }
     let (axis, leaf_scratch, boxes) = (leaf.axis as usize, &mut scratch.leaf_scratch, tree_view.boxes);
     let buckets = [members, scratch.ghosts.span(0, count)];
-    if !next[0].is_empty() {
-        simd.call(AskFor { buckets, boxes: next });
-    }
     if !kinds.are_one() {
         let plan = kinds.plan(&kinds.count(buckets));
         scratch.spared += plan.spared;
@@ -197,26 +191,6 @@ impl<I: Index> Phase for Passes<'_, '_, '_, I> {
                 sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
             };
             bucket::sweep_parts(simd, buckets, (side, within), axis, leaf_scratch, boxes, sink);
-        }
-    }
-}
-
-/// Prefetches the boxes of some records, so that they come while the records are swept.
-struct AskFor<'a> {
-    buckets: [&'a [Record]; 2],
-    boxes: [&'a [KeyBox]; 2],
-}
-
-impl Phase for AskFor<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        for bucket in self.buckets {
-            for record in bucket {
-                simd.prefetch(self.boxes[0], record.slot() as usize);
-                simd.prefetch(self.boxes[1], record.slot() as usize);
-            }
         }
     }
 }

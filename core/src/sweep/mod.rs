@@ -18,8 +18,6 @@ use crate::memory::layout::Sizes;
 use crate::memory::limits::{CHUNK, MERGED};
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
-use crate::memory::state::State;
-use crate::pairs::events::{Block, Blocks, Boxes, Events};
 pub(crate) use crate::pairs::pair_filter::Sink;
 use crate::pairs::pair_filter::{Filtered, PairFilter};
 use crate::parallel::block_queue::{BlockQueue, Chunks, Pool};
@@ -27,53 +25,20 @@ use crate::parallel::executor::{self, Executor};
 use crate::tree::Record;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Writes pairs in their final order, but found ones from the end of the buffer on, those of each call before the last
-/// ones. Goes on counting when it is full.
+/// Writes pairs in their final order. Goes on counting when it is full.
 struct Ordered<'o, I> {
     pairs: &'o mut [Pair<I>],
     /// Pairs taken, whether there was room or not.
     count: u64,
-    /// The boxes that tell found pairs, if that is done here.
-    boxes: Option<Boxes<'o>>,
-    /// Persisting and found pairs, if `boxes` tell them.
-    counts: [usize; 2],
 }
 
 impl<I: Index> Sink<I> for Ordered<'_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
-        if let Some(boxes) = self.boxes {
-            let [persisting, found] = &mut self.counts;
-            let room = self.pairs.get_mut(*persisting..self.pairs.len() - *found).unwrap_or_default();
-            let pairs = pairs.span_mut(0, pairs.len().min(room.len()));
-            let come = boxes.found(pairs);
-            let (come, stay) = pairs.split_at_checked(come).unwrap_or_default();
-            room.copy_in(stay);
-            room.span_mut(room.len() - come.len(), come.len()).copy_in(come);
-            *persisting += stay.len();
-            *found += come.len();
-        } else {
-            let start = usize::try_from(self.count).unwrap_or(usize::MAX);
-            if let Some(room) = self.pairs.get_mut(start..) {
-                room.copy_in(pairs);
-            }
+        let start = usize::try_from(self.count).unwrap_or(usize::MAX);
+        if let Some(room) = self.pairs.get_mut(start..) {
+            room.copy_in(pairs);
         }
         self.count += pairs.len() as u64;
-    }
-}
-
-/// The queue of the blocks of a sweep.
-enum SweepQueue<'b, I> {
-    Plain(BlockQueue<usize>),
-    /// With events that are told block by block.
-    WithEvents(Blocks<'b, I>),
-}
-
-impl<I: Index> SweepQueue<'_, I> {
-    fn claim(&self) -> Option<(usize, Option<Block<'_, I>>)> {
-        match self {
-            Self::Plain(blocks) => blocks.claim().map(|(index, ())| (index, None)),
-            Self::WithEvents(blocks) => blocks.claim().map(|(index, block)| (index, Some(block))),
-        }
     }
 }
 
@@ -95,10 +60,6 @@ pub(crate) struct Collector<'o, I> {
     workers: usize,
     /// Asked about each pair.
     pub(crate) pair_filter: Option<PairFilter<'o>>,
-    /// The events, if they are told block by block.
-    events: Option<Events<'o, I>>,
-    /// Then: how many pairs are found.
-    pub(crate) found: u64,
 }
 
 impl<'o, I: Index> Collector<'o, I> {
@@ -109,32 +70,7 @@ impl<'o, I: Index> Collector<'o, I> {
     ) -> Self {
         let OutputParts { pairs, staged, chunks, scratch, .. } = output;
         let (bucket, workers) = (sizes.bucket, sizes.workers);
-        Self { pairs, staged, chunks, scratch, bucket, workers, pair_filter, events: None, found: 0 }
-    }
-
-    /// The same for a step that tells events block by block: found pairs come behind the others.
-    pub(crate) fn with_events(
-        output: &'o mut OutputParts<'_, I>,
-        sizes: &Sizes,
-        pair_filter: Option<PairFilter<'o>>,
-        boxes: Boxes<'o>,
-        state: &State,
-    ) -> Self {
-        let OutputParts { pairs, previous, segments, staged, chunks, scratch, .. } = output;
-        let (bucket, workers) = (sizes.bucket, sizes.workers);
-        let events = Some(Events::new(boxes, previous, segments, state));
-        Self { pairs, staged, chunks, scratch, bucket, workers, pair_filter, events, found: 0 }
-    }
-
-    /// The boxes that tell found pairs, and the queue of blocks.
-    fn queue<'e>(
-        events: &'e mut Option<Events<'o, I>>,
-        blocks: usize,
-    ) -> (Option<Boxes<'o>>, SweepQueue<'e, I>) {
-        match events {
-            Some(events) => (Some(events.boxes), SweepQueue::WithEvents(events.blocks())),
-            None => (None, SweepQueue::Plain(BlockQueue::new(blocks))),
-        }
+        Self { pairs, staged, chunks, scratch, bucket, workers, pair_filter }
     }
 
     /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from` pairs.
@@ -158,21 +94,11 @@ impl<'o, I: Index> Collector<'o, I> {
         let count =
             if executor::THREADS && shared { self.in_parallel(executor, from, blocks, work) } else { None };
         let count = count.unwrap_or_else(|| {
-            let (boxes, queue) = Self::queue(&mut self.events, blocks);
-            let mut sink = Ordered { pairs: self.pairs, count: from, boxes, counts: [0; 2] };
+            let mut sink = Ordered { pairs: self.pairs, count: from };
             let mut scratch = Scratch::carve(self.scratch.get_mut(..area).unwrap_or_default(), self.bucket);
-            while let Some((index, block)) = queue.claim() {
-                let [persisting, found] = sink.counts;
-                work(index, &mut scratch, &mut sink);
-                if let Some(block) = block {
-                    block.finish([(sink.counts[0] - persisting) as u32, (sink.counts[1] - found) as u32]);
-                }
-            }
+            (0..blocks).for_each(|block| work(block, &mut scratch, &mut sink));
             scratch.finish();
-            let (count, [persisting, found]) = (sink.count, sink.counts);
-            self.found = found as u64;
-            close_gap(self.pairs, persisting, found);
-            count
+            sink.count
         });
         (count, scratch::work(self.scratch, area))
     }
@@ -187,93 +113,53 @@ impl<'o, I: Index> Collector<'o, I> {
     ) -> Option<u64> {
         let area = scratch::records::<I>(self.bucket);
         let full = AtomicBool::new(false);
-        let (boxes, queue) = Self::queue(&mut self.events, blocks);
+        let queue = BlockQueue::new(blocks);
         let chunks = BlockQueue::new((Chunks::new(self.staged, CHUNK), Chunks::new(self.chunks, 1)));
         let pool = Pool::new(self.scratch, area);
         executor::run(executor, pool.count(), blocks, &|| {
             let Some(mut borrowed) = pool.borrow() else { return };
             let mut scratch = Scratch::carve(borrowed.area(), self.bucket);
             while !full.load(Relaxed)
-                && let Some((index, block)) = queue.claim()
+                && let Some((block, ())) = queue.claim()
             {
-                let (chunks, full, counts) = (&chunks, &full, [0; 2]);
-                let mut sink = Staged { chunks, full, block: index as u32, chunk: None, boxes, counts };
-                work(index, &mut scratch, &mut sink);
-                let counts = sink.counts;
-                if let Some(block) = block {
-                    block.finish(counts);
-                }
+                let mut sink = Staged { chunks: &chunks, full: &full, block: block as u32, chunk: None };
+                work(block, &mut scratch, &mut sink);
             }
             scratch.finish();
         });
         let used = chunks.claimed();
-        let merged = if full.load(Relaxed) { None } else { self.merge(executor, from, used, blocks) };
-        if merged.is_none() {
+        if full.load(Relaxed) {
             // All blocks will be swept once more: nothing must count twice.
             scratch::reset(self.scratch, area);
+            return None;
         }
-        merged
+        Some(self.merge(executor, from, used, blocks))
     }
 
-    /// Copies the chunks in the order of their blocks. `None` if there are found pairs and not all pairs fit:
-    /// the order of all pairs decides which ones do.
-    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize, blocks: usize) -> Option<u64> {
+    /// Copies the chunks in the order of their blocks.
+    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize, blocks: usize) -> u64 {
         order_by_block(self.chunks, used, blocks);
         let chunks = self.chunks.span_mut(0, used);
-        // Places and counts are no longer needed. There now: where the two ends of each chunk end among all
-        // pairs.
-        let [mut persisting, mut found] = [0; 2];
-        for [place, _, counts] in &mut *chunks {
-            let [stay, come] = two_counts(*counts);
-            persisting += stay as u32;
-            found += come as u32;
-            (*place, *counts) = (persisting, found);
+        // Places are no longer needed. There now: where each chunk ends among all pairs.
+        let mut count = 0;
+        for [place, _, len] in &mut *chunks {
+            count += *len;
+            *place = count;
         }
         let (chunks, staged) = (&*chunks, &*self.staged);
         let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
-        let count = persisting as usize + found as usize;
-        if found > 0 && count > room.len() {
-            return None;
-        }
-        let persisting = room.len().min(persisting as usize);
-        let (room, behind) = room.split_at_mut_checked(persisting).unwrap_or_default();
-        let queue = BlockQueue::new(Chunks::new(room, MERGED));
-        executor::run(executor, self.workers, persisting.div_ceil(MERGED), &|| {
+        let fitting = room.len().min(count as usize);
+        let queue = BlockQueue::new(Chunks::new(room.span_mut(0, fitting), MERGED));
+        executor::run(executor, self.workers, fitting.div_ceil(MERGED), &|| {
             while let Some((block, room)) = queue.claim() {
                 gather(chunks, staged, block * MERGED, room);
             }
         });
-        let mut rest = behind.span_mut(0, found as usize);
-        let mut end = found as usize;
-        for (at, &[_, index, _]) in chunks.iter().enumerate().rev() {
-            let start = at.checked_sub(1).map_or(0, |last| chunks.at(last)[2]) as usize;
-            let (now, later) =
-                core::mem::take(&mut rest).split_at_mut_checked(end - start).unwrap_or_default();
-            now.copy_in(staged.span((index as usize + 1) * CHUNK - (end - start), end - start));
-            (rest, end) = (later, start);
-        }
-        self.found = u64::from(found);
-        Some(from + count as u64)
+        from + u64::from(count)
     }
 }
 
-/// How many persisting pairs a chunk has at its front, and how many found ones at its end. One number, since neither
-/// is above [`CHUNK`].
-const fn two_counts(counts: u32) -> [usize; 2] {
-    [(counts & 0xffff) as usize, (counts >> 16) as usize]
-}
-
-/// Moves the found pairs from the end of a buffer behind those at its front.
-fn close_gap<I: Index>(pairs: &mut [Pair<I>], persisting: usize, found: usize) {
-    let start = pairs.len() - found;
-    if start > persisting {
-        for offset in 0..found {
-            pairs.put(persisting + offset, pairs.at(start + offset));
-        }
-    }
-}
-
-/// Fills `room` with the persisting pairs from number `from` on. `chunks` has where each chunk ends, and its
+/// Fills `room` with the pairs from number `from` on. `chunks` has where each chunk ends, and its
 /// position.
 fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mut room: &mut [Pair<I>]) {
     let first = chunks.partition_point(|chunk| chunk[0] as usize <= from);
@@ -325,25 +211,18 @@ fn order_by_block(chunks: &mut [[u32; 3]], used: usize, blocks: usize) -> usize 
     moves
 }
 
-/// Writes the pairs of one block to as many chunks as they need; in each, found pairs stand at its end.
+/// Writes the pairs of one block to as many chunks as they need.
 struct Staged<'s, 'o, I> {
     chunks: &'s BlockQueue<StagedChunks<'o, I>>,
     full: &'s AtomicBool,
     block: u32,
     chunk: Option<StagedChunk<'s, I>>,
-    /// The boxes that tell found pairs, if that is done here.
-    boxes: Option<Boxes<'s>>,
-    /// Persisting and found pairs of the block; all count as persisting without `boxes`.
-    counts: [u32; 2],
 }
 
 impl<I: Index> Sink<I> for Staged<'_, '_, I> {
     fn take(&mut self, pairs: &mut [Pair<I>]) {
-        let come = self.boxes.map_or(0, |boxes| boxes.found(pairs));
-        let (mut come, mut stay) = pairs.split_at_checked(come).unwrap_or_default();
-        self.counts[0] += stay.len() as u32;
-        self.counts[1] += come.len() as u32;
-        while !(stay.is_empty() && come.is_empty()) {
+        let mut rest = &*pairs;
+        while !rest.is_empty() {
             let Some((room, [entry])) = &mut self.chunk else {
                 let Some((index, (room, entry))) = self.chunks.claim() else {
                     return self.full.store(true, Relaxed);
@@ -352,19 +231,14 @@ impl<I: Index> Sink<I> for Staged<'_, '_, I> {
                 self.chunk = Some((room, entry));
                 continue;
             };
-            let [before, behind] = two_counts(entry[2]);
-            let free = room.len() - before - behind;
-            let room = room.span_mut(before, free);
-            let (now, later) = stay.split_at(stay.len().min(free));
-            // The last of them first, since those of the next chunk will stand before these.
-            let (earlier, last) = come.split_at(come.len().saturating_sub(free - now.len()));
-            room.copy_in(now);
-            room.span_mut(free - last.len(), last.len()).copy_in(last);
-            entry[2] += (now.len() | last.len() << 16) as u32;
-            if now.len() + last.len() == free {
+            let len = entry[2] as usize;
+            let (now, later) = rest.split_at(rest.len().min(room.len() - len));
+            room.span_mut(len, now.len()).copy_in(now);
+            entry[2] += now.len() as u32;
+            if entry[2] as usize == room.len() {
                 self.chunk = None;
             }
-            (stay, come) = (later, earlier);
+            rest = later;
         }
     }
 

@@ -37,21 +37,7 @@ pub(super) fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             !unchanged || !parts.has_surplus() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
         check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;
     }
-    segments(parts)?;
     kept_pairs(parts)
-}
-
-/// Segments divide the last result: each ends where the next one starts, and the last one at its end.
-fn segments<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let (pairs, mut end) = (&parts.state.pairs, 0);
-    let segments = parts.output.segments.ends.span(0, 2 * parts.output.segments.blocks());
-    for (at, next) in segments.iter().enumerate() {
-        check(end <= *next, "a segment of the last result ends before it starts", at)?;
-        end = *next;
-    }
-    let last = if pairs.complete != 0 { pairs.reported } else { pairs.previous };
-    let whole = segments.is_empty() || u64::from(end) == last;
-    check(whole, "the segments are not those of the last result", end as usize)
 }
 
 /// A sum over pairs, the same in any order.

@@ -115,7 +115,7 @@ impl<I: Index> World<'_, I> {
         context.executor.enter(Stage::Results);
         let fitting = progress.pairs.min(parts.output.pairs.len() as u64);
         let complete = progress.pairs == fitting;
-        results::sort_out(parts, fitting as usize, complete, progress.found, context);
+        results::sort_out(parts, fitting as usize, complete, context);
         Some(progress.pairs)
     }
 
@@ -190,7 +190,6 @@ impl<I: Index> Drop for Unfinished<'_, '_, I> {
         }
         parts.boxes.tight = parts.state.step.margins_in > 0;
         persistent::start_over(parts);
-        parts.output.segments.forget();
         let PairState { swept, reported, found, lost, .. } = &mut parts.state.pairs;
         (*swept, *reported, *found, *lost) = (0, 0, 0, 0);
         parts.state.tree.forget();
