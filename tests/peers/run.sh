@@ -4,10 +4,24 @@
 #     tests/peers/run.sh [options] SCENE...
 #     tests/peers/run.sh --table [options] [SCENE...]
 #
+# or draws chart.svg from such a table, by default the one of README.md:
+#
+#     tests/peers/run.sh --chart [FILE]
+#
 # Options are those of the program (see README.md). PEERS says which peers are built: `rust` (no C++ compiler needed),
 # `physx` (these and PhysX) or `all`, the default. A peer that cannot be installed here is left out.
 set -eu
 here=$(dirname "$0")
+
+if [ "${1-}" = --chart ]; then
+    program=$(mktemp)
+    trap 'rm -f "$program"' EXIT
+    rustc --edition 2024 -o "$program" "$here/chart.rs"
+    drawn=$("$program" <"${2-$here/README.md}")
+    printf '%s\n' "$drawn" >"$here/chart.svg"
+    echo "drawn: $here/chart.svg"
+    exit
+fi
 
 install() {
     dpkg -s "$1" >/dev/null 2>&1 && return

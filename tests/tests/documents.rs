@@ -1,5 +1,8 @@
 //! What the documents name exists: files, tests and programs, constants with their values, the sections of the slab.
 
+#[path = "../peers/chart.rs"]
+mod chart;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -268,7 +271,7 @@ const CHOSEN: [&str; 3] =
 
 #[test]
 fn constants_are_as_the_table_says() {
-    let text = read("core/PERFORMANCE.md");
+    let text = read("core/NOTEBOOK.md");
     let mut listed = BTreeSet::new();
     for row in section(&text, "## Constants").lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
@@ -340,4 +343,10 @@ fn examples_take_the_lost_pairs_before_the_found_ones() {
         }
     }
     assert!(seen >= 5, "{seen} loops over events");
+}
+
+#[test]
+fn the_chart_of_peers_is_drawn_from_the_table() {
+    let drawn = chart::svg(&read("tests/peers/README.md")).unwrap_or_else(|error| panic!("{error}"));
+    assert!(read("tests/peers/chart.svg") == drawn, "`tests/peers/run.sh --chart` draws it anew");
 }

@@ -1,5 +1,5 @@
 //! The sizes at which a world changes how it works, the blocks that work is cut into, and the stacks of fixed length. The table
-//! of constants in `PERFORMANCE.md` says what was measured for each.
+//! of constants in `NOTEBOOK.md` says what was measured for each.
 
 use super::slot_set::GROUP;
 

@@ -1,5 +1,5 @@
 //! How far ahead memory is asked for: boxes, leaves and records stand anywhere in memory, and a cache miss takes longer than the
-//! work on what it brings. The table of constants in `PERFORMANCE.md` says what was measured for each.
+//! work on what it brings. The table of constants in `NOTEBOOK.md` says what was measured for each.
 
 /// Worlds of up to this many boxes have them in the cache: no boxes of pairs are prefetched.
 pub(crate) const BOXES_NEAR: usize = 4096;

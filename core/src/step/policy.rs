@@ -1,5 +1,5 @@
 //! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose equally.
-//! The table of constants in `PERFORMANCE.md` says what was measured.
+//! The table of constants in `NOTEBOOK.md` says what was measured.
 
 use crate::access::{Access, bits};
 use crate::config::{Choice, Mode};

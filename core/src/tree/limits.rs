@@ -1,4 +1,4 @@
-//! When the tree changes, and how much of it in one step. The table of constants in `PERFORMANCE.md` says what was measured for
+//! When the tree changes, and how much of it in one step. The table of constants in `NOTEBOOK.md` says what was measured for
 //! each.
 
 use crate::memory::limits::LEAF_TARGET;

@@ -14,7 +14,7 @@ use trisap::{Aabb, Boxes, Capacity, Config, Executor, OwnedWorld, Rayon, Serial}
 const BUSY: &str = "--busy";
 /// The least time of a run.
 const RUN: Duration = Duration::from_millis(300);
-/// The sizes of the table in PERFORMANCE.md.
+/// The sizes of the table in NOTEBOOK.md.
 const SIZES: [usize; 4] = [8_000, 32_000, 128_000, 1_024_000];
 
 /// Ends the process with the measurement.
