@@ -18,7 +18,7 @@
 //
 // Times are for n living objects.
 //
-// The order is that of use: a configuration, its size, a world, objects, filters, rest, steps and their results, queries, the tree
+// The order is that of use: a configuration, its size, a world, objects, filters, rest, steps and their results, contacts, queries, the tree
 // to look at, other origins, other memory, snapshots.
 
 #ifndef TRISAP_H
@@ -124,6 +124,9 @@
 /// With events, pairs of the complete step before the last one that the last one does not have: for the same.
 #define TRISAP_PAIRS_LOST 2
 
+/// No pair has this number.
+#define TRISAP_NO_CONTACT UINT32_MAX
+
 /// A box: for `trisap_region::kind`.
 #define TRISAP_REGION_AABB 0
 
@@ -198,6 +201,14 @@ enum trisap_status
 #ifndef __cplusplus
 typedef int32_t trisap_status;
 #endif // __cplusplus
+
+/// Small numbers for pairs, in the caller's memory: whoever keeps something for each pair (a manifold, a sound, damage)
+/// keeps it in an array.
+///
+/// A pair has a number from the step that finds it to the step that loses it; then the number is given again. Contacts
+/// stand beside a world with events. They hold no pointers: a copy of their memory, kept beside a copy or a snapshot of
+/// the world, gives each pair the same number after going back. One thread at a time may call; there is nothing to free.
+typedef struct trisap_contacts trisap_contacts;
 
 /// A world, in the caller's memory. It holds no pointers: a copy of its memory, at any other address of the same
 /// alignment, can be opened and goes on as the world would have.
@@ -386,6 +397,14 @@ typedef struct trisap_value_pair {
     /// The value of the object in the higher slot.
     uint64_t b;
 } trisap_value_pair;
+
+/// A contact of an object.
+typedef struct trisap_contact {
+    /// The number.
+    uint32_t contact;
+    /// The slot of the object's partner.
+    uint32_t partner;
+} trisap_contact;
 
 /// What a step did and chose. All of it follows from counts, so equal calls give equal statistics on every machine.
 /// Made by `trisap_default_stats`.
@@ -961,6 +980,96 @@ trisap_status trisap_world_pair_values(const struct trisap_world *world,
                                        size_t *count)
 TRISAP_NOEXCEPT;
 
+/// The bytes of memory for the contacts of a world of so many objects, if there are so many pairs at most: 4 an object and
+/// 24 a pair. O(1).
+TRISAP_NODISCARD
+size_t trisap_contacts_size(uint32_t objects,
+                            uint32_t contacts)
+TRISAP_NOEXCEPT;
+
+/// Makes room for contacts in `memory`, which starts on a multiple of 4 bytes, and writes where they are, which is `memory`
+/// itself, to `made`. What was in the memory does not matter, so this also clears them. O(objects).
+///
+/// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`. Nothing is written then.
+TRISAP_NODISCARD
+trisap_status trisap_contacts_init(void *memory,
+                                   size_t bytes,
+                                   uint32_t objects,
+                                   uint32_t contacts,
+                                   struct trisap_contacts **made)
+TRISAP_NOEXCEPT;
+
+/// Goes on with contacts in memory that is a copy of that of others, and writes where they are to `made`. All of it is checked:
+/// O(bytes).
+///
+/// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, if these are not contacts.
+TRISAP_NODISCARD
+trisap_status trisap_contacts_open(void *memory,
+                                   size_t bytes,
+                                   struct trisap_contacts **made)
+TRISAP_NOEXCEPT;
+
+/// Writes the same contacts, with the same numbers, to other memory, with room for so many objects and pairs, and where they
+/// are to `made`. The old ones stay as they are. O(bytes).
+///
+/// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`; `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, if there is not room for what there is.
+TRISAP_NODISCARD
+trisap_status trisap_contacts_move(const struct trisap_contacts *contacts,
+                                   void *memory,
+                                   size_t bytes,
+                                   uint32_t objects,
+                                   uint32_t pairs,
+                                   struct trisap_contacts **made)
+TRISAP_NOEXCEPT;
+
+/// Takes back the numbers of lost pairs, then gives the found ones numbers: those of a step, which may be used by their slots
+/// alone. Writes the number of each lost pair to `ended` and that of each found one to `began`, as far as these are not null;
+/// `TRISAP_NO_CONTACT` for a lost pair that had none. A world in which there are pairs already begins with all of them as found
+/// ones. O(events), each times the partners of that object of the two which has fewer.
+///
+/// Errors: `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, whose `detail` (if it is not null) is how many would have to fit;
+/// `TRISAP_STATUS_INVALID_ARGUMENT` for a pair of one slot. Nothing has changed then: with more room the same events fit.
+TRISAP_NODISCARD
+trisap_status trisap_contacts_update(struct trisap_contacts *contacts,
+                                     const struct trisap_pair *lost,
+                                     size_t lost_count,
+                                     uint32_t *ended,
+                                     const struct trisap_pair *found,
+                                     size_t found_count,
+                                     uint32_t *began,
+                                     uint64_t *detail)
+TRISAP_NOEXCEPT;
+
+/// The number of a pair of slots, in any order; `TRISAP_NO_CONTACT` if it has none, and for misuse. O(partners of that object of the
+/// two which has fewer).
+TRISAP_NODISCARD
+uint32_t trisap_contacts_get(const struct trisap_contacts *contacts,
+                             uint32_t a,
+                             uint32_t b)
+TRISAP_NOEXCEPT;
+
+/// Writes the contacts of an object, those found last first, to `found`, which has room for `room`, and how many there are to
+/// `count`. O(answers).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. The number is right then, and the room holds as many as fit.
+TRISAP_NODISCARD
+trisap_status trisap_contacts_of(const struct trisap_contacts *contacts,
+                                 uint32_t slot,
+                                 struct trisap_contact *found,
+                                 size_t room,
+                                 size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Takes back all numbers of an object: before it is removed, for those who cannot wait for the lost pairs of the next step. Ask
+/// `trisap_contacts_of` which they are. O(answers).
+TRISAP_NODISCARD
+trisap_status trisap_contacts_remove_all(struct trisap_contacts *contacts,
+                                         uint32_t slot)
+TRISAP_NOEXCEPT;
+
+/// How many pairs have a number; 0 for misuse. O(1).
+TRISAP_NODISCARD size_t trisap_contacts_count(const struct trisap_contacts *contacts) TRISAP_NOEXCEPT;
+
 /// Statistics of no step. O(1).
 TRISAP_NODISCARD struct trisap_stats trisap_default_stats(void) TRISAP_NOEXCEPT;
 
@@ -1294,6 +1403,7 @@ TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));
 TRISAP_SIZE(trisap_stats, 120);
 TRISAP_SIZE(trisap_filter, 12);
 TRISAP_SIZE(trisap_value_pair, 16);
+TRISAP_SIZE(trisap_contact, 8);
 TRISAP_SIZE(trisap_region, 32);
 TRISAP_SIZE(trisap_cast, 40);
 TRISAP_SIZE(trisap_hit, 16);

@@ -29,6 +29,7 @@ using Aabb = trisap_aabb;
 using Boxes = trisap_boxes;
 using Cast = trisap_cast;
 using Config = trisap_config;
+using Contact = trisap_contact;
 using Filter = trisap_filter;
 using Hit = trisap_hit;
 using Id = trisap_id;
@@ -438,6 +439,24 @@ struct Allocator {
     /// Handed to both.
     void *user = nullptr;
 };
+
+namespace detail {
+
+struct Free {
+    Free() noexcept : bytes(0) {}
+    Free(const Allocator &from, std::size_t room) noexcept : allocator(from), bytes(room) {}
+    Allocator allocator;
+    std::size_t bytes;
+    void operator()(void *memory) const noexcept { allocator.free(allocator.user, memory, bytes, trisap_world_align()); }
+};
+using Memory = std::unique_ptr<void, Free>;
+
+/// Memory for a world, or for contacts; null where there is none.
+[[nodiscard]] inline Memory allocate(const Allocator &from, std::size_t bytes) noexcept {
+    return Memory(from.allocate(from.user, bytes, trisap_world_align()), Free(from, bytes));
+}
+
+} // namespace detail
 
 /// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
 ///
@@ -902,22 +921,13 @@ private:
 
     [[nodiscard]] Choice choice() const noexcept { return {world_, nullptr, nullptr}; }
 
-    struct Free {
-        Free() noexcept : bytes(0) {}
-        Free(const Allocator &from, std::size_t room) noexcept : allocator(from), bytes(room) {}
-        Allocator allocator;
-        std::size_t bytes;
-        void operator()(void *memory) const noexcept {
-            allocator.free(allocator.user, memory, bytes, trisap_world_align());
-        }
-    };
-    using Memory = std::unique_ptr<void, Free>;
+    using Memory = detail::Memory;
 
     /// Has `make` make the world in new memory, which takes the place of the old one if it can. Views of the last result may go on.
     template <class Make> [[nodiscard]] Status place(std::size_t bytes, Make make, bool goes_on = false) noexcept {
         // For an impossible configuration as much as the library looks at, to say what is wrong.
         const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
-        Memory memory(allocator_.allocate(allocator_.user, room, trisap_world_align()), Free(allocator_, room));
+        Memory memory = detail::allocate(allocator_, room);
         if (memory == nullptr) {
             return detail::refuse(TRISAP_STATUS_MEMORY_TOO_SMALL, room);
         }
@@ -1069,6 +1079,149 @@ private:
     Memory kept_;
     trisap_world *world_ = nullptr;
     bool growing_ = false, has_stepped_ = false;
+};
+
+/// A number for each pair, from the step that finds it to the step that loses it: what is kept for a pair (a manifold, a sound,
+/// damage) stands in a vector at that place. See `trisap_contacts`. Beside a world with events; grows by itself; moves, but does not
+/// copy (`copy_from` does).
+class Contacts {
+public:
+    /// No pair has this number.
+    static constexpr std::uint32_t none = TRISAP_NO_CONTACT;
+
+    Contacts() noexcept = default;
+
+    /// Contacts whose memory comes from elsewhere.
+    explicit Contacts(const Allocator &allocator) noexcept : allocator_(allocator) {}
+
+    /// Takes back the numbers of the lost pairs of a step and tells each as `ended(pair, contact)`, then gives the found ones numbers
+    /// and tells each as `began(pair, contact)`. Of each step, also of those in which nothing seems to happen.
+    ///
+    /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`; nothing is told or changed then.
+    template <class Ended, class Began>
+    [[nodiscard]] Status update(const Step &step, Ended &&ended, Began &&began) noexcept {
+        return update(step.lost, step.found, ended, began);
+    }
+
+    /// The same of any pairs: in a world that has some already all of them are found.
+    template <class Ended, class Began>
+    [[nodiscard]] Status update(View<const Pair> lost, View<const Pair> found, Ended &&ended, Began &&began) noexcept {
+        std::uint32_t slots = objects_;
+        for (const Pair &pair : found) {
+            slots = pair.b >= slots ? pair.b + 1 : slots;
+        }
+        const std::size_t pairs = size() + found.size();
+        if (contacts_ == nullptr || slots > objects_ || pairs > room_) {
+            const auto more = [](std::uint64_t needed, std::uint64_t had) {
+                const std::uint64_t room = needed > had ? (needed > 2 * had ? needed : 2 * had) : had;
+                return static_cast<std::uint32_t>(room < UINT32_MAX ? room : UINT32_MAX);
+            };
+            if (const Status status = move_to(more(slots, objects_), more(pairs, room_)); status != TRISAP_STATUS_OK) {
+                return status;
+            }
+        }
+        for (const Pair &pair : lost) {
+            if (const std::uint32_t contact = get(pair.a, pair.b); contact != none) {
+                ended(pair, contact);
+            }
+        }
+        const Status status = trisap_contacts_update(contacts_, lost.data(), lost.size(), nullptr, found.data(),
+                                                     found.size(), nullptr, nullptr);
+        if (status == TRISAP_STATUS_OK) {
+            for (const Pair &pair : found) {
+                began(pair, get(pair.a, pair.b));
+            }
+        }
+        return status;
+    }
+
+    /// The number of a pair of slots, in any order, or `none`.
+    [[nodiscard]] std::uint32_t get(std::uint32_t a, std::uint32_t b) const noexcept {
+        return contacts_ == nullptr ? none : trisap_contacts_get(contacts_, a, b);
+    }
+
+    /// The contacts of an object.
+    [[nodiscard]] Answers<Contact> of(std::uint32_t slot, View<Contact> room) const noexcept {
+        std::size_t count = 0;
+        const Status status = contacts_ == nullptr
+                                  ? TRISAP_STATUS_OK
+                                  : trisap_contacts_of(contacts_, slot, room.data(), room.size(), &count);
+        return {status, {room.data(), count < room.size() ? count : room.size()}, count};
+    }
+
+    /// Takes back all numbers of an object, for those who cannot wait for the lost pairs of the next step.
+    void remove_all(std::uint32_t slot) noexcept {
+        if (contacts_ != nullptr) {
+            static_cast<void>(trisap_contacts_remove_all(contacts_, slot));
+        }
+    }
+
+    /// How many pairs have a number.
+    [[nodiscard]] std::size_t size() const noexcept { return contacts_ == nullptr ? 0 : trisap_contacts_count(contacts_); }
+
+    /// Becomes a copy, in the memory that there is if that is as long: to go back to a frame with a copy of the world.
+    [[nodiscard]] Status copy_from(const Contacts &other) noexcept {
+        if (other.contacts_ == nullptr) {
+            memory_ = detail::Memory();
+            contacts_ = nullptr;
+            objects_ = room_ = 0;
+            return TRISAP_STATUS_OK;
+        }
+        const std::size_t bytes = trisap_contacts_size(other.objects_, other.room_);
+        if (contacts_ == nullptr || objects_ != other.objects_ || room_ != other.room_) {
+            detail::Memory memory = detail::allocate(allocator_, bytes);
+            if (memory == nullptr) {
+                return detail::refuse(TRISAP_STATUS_MEMORY_TOO_SMALL, bytes);
+            }
+            memory_ = std::move(memory);
+        }
+        std::memcpy(memory_.get(), other.contacts_, bytes);
+        contacts_ = static_cast<trisap_contacts *>(memory_.get());
+        objects_ = other.objects_;
+        room_ = other.room_;
+        return TRISAP_STATUS_OK;
+    }
+
+    /// For the C functions; null before the first update.
+    [[nodiscard]] trisap_contacts *c() noexcept { return contacts_; }
+
+    Contacts(Contacts &&other) noexcept
+        : allocator_(other.allocator_), memory_(std::move(other.memory_)), contacts_(std::exchange(other.contacts_, nullptr)),
+          objects_(std::exchange(other.objects_, 0)), room_(std::exchange(other.room_, 0)) {}
+
+    Contacts &operator=(Contacts &&other) noexcept {
+        allocator_ = other.allocator_;
+        memory_ = std::move(other.memory_);
+        contacts_ = std::exchange(other.contacts_, nullptr);
+        objects_ = std::exchange(other.objects_, 0);
+        room_ = std::exchange(other.room_, 0);
+        return *this;
+    }
+
+private:
+    [[nodiscard]] Status move_to(std::uint32_t objects, std::uint32_t pairs) noexcept {
+        const std::size_t bytes = trisap_contacts_size(objects, pairs);
+        detail::Memory memory = detail::allocate(allocator_, bytes);
+        if (memory == nullptr) {
+            return detail::refuse(TRISAP_STATUS_MEMORY_TOO_SMALL, bytes);
+        }
+        trisap_contacts *moved = nullptr;
+        const Status status = contacts_ == nullptr
+                                  ? trisap_contacts_init(memory.get(), bytes, objects, pairs, &moved)
+                                  : trisap_contacts_move(contacts_, memory.get(), bytes, objects, pairs, &moved);
+        if (status == TRISAP_STATUS_OK) {
+            memory_ = std::move(memory);
+            contacts_ = moved;
+            objects_ = objects;
+            room_ = pairs;
+        }
+        return status;
+    }
+
+    Allocator allocator_;
+    detail::Memory memory_;
+    trisap_contacts *contacts_ = nullptr;
+    std::uint32_t objects_ = 0, room_ = 0;
 };
 
 } // namespace trisap

@@ -78,7 +78,10 @@ pub enum Error {
     },
     /// The bytes are no snapshot, or have changed since it was taken.
     BadSnapshot,
-    /// A world or a snapshot holds more than the configuration that it moves to has room for. Nothing is done.
+    /// The two slots of a pair are the same one.
+    BadPair,
+    /// A world, a snapshot or [contacts](crate::Contacts) hold more than there is room for where they move to, or contacts are
+    /// to hold more than there is room for. Nothing is done.
     NoRoom {
         /// What there is too much of.
         field: Field,
@@ -138,6 +141,8 @@ pub enum Field {
     Bytes,
     /// The width of slots.
     Index,
+    /// The numbers of [`Contacts`](crate::Contacts).
+    Contacts,
 }
 
 impl fmt::Display for Field {
@@ -153,6 +158,7 @@ impl fmt::Display for Field {
             Self::Workers => "workers (at least one)",
             Self::Bytes => "bytes of memory",
             Self::Index => "the width of slots",
+            Self::Contacts => "contacts",
         })
     }
 }
@@ -191,6 +197,7 @@ impl fmt::Display for Error {
                     "the output slice is full: {needed} items would have to fit, and there is room for {room}"
                 )
             }
+            Self::BadPair => f.write_str("the two slots of a pair are one"),
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
             Self::NoRoom { field, needed, room } => {
                 write!(f, "too many {field}: {needed} have to fit, and there is room for {room}")

@@ -7,6 +7,7 @@ extern crate std;
 
 mod access;
 mod config;
+mod contacts;
 mod error;
 mod filter;
 mod geometry;
@@ -37,6 +38,7 @@ mod validate;
 #[doc(hidden)]
 pub use config::Hooks;
 pub use config::{Capacity, Choice, Config, Margin, Mode};
+pub use contacts::Contacts;
 pub use error::{Error, Field, Rejected};
 pub use filter::{Filter, Rule};
 pub use geometry::aabb::Aabb;

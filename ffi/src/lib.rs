@@ -63,6 +63,8 @@ pub mod events;
 
 pub mod values;
 
+pub mod contacts;
+
 pub mod stats;
 
 pub mod among;

@@ -147,6 +147,7 @@ impl From<Error> for Refusal {
             Error::BadQuery { index } => (trisap_status::BadQuery, u64::from(index)),
             Error::OutputFull { needed, .. } => (trisap_status::OutputFull, needed),
             Error::BadSnapshot => (trisap_status::BadSnapshot, 0),
+            Error::BadPair => (trisap_status::InvalidArgument, 0),
             Error::BadShift => (trisap_status::BadShift, 0),
             Error::NoRoom { field: Field::Objects, needed, .. } => {
                 (trisap_status::ObjectsFull, u64::from(needed))

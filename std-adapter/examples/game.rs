@@ -1,4 +1,4 @@
-//! A game loop: balls fall to the ground, fall asleep, come and go, and a map of contacts follows by found and lost pairs.
+//! A game loop: balls fall to the ground, fall asleep, come and go, and what the game keeps for each contact stands in a vector.
 
 use std::collections::HashMap;
 use trisap::{Aabb, BroadPhase, Error};
@@ -6,7 +6,8 @@ use trisap::{Aabb, BroadPhase, Error};
 /// The ground is an entity, too.
 const GROUND: u64 = 0;
 
-/// What a game remembers of two that touch.
+/// What a game keeps for two that touch: a manifold, a sound, or only this.
+#[derive(Clone, Copy, Default)]
 struct Contact {
     since: usize,
 }
@@ -21,7 +22,8 @@ struct Ball {
 struct Game {
     broad_phase: BroadPhase<u64>,
     balls: HashMap<u64, Ball>,
-    contacts: HashMap<[u64; 2], Contact>,
+    /// By the number that a pair has from the step that finds it to the step that loses it.
+    contacts: Vec<Contact>,
     born: u64,
 }
 
@@ -49,20 +51,17 @@ impl Game {
             }
         }
         let step = self.broad_phase.step()?;
-        // Lost first: the pairs of an entity that was removed and has come back are lost, then found.
-        for pair in step.lost() {
-            self.contacts.remove(&pair);
+        for (_pair, contact) in step.found_contacts() {
+            self.contacts.resize(self.contacts.len().max(contact + 1), Contact::default());
+            self.contacts[contact] = Contact { since: frame };
         }
-        for pair in step.found() {
-            self.contacts.insert(pair, Contact { since: frame });
-        }
-        assert_eq!(self.contacts.len(), step.pairs().count());
         Ok(())
     }
 }
 
 fn run(frames: usize) -> Result<Game, Error> {
     let mut game = Game::default();
+    game.broad_phase.keep_contacts()?;
     let ground = Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY, f32::INFINITY, 0.0]);
     game.broad_phase.insert(GROUND, ground)?;
     for frame in 0..frames {
@@ -73,12 +72,9 @@ fn run(frames: usize) -> Result<Game, Error> {
 
 fn main() -> Result<(), Error> {
     let game = run(300)?;
-    let oldest = game.contacts.values().map(|contact| contact.since).min();
-    println!(
-        "{} balls, {} contacts, the oldest since frame {oldest:?}",
-        game.balls.len(),
-        game.contacts.len()
-    );
+    let live = || game.broad_phase.pairs().filter_map(|[a, b]| game.broad_phase.contact(&a, &b));
+    let oldest = live().map(|contact| game.contacts[contact].since).min();
+    println!("{} balls, {} contacts, the oldest since frame {oldest:?}", game.balls.len(), live().count());
     Ok(())
 }
 
@@ -86,6 +82,6 @@ fn main() -> Result<(), Error> {
 fn all_that_lie_touch_the_ground() {
     let game = run(200).unwrap();
     let lying = game.balls.iter().filter(|(_, ball)| ball.asleep).count();
-    let grounded = game.contacts.keys().filter(|[a, b]| *a == GROUND || *b == GROUND).count();
+    let grounded = game.broad_phase.contacts_of(&GROUND).count();
     assert!(lying > 1000 && grounded == lying);
 }

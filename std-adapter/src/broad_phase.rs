@@ -2,6 +2,7 @@
 
 mod among;
 mod bytes;
+mod contacts;
 mod error;
 mod names;
 mod room;
@@ -13,6 +14,7 @@ pub use room::Snapshot;
 pub use step::{KeyedRule, KeyedStep, KeyedStepper};
 
 use crate::OwnedWorld;
+use contacts::Numbers;
 use core::hash::Hash;
 use names::Names;
 use trisap_core::{Aabb, Capacity, Config, Error, Filter, Id, World};
@@ -46,6 +48,7 @@ pub struct BroadPhase<K> {
     owned: OwnedWorld<u32>,
     config: Config,
     names: Names<K>,
+    numbers: Option<Numbers>,
     /// The last step has found all pairs.
     complete: bool,
     #[cfg(feature = "rayon")]
@@ -63,6 +66,7 @@ impl<K: Copy + Eq + Hash> Clone for BroadPhase<K> {
             owned: self.owned.clone(),
             config: self.config,
             names: self.names.clone(),
+            numbers: self.numbers.clone(),
             complete: self.complete,
             #[cfg(feature = "rayon")]
             executor: crate::Rayon::global(),
@@ -73,6 +77,7 @@ impl<K: Copy + Eq + Hash> Clone for BroadPhase<K> {
         self.owned.clone_from(&source.owned);
         (self.config, self.complete) = (source.config, source.complete);
         self.names.copy_from(&source.names);
+        self.numbers.clone_from(&source.numbers);
     }
 }
 
@@ -106,6 +111,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             owned: OwnedWorld::new(config)?,
             config: *config,
             names: Names::new(),
+            numbers: None,
             complete: true,
             #[cfg(feature = "rayon")]
             executor: crate::Rayon::global(),

@@ -400,6 +400,92 @@ static void values() {
     CHECK(world.awake_pairs(room).size() == 1 && room[0].a == 1 && room[0].b == 2);
 }
 
+/// Each pair has a number from found to lost, also after going back, and in worlds that grow.
+static void contacts() {
+    Arena arena;
+    {
+        trisap::World world, kept;
+        trisap::Config config = trisap::config(4);
+        config.events = 1;
+        CHECK_OK(world.init(config));
+        world.set_growing(true);
+        trisap::Contacts contacts(allocator_of(arena)), before(allocator_of(arena));
+        std::vector<std::pair<trisap::Pair, int>> live; // by contact; how many steps it has lasted, -1 for none
+        CHECK(contacts.size() == 0 && contacts.get(0, 1) == trisap::Contacts::none && contacts.c() == nullptr);
+        const auto follow = [&] {
+            const trisap::Step step = world.step();
+            CHECK_OK(step.status);
+            const auto ended = [&](trisap::Pair pair, std::uint32_t contact) {
+                CHECK(live[contact].second > 0 && live[contact].first.a == pair.a && live[contact].first.b == pair.b);
+                live[contact].second = -1;
+            };
+            const auto began = [&](trisap::Pair pair, std::uint32_t contact) {
+                live.resize(contact < live.size() ? live.size() : contact + 1, {{}, -1});
+                CHECK(live[contact].second == -1);
+                live[contact] = {pair, 0};
+            };
+            CHECK_OK(contacts.update(step, ended, began));
+            CHECK(contacts.size() == step.pairs.size());
+            for (const trisap::Pair &pair : step.pairs) {
+                const std::uint32_t contact = contacts.get(pair.b, pair.a);
+                CHECK(contact < live.size() && live[contact].first.a == pair.a && live[contact].first.b == pair.b);
+                live[contact].second += 1;
+            }
+        };
+        std::vector<trisap::Id> ids;
+        for (int frame = 0; frame < 60; ++frame) {
+            ids.push_back(world.insert(cube(0.4f * static_cast<float>(frame % 23))));
+            if (frame % 3 == 2) {
+                const std::size_t at = static_cast<std::size_t>(frame * 7) % ids.size();
+                CHECK_OK(world.remove(ids[at])); // its slot goes to the next one
+                ids.erase(ids.begin() + static_cast<std::ptrdiff_t>(at));
+            }
+            follow();
+            if (frame == 30) {
+                CHECK_OK(kept.copy_from(world));
+                CHECK_OK(before.copy_from(contacts));
+            }
+        }
+        std::vector<trisap::Contact> room(200);
+        const std::uint32_t slot = trisap::slot(ids[5]);
+        const auto of = contacts.of(slot, room);
+        CHECK(of.status == TRISAP_STATUS_OK && of.items.size() > 0);
+        for (const trisap::Contact &contact : of.items) {
+            CHECK(contacts.get(slot, contact.partner) == contact.contact);
+        }
+        CHECK(contacts.of(slot, {}).status == TRISAP_STATUS_OUTPUT_FULL);
+        const std::size_t all = contacts.size(), some = of.items.size();
+        contacts.remove_all(slot);
+        CHECK(contacts.size() == all - some && contacts.of(slot, room).items.size() == 0);
+        // Back, with the numbers of then.
+        CHECK_OK(world.copy_from(kept));
+        CHECK_OK(contacts.copy_from(before));
+        CHECK(contacts.size() == world.result().pairs.size());
+        // The words themselves, opened again, and spoilt.
+        std::vector<std::uint32_t> words(trisap_contacts_size(4, 6) / 4);
+        trisap_contacts *made = nullptr;
+        CHECK_OK(trisap_contacts_init(words.data(), 4 * words.size(), 4, 6, &made));
+        const trisap::Pair found[] = {{0, 1}, {1, 3}}, outside[] = {{2, 4}}, same[] = {{2, 2}};
+        std::uint32_t numbers[2] = {}, ended[1] = {};
+        std::uint64_t detail = 0;
+        CHECK_OK(trisap_contacts_update(made, outside, 1, ended, found, 2, numbers, nullptr));
+        CHECK(numbers[0] == 0 && numbers[1] == 1 && ended[0] == TRISAP_NO_CONTACT);
+        CHECK_STATUS(trisap_contacts_update(made, found, 1, nullptr, outside, 1, nullptr, &detail), TRISAP_STATUS_OBJECTS_FULL);
+        CHECK(detail == 5 && trisap_contacts_count(made) == 2);
+        CHECK_STATUS(trisap_contacts_update(made, nullptr, 0, nullptr, same, 1, nullptr, nullptr),
+                     TRISAP_STATUS_INVALID_ARGUMENT);
+        std::vector<std::uint32_t> copy = words;
+        CHECK_OK(trisap_contacts_open(copy.data(), 4 * copy.size(), &made));
+        CHECK(trisap_contacts_get(made, 3, 1) == 1);
+        copy[0] += 1;
+        CHECK_STATUS(trisap_contacts_open(copy.data(), 4 * copy.size(), &made), TRISAP_STATUS_BAD_SNAPSHOT);
+        CHECK_STATUS(trisap_contacts_open(nullptr, 4, &made), TRISAP_STATUS_NULL_POINTER);
+        CHECK_STATUS(trisap_contacts_init(words.data(), 8, 4, 6, &made), TRISAP_STATUS_MEMORY_TOO_SMALL);
+        CHECK(trisap_contacts_get(nullptr, 0, 1) == TRISAP_NO_CONTACT && trisap_contacts_count(nullptr) == 0);
+    }
+    CHECK(arena.taken > 0 && arena.held == 0);
+}
+
 int main() {
     CHECK(trisap::abi_matches());
     moves();
@@ -408,6 +494,7 @@ int main() {
     growing();
     callables();
     values();
+    contacts();
     std::puts("wrapper: all checks passed");
     return 0;
 }

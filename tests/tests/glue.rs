@@ -14,7 +14,7 @@ struct Program {
 
 /// Balls with a ground that come, fall asleep and go; a picker and a sensor; rollback; a microcontroller's cell; an ECS.
 const PROGRAMS: [Program; 5] = [
-    Program { path: "std-adapter/examples/game.rs", names: &["broad_phase", "step"], named: 9, glue: 2 },
+    Program { path: "std-adapter/examples/game.rs", names: &["broad_phase", "step"], named: 10, glue: 3 },
     Program { path: "std-adapter/examples/picker.rs", names: &["town", "Town", "ray"], named: 21, glue: 9 },
     Program { path: "std-adapter/examples/rollback.rs", names: &["broad_phase", "step"], named: 8, glue: 6 },
     Program {
@@ -41,7 +41,7 @@ const LIBRARY: [&str; 10] = [
 ];
 
 /// Calls that a program makes of any library that does this: it says what there is, and asks.
-const CALLS: [&str; 15] = [
+const CALLS: [&str; 19] = [
     ".insert(",
     ".insert_many(",
     ".remove(",
@@ -57,6 +57,10 @@ const CALLS: [&str; 15] = [
     ".among(",
     ".save()",
     ".restore(",
+    ".keep_contacts(",
+    ".found_contacts(",
+    ".contacts_of(",
+    ".contact(",
 ];
 
 /// What turns the library's answers into the program's own.

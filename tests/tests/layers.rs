@@ -9,7 +9,7 @@ use std::path::Path;
 /// From the ground up. What stands beside each other does not know each other.
 const LAYERS: [&[&str]; 13] = [
     &["access", "config", "error", "filter", "id", "sort"],
-    &["geometry"],
+    &["contacts", "geometry"],
     &["simd"],
     &["parallel"],
     &["memory"],
@@ -196,7 +196,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1270),
+    ("", 1660),
     ("geometry", 1260),
     ("lists", 300),
     ("memory", 2120),

@@ -9,6 +9,7 @@ mod by_leaf;
 mod capacity;
 mod choices;
 mod cliffs;
+mod contacts;
 mod contents;
 mod copies;
 mod documents;

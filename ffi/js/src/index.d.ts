@@ -254,6 +254,31 @@ export class WorldCopy {
   readonly byteLength: number;
 }
 
+/**
+ * A number for each pair, from the step that finds it to the step that loses it: what is kept for a pair (a manifold, a sound,
+ * damage) stands in an array at that place. Numbers are given again, the one that became free last first. Beside a world with
+ * `events`; grows by itself.
+ */
+export class Contacts {
+  /** How many pairs have a number. */
+  readonly size: number;
+  /**
+   * To be called with each step: takes back the numbers of `lost`, then gives those of `found` numbers. `ended` and `began` are these, in
+   * the order of `lost` and `found`; 0xffffffff for a lost pair that had none. In a world that has pairs already,
+   * `update({ lost: [], found: world.pairs })` comes first.
+   */
+  update(step: { readonly lost: ArrayLike<number>; readonly found: ArrayLike<number> }): { ended: Uint32Array; began: Uint32Array };
+  /** The number of a pair of slots, in any order. */
+  get(a: number, b: number): number | undefined;
+  /** The contacts of an object: number and partner's slot. */
+  of(slot: number): IterableIterator<[contact: number, partner: number]>;
+  /** Takes back all numbers of an object, for those who cannot wait for the lost pairs of the next step. */
+  removeAll(slot: number): void;
+  /** A copy, to go back to with a copy or a snapshot of the world: each pair has the number again that it had. */
+  copy(): Contacts;
+  restore(copy: Contacts): void;
+}
+
 /** An empty world. */
 export function createWorld(config: Config, options?: Options): Promise<World>;
 /** The index under which an object stands in pairs and in `World.boxes`. */

@@ -15,6 +15,7 @@ export async function createWorld(config, options) {
   return World.instantiate(await moduleFor(read, options), config);
 }
 
+export { Contacts } from "./contacts.js";
 export * from "./errors.js";
 export { idOf, idText, slotOf } from "./id.js";
 export { hasVectors } from "./load.js";

@@ -8,7 +8,7 @@ use trisap_core::{Capacity, Error, Id};
 
 /// What the bytes begin with. Words of 64 bits follow: a sum over them, their number, what is known of keys; then the
 /// snapshot of the world.
-const MAGIC: u64 = 0x7472_6973_6170_4b01;
+const MAGIC: u64 = 0x7472_6973_6170_4b02;
 
 impl<K: Copy + Eq + Hash> Snapshot<K> {
     /// The snapshot as bytes: for a file, or for another machine of the same byte order. `number` gives each key a number
@@ -32,6 +32,9 @@ impl<K: Copy + Eq + Hash> Snapshot<K> {
         let mut words =
             vec![MAGIC, 0, 0, objects.into(), leaf_refs.into(), pairs.into(), self.complete.into()];
         self.names.write(&mut words, &number);
+        let contacts = self.contacts.as_deref();
+        words.push(contacts.map_or(0, |contacts| 1 + contacts.len() as u64));
+        words.extend(contacts.unwrap_or_default().iter().map(|word| u64::from(*word)));
         words[2] = words.len() as u64;
         words[1] = sum(&words[2..]);
         let words = words.iter().flat_map(|word| word.to_ne_bytes());
@@ -60,7 +63,11 @@ impl<K: Copy + Eq + Hash> Snapshot<K> {
         let complete = words[6] != 0;
         let mut rest = &words[7..];
         let names = Names::read(&mut rest, key, capacity.objects)?;
-        rest.is_empty().then(|| Self { bytes: world.to_vec(), capacity, names, complete })
+        let contacts = match take(&mut rest)? {
+            0 => None,
+            len => Some((1..len).map(|_| u32::try_from(take(&mut rest)?).ok()).collect::<Option<Vec<_>>>()?),
+        };
+        rest.is_empty().then(|| Self { bytes: world.to_vec(), capacity, names, complete, contacts })
     }
 }
 

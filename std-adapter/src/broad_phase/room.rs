@@ -1,10 +1,11 @@
 //! More room and less, and snapshots.
 
+use super::contacts::Numbers;
 use super::names::Names;
 use super::{BroadPhase, FIRST};
 use crate::OwnedWorld;
 use core::hash::Hash;
-use trisap_core::{Capacity, Config, Error, Id, World};
+use trisap_core::{Capacity, Config, Contacts, Error, Id, World};
 
 /// A broad phase as it was: see [`BroadPhase::save`].
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub struct Snapshot<K> {
     pub(super) capacity: Capacity,
     pub(super) names: Names<K>,
     pub(super) complete: bool,
+    /// The memory of contacts, if there are any.
+    pub(super) contacts: Option<Vec<u32>>,
 }
 
 /// Room, and snapshots.
@@ -33,7 +36,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
 
     /// Gives memory back after a crowd has gone: afterwards there is room for what is there, and a quarter more pairs. Boxes, rest,
     /// filters, values and margins stay, the next step tells right events; until then there is no result. Does nothing if little
-    /// would be gained, or if the last step has failed. O(bytes), and the next step takes as long as the first one.
+    /// would be gained, if the last step has failed, or with [contacts](Self::keep_contacts). O(bytes), and the next step takes as long as the first one.
     ///
     /// # Errors
     /// [`Error::NoMemory`]; nothing has changed then.
@@ -43,7 +46,10 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         let fitting = Capacity::for_objects((self.len() as u32).max(FIRST));
         let capacity = fitting.with_pairs(fitting.pairs.max(pairs + pairs / 4));
         let now = self.config.capacity;
-        if !self.complete || capacity.objects > now.objects / 2 && capacity.pairs > now.pairs / 2 {
+        if self.numbers.is_some()
+            || !self.complete
+            || capacity.objects > now.objects / 2 && capacity.pairs > now.pairs / 2
+        {
             return Ok(());
         }
         let config = self.config.with_capacity(capacity);
@@ -77,15 +83,17 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         let written = world.save(&mut bytes);
         debug_assert_eq!(written, Ok(bytes.len()));
         let (capacity, names, complete) = (self.config.capacity, self.names.clone(), self.complete);
-        Snapshot { bytes, capacity, names, complete }
+        let contacts = self.numbers.as_ref().map(|numbers| numbers.contacts.memory().clone());
+        Snapshot { bytes, capacity, names, complete, contacts }
     }
 
     /// Becomes the broad phase of a snapshot, which is of the same kind: the next step has the pairs and events that it would
     /// have had, in any order. It may have grown since: its room stays.
     ///
     /// # Errors
-    /// [`Error::OtherConfig`], or [`Error::NoMemory`]; nothing has changed then.
+    /// [`Error::OtherConfig`], [`Error::NoMemory`], or [`Error::BadSnapshot`] of forged bytes; nothing has changed then.
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
+        let numbers = snapshot.contacts.as_ref().map(|memory| Contacts::open(memory.clone())).transpose()?;
         match self.owned.change(|world| world.load(&snapshot.bytes)) {
             Err(Error::NoRoom { .. }) => {
                 let Capacity { objects, leaf_refs, pairs, .. } = self.config.capacity;
@@ -105,6 +113,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         let world = self.owned.as_world();
         self.names.retain(|id| world.contains(id));
         self.complete = snapshot.complete;
+        self.numbers = numbers.map(Numbers::with);
         Ok(())
     }
 }

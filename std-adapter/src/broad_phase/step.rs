@@ -133,6 +133,11 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         }
         self.complete = true;
         self.names.step(self.owned.as_world());
+        // Without memory for them there are none: they would have missed this step.
+        if let Some(mut numbers) = self.numbers.take() {
+            numbers.step(self.owned.as_world())?;
+            self.numbers = Some(numbers);
+        }
         Ok(KeyedStep { broad_phase: self })
     }
 

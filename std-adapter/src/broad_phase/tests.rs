@@ -103,6 +103,7 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
     let mut numbers = Numbers(seed);
     let mut broad_phase = BroadPhase::with_config(config).expect("a small world");
     let (mut boxes, mut last, mut resting) = (BTreeMap::new(), Pairs::new(), BTreeSet::new());
+    let (keeps_contacts, mut contacts) = (config.events && seed % 2 == 1, BTreeMap::new());
     let mut next = 0;
     let mut saved = None;
     let mut most = config.capacity;
@@ -124,7 +125,13 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
             most = Capacity::for_objects(old.objects.max(most.objects)).with_pairs(old.pairs.max(most.pairs));
             broad_phase.shrink_to_fit().expect("memory");
             let new = broad_phase.config().capacity;
-            assert!(new.objects / 2 <= boxes.len().max(64) as u32 && new.objects <= old.objects);
+            let fits = new.objects / 2 <= boxes.len().max(64) as u32;
+            assert!((fits || keeps_contacts) && new.objects <= old.objects);
+        }
+        if keeps_contacts && round == 2 {
+            broad_phase.keep_contacts().expect("memory");
+            contacts =
+                last.iter().map(|[a, b]| ([*a, *b], broad_phase.contact(b, a).expect("a number"))).collect();
         }
         for _ in 0..numbers.below(12) {
             let aabb = numbers.aabb(12);
@@ -167,11 +174,11 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
             resting.clear();
         }
         if round % 16 == 3 {
-            saved =
-                Some((broad_phase.save(), broad_phase.clone(), boxes.clone(), last.clone(), resting.clone()));
+            let then = (boxes.clone(), last.clone(), resting.clone(), contacts.clone());
+            saved = Some((broad_phase.save(), broad_phase.clone(), then));
         }
         if round % 16 == 13
-            && let Some((snapshot, copy, then, pairs, asleep)) = &saved
+            && let Some((snapshot, copy, then)) = &saved
         {
             let into_another = numbers.below(2) == 0;
             if into_another {
@@ -186,7 +193,7 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
                 }
                 _ => broad_phase.clone_from(copy),
             }
-            (boxes, last, resting) = (then.clone(), pairs.clone(), asleep.clone());
+            (boxes, last, resting, contacts) = then.clone();
         }
         let step = broad_phase.step().expect("memory");
         let expected = overlapping(&boxes);
@@ -197,6 +204,23 @@ fn live(config: &Config, seed: u64, rounds: u64) -> Capacity {
         if config.events {
             assert_eq!(in_order(step.found()), expected.difference(&last).copied().collect::<Pairs>());
             assert_eq!(in_order(step.lost()), last.difference(&expected).copied().collect::<Pairs>());
+        }
+        if keeps_contacts && round >= 2 {
+            for (pair, number) in step.lost_contacts() {
+                assert_eq!(contacts.remove(&pair), Some(number), "the number that it had");
+            }
+            for (pair, number) in step.found_contacts() {
+                assert_eq!(contacts.insert(pair, number), None);
+            }
+            assert!(contacts.keys().eq(&expected));
+            for ([a, b], number) in &contacts {
+                assert_eq!((step.contact(a, b), step.contact_keys(*number)), (Some(*number), Some([*a, *b])));
+            }
+            for key in boxes.keys() {
+                let of: BTreeSet<_> = step.contacts_of(key).map(|(_, number)| number).collect();
+                let expected = contacts.iter().filter(|(pair, _)| pair.contains(key));
+                assert_eq!(of, expected.map(|(_, number)| *number).collect());
+            }
         }
         last = expected;
         assert_eq!(broad_phase.len(), boxes.len());
