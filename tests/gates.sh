@@ -47,6 +47,8 @@ if $all; then
     tests/cpp/packages.sh
     # Jolt on trisap.
     tests/cpp/jolt/run.sh
+    # Box3D on trisap.
+    tests/cpp/box3d/test.sh
     # avian3d, with trisap as its broad phase.
     cargo test --release --manifest-path std-adapter/avian/Cargo.toml
     if command -v mpirun >/dev/null; then
