@@ -155,6 +155,7 @@ impl Hooks {
 /// margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are left
 /// unused: see [`Config::fixed_margins`]. Where objects move steadily, fat boxes that are
 /// [predicted](Config::predicted) last longer.
+#[doc(alias("fat_aabb", "skin", "speculative_margin"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {

@@ -105,7 +105,7 @@ pub enum Error {
     /// An index into the memory of this world was out of range since the last step or since it was opened.
     /// That is a fault of this library, or something wrote to that memory. Pairs were missing, so the world
     /// has none. The next step finds all pairs anew; found and lost are then relative to the last complete
-    /// step. [`World::validate`](crate::World::validate) tells more.
+    /// step. `World::validate` (feature `validate`) tells more.
     InvariantBroken,
     /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit. Found and
     /// lost are empty; the next complete step tells them relative to the last complete one.

@@ -10,11 +10,13 @@ pub(crate) const CLASSES: usize = 32;
 
 /// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
 /// (see [`World::set_classes`](crate::World::set_classes)).
+#[doc(alias("InteractionGroups", "CollisionLayers"))]
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Filter {
     /// The groups that the object is in, one bit each.
+    #[doc(alias("memberships", "category"))]
     pub group: u32,
     /// The groups that it meets.
     pub mask: u32,
@@ -50,6 +52,7 @@ impl Default for Filter {
 /// Any worker may ask it at any time during the step, and only about boxes that overlap with their margins. It has to
 /// answer the same until one of the objects is [refiltered](crate::World::refilter), since pairs of resting objects
 /// are not asked about again. What a panic in it leaves behind: see [`World::step`](crate::World::step).
+#[doc(alias("pair_filter", "filter_contact_pair"))]
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 
 /// Whether two filters meet; `row` gives the rows of the class matrix.

@@ -101,7 +101,8 @@ impl<'m> Native<'m> {
     #[inline(never)]
     fn step(&mut self, frame: &Frame) -> usize {
         // Called as it stands, not compiled anew for this caller and its layout of boxes.
-        let update_many: fn(&mut World<'m>, &[Id], Boxes<'_>) -> Result<(), Error> = World::update_many;
+        let update_many: fn(&mut World<'m>, &[Id], Boxes<'_>) -> Result<(), Error> =
+            |world, ids, boxes| world.update_many(ids, boxes);
         black_box(update_many)(&mut self.world, &self.ids, Boxes::padded(frame)).expect("good boxes");
         self.world.step().expect("room for all pairs").pairs().len()
     }

@@ -55,7 +55,8 @@ pub unsafe extern "C" fn trisap_world_stats(
                 Path::Movers => TRISAP_PATH_MOVERS,
                 Path::Full => TRISAP_PATH_FULL,
                 Path::Rebuilt => TRISAP_PATH_REBUILT,
-                Path::MoversByLeaf => TRISAP_PATH_MOVERS_BY_LEAF,
+                // Movers by leaf; a new kind of step needs a line here.
+                _ => TRISAP_PATH_MOVERS_BY_LEAF,
             },
             objects: known.objects,
             moved: known.moved,

@@ -44,6 +44,7 @@ use trisap_core::{Aabb, Capacity, Config, Error, Filter, Id, World};
 /// assert_eq!(step.lost().collect::<Vec<_>>(), [["floor", "ball"]]);
 /// # Ok::<(), trisap::Error>(())
 /// ```
+#[doc(alias("bvh", "dynamic_tree", "space"))]
 pub struct BroadPhase<K> {
     owned: OwnedWorld<u32>,
     config: Config,
@@ -187,6 +188,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadBox`], or [`Error::NoMemory`].
+    #[doc(alias("create_proxy", "add"))]
     pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), KeyedError<K>> {
         let named = |error| KeyedError { key, error };
         if self.update(&key, aabb)? {
@@ -207,6 +209,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadBox`].
+    #[doc(alias("set_aabb", "move_proxy"))]
     pub fn update(&mut self, key: &K, aabb: Aabb) -> Result<bool, KeyedError<K>> {
         self.at(key, |world, id| world.set_aabb(id, aabb))
     }
@@ -223,6 +226,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     }
 
     /// Removes a box. False if the key has none. Its pairs are lost at the next step.
+    #[doc(alias("destroy_proxy", "delete"))]
     pub fn remove(&mut self, key: &K) -> bool {
         self.names.remove(key).is_some_and(|id| self.owned.change(|world| world.remove(id)).is_ok())
     }
@@ -237,6 +241,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::NoFilters`] or [`Error::BadClass`].
+    #[doc(alias("set_collision_groups", "collision_layers"))]
     pub fn set_filter(&mut self, key: &K, filter: Filter) -> Result<bool, KeyedError<K>> {
         self.at(key, |world, id| world.set_filter(id, filter))
     }
@@ -307,16 +312,19 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// assert!(!broad_phase.is_resting(&'a'));
     /// # Ok::<(), trisap::Error>(())
     /// ```
+    #[doc(alias("sleep", "put_to_sleep"))]
     pub fn set_resting(&mut self, key: &K) -> bool {
         self.at(key, |world, id| world.set_resting(&[id])).is_ok_and(|is_there| is_there)
     }
 
     /// Wakes a key. False where it has no box. O(1).
+    #[doc(alias = "wake_up")]
     pub fn wake(&mut self, key: &K) -> bool {
         self.at(key, |world, id| world.wake(&[id])).is_ok_and(|is_there| is_there)
     }
 
     /// Whether a key was put to rest and has not been woken since. O(1).
+    #[doc(alias = "is_sleeping")]
     #[must_use]
     pub fn is_resting(&self, key: &K) -> bool {
         self.id(key).is_some_and(|id| self.as_world().is_resting(id))

@@ -1,4 +1,10 @@
 #![doc = include_str!("../README.md")]
+//!
+//! ## The types that one needs
+//!
+//! [`BroadPhase`] holds boxes by key, [`KeyedStep`] is what a step has found, an [`Aabb`] is a box, a [`Config`] says what there is
+//! beyond pairs, and a [`Cast`] or a [`Region`] asks. By slots: [`OwnedWorld`], and the [`World`] in it. The [`guide`] says which of
+//! them to take, and how to do 2-D, planes, rest and rollback. All else comes up where it is needed.
 
 mod broad_phase;
 mod memory;
@@ -12,6 +18,10 @@ pub mod recording;
 pub mod scene;
 #[cfg(feature = "rayon")]
 mod sharing;
+
+#[doc = include_str!("../GUIDE.md")]
+#[cfg(any(doc, doctest))]
+pub mod guide {}
 
 pub use broad_phase::{AmongKeys, BroadPhase, KeyedError, KeyedRule, KeyedStep, KeyedStepper, Snapshot};
 pub use offer::Offer;

@@ -148,6 +148,7 @@ impl<I: Index> OwnedWorld<I> {
     ///
     /// # Errors
     /// Those of [`World::move_into`]; memory that cannot be had is [`Error::NoMemory`]. The world stays as it is then.
+    #[doc(alias("move_into", "resize", "grow"))]
     pub fn move_to(&mut self, config: &Config) -> Result<(), Error> {
         let (mut memory, bytes) = memory::<I>(config)?;
         let _ = self.world().move_into(&mut memory, config)?;

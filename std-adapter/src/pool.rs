@@ -62,6 +62,7 @@ const GAP_PART: u64 = 4;
 /// # assert_eq!(step.pairs().len(), 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("pool", "thread_pool", "parallel"))]
 #[derive(Debug, Default)]
 pub struct Rayon<'p> {
     pool: Option<&'p ThreadPool>,

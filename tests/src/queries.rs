@@ -43,6 +43,7 @@ pub fn overlapping(boxes: &[Option<Aabb>], region: &Region) -> Vec<u32> {
             };
             squared(center, aabb) <= f64::from(radius).powi(2) && !(0..3).any(beyond)
         }
+        region => panic!("{region:?} has no oracle"),
     };
     live(boxes).filter(|(_, aabb)| meets(aabb)).map(|(slot, _)| slot).collect()
 }

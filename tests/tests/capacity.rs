@@ -244,7 +244,7 @@ fn batches_are_all_or_nothing() {
 #[test]
 fn slabs_are_checked() {
     let config = config(100, 100);
-    let Layout { bytes, align } = layout::<u32>(&config).expect("a small world");
+    let Layout { bytes, align, .. } = layout::<u32>(&config).expect("a small world");
     let mut slab = Slab::new::<u32>(&Config::new(ample(200, 200)));
     let memory = slab.bytes_mut();
     assert!(memory.len() > bytes + align);

@@ -350,3 +350,43 @@ fn the_chart_of_peers_is_drawn_from_the_table() {
     let drawn = chart::svg(&read("tests/peers/README.md")).unwrap_or_else(|error| panic!("{error}"));
     assert!(read("tests/peers/chart.svg") == drawn, "`tests/peers/run.sh --chart` draws it anew");
 }
+
+/// The words of other libraries, which the search of the documentation knows.
+const ALIASES: [&str; 16] = [
+    "raycast",
+    "cast_ray",
+    "sleep",
+    "wake_up",
+    "is_sleeping",
+    "user_data",
+    "intersects",
+    "refit",
+    "pool",
+    "merged",
+    "loosened",
+    "memberships",
+    "max_toi",
+    "create_proxy",
+    "started",
+    "set_collision_groups",
+];
+
+#[test]
+fn words_of_other_libraries_are_found() {
+    let sources: Vec<String> = (entries().iter())
+        .filter(|path| {
+            path.ends_with(".rs") && (path.starts_with("core/src/") || path.starts_with("std-adapter/src/"))
+        })
+        .flat_map(|path| {
+            read(path)
+                .lines()
+                .filter(|line| line.contains("doc(alias"))
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    for word in ALIASES {
+        let word = format!("\"{word}\"");
+        assert!(sources.iter().any(|line| line.contains(&word)), "{word} is no alias");
+    }
+}

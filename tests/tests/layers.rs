@@ -196,8 +196,8 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1660),
-    ("geometry", 1260),
+    ("", 1675),
+    ("geometry", 1270),
     ("lists", 300),
     ("memory", 2120),
     ("objects", 690),
@@ -210,7 +210,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("sweep", 1880),
     ("tree", 2500),
     ("validate", 1120),
-    ("world", 1600),
+    ("world", 1635),
 ];
 
 #[test]

@@ -75,6 +75,7 @@ impl Aabb {
 
     /// Whether the closed boxes share a point; false if one of them is not [valid](Self::is_valid). Exact also if the
     /// host flushes denormals to zero, since integers are compared, as in a step.
+    #[doc(alias("intersects", "intersects_aabb"))]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         match (KeyBox::from_aabb(self), KeyBox::from_aabb(other)) {

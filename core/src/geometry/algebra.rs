@@ -10,8 +10,12 @@ impl Aabb {
     /// ```
     /// use trisap_core::Aabb;
     ///
-    /// assert_eq!(Aabb::from_center([1.0; 3], [0.5; 3]), Aabb::new([0.5; 3], [1.5; 3]));
+    /// let cube = Aabb::from_center([1.0; 3], [0.5; 3]);
+    /// assert_eq!(cube, Aabb::new([0.5; 3], [1.5; 3]));
+    /// assert_eq!((cube.center(), cube.half_extents()), ([1.0; 3], [0.5; 3]));
+    /// assert!(cube.contains_point([1.5; 3]) && !cube.contains_point([1.0, 1.0, 2.0]));
     /// ```
+    #[doc(alias = "from_half_extents")]
     #[must_use]
     pub fn from_center(center: [f32; 3], half_extents: [f32; 3]) -> Self {
         let corner = |sign: f32| [0, 1, 2].map(|k| center[k] + sign * half_extents[k]);
@@ -31,6 +35,12 @@ impl Aabb {
         [0, 1, 2].map(|k| self.max[k] - self.min[k])
     }
 
+    /// Half of the lengths of the sides.
+    #[must_use]
+    pub fn half_extents(&self) -> [f32; 3] {
+        self.extents().map(|length| 0.5 * length)
+    }
+
     /// The least box that holds both.
     ///
     /// ```
@@ -40,6 +50,7 @@ impl Aabb {
     /// assert_eq!(a.union(&b), Aabb::new([0.0; 3], [3.0; 3]));
     /// assert!(a.union(&b).contains(&a) && !a.contains(&b));
     /// ```
+    #[doc(alias("merged", "merge"))]
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self {
@@ -54,7 +65,14 @@ impl Aabb {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
+    /// Whether a point is inside, sides included.
+    #[must_use]
+    pub fn contains_point(&self, point: [f32; 3]) -> bool {
+        self.contains(&Self::new(point, point))
+    }
+
     /// The box grown by a length on every side; a negative length makes it smaller.
+    #[doc(alias("loosened", "inflate", "expand"))]
     #[must_use]
     pub fn grown(&self, length: f32) -> Self {
         Self { min: self.min.map(|low| low - length), max: self.max.map(|high| high + length) }

@@ -150,8 +150,9 @@ impl<'a> Boxes<'a> {
     }
 }
 
-impl<'a> From<&'a [Aabb]> for Boxes<'a> {
-    fn from(boxes: &'a [Aabb]) -> Self {
-        Self::new(boxes)
+/// Slices, arrays and vectors.
+impl<'a, T: AsRef<[Aabb]> + ?Sized> From<&'a T> for Boxes<'a> {
+    fn from(boxes: &'a T) -> Self {
+        Self::new(boxes.as_ref())
     }
 }

@@ -12,11 +12,21 @@ use crate::simd::{CACHE_LINE, EIGHT};
 
 /// The memory that a world needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Layout {
     /// The length of the slab in bytes.
     pub bytes: usize,
     /// The alignment of the slab in bytes.
     pub align: usize,
+}
+
+/// For an allocator.
+impl TryFrom<Layout> for core::alloc::Layout {
+    type Error = core::alloc::LayoutError;
+
+    fn try_from(layout: Layout) -> Result<Self, Self::Error> {
+        Self::from_size_align(layout.bytes, layout.align)
+    }
 }
 
 /// Whether there can be values. Small builds leave out their code.
@@ -30,6 +40,15 @@ pub(crate) const ALIGN: usize = CACHE_LINE;
 /// is not valid.
 ///
 /// A constant function, so a static can be sized by it. The size is linear in objects, leaf references and pairs.
+///
+/// ```
+/// use trisap_core::{Capacity, Config, layout};
+///
+/// let layout = layout::<u32>(&Config::new(Capacity::for_objects(1000))).unwrap();
+/// let memory = std::alloc::Layout::try_from(layout)?; // for an allocator of your own
+/// assert_eq!((memory.size(), memory.align()), (layout.bytes, layout.align));
+/// # Ok::<(), std::alloc::LayoutError>(())
+/// ```
 #[must_use]
 pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     match Sizes::of::<I>(config) {

@@ -4,6 +4,7 @@ use super::scratch::Work;
 
 /// How a step found its pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Path {
     /// Nothing has moved: the pairs stay.
     #[default]

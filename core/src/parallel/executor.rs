@@ -73,6 +73,7 @@ use core::cell::Cell;
 ///     }
 /// }
 /// ```
+#[doc(alias("pool", "job_system", "thread_pool", "task_scheduler"))]
 pub trait Executor {
     /// How many calls of a job can run at once, the calling thread's own included if it makes one. A hint: below 2
     /// nothing is shared. The answer may change from call to call.
@@ -93,6 +94,7 @@ pub trait Executor {
 /// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path). It enters each at
 /// most once, and always the last one, also if it ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Stage {
     /// Takes in the caller's boxes.
     Intake,
@@ -112,6 +114,18 @@ impl Stage {
     /// All stages, in order.
     pub const ALL: [Self; 6] =
         [Self::Intake, Self::Build, Self::Fill, Self::Sweep, Self::Results, Self::Done];
+}
+
+impl<E: Executor + ?Sized> Executor for &E {
+    fn workers(&self) -> u32 {
+        (**self).workers()
+    }
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        (**self).fork_join(width, job);
+    }
+    fn enter(&self, stage: Stage) {
+        (**self).enter(stage);
+    }
 }
 
 /// Everything on the calling thread.

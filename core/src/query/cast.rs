@@ -15,6 +15,7 @@ use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
+#[doc(alias("Ray", "raycast", "ray_cast", "shape_cast"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cast {
@@ -24,6 +25,7 @@ pub struct Cast {
     pub direction: [f32; 3],
     /// How far it moves, in units of `direction`. Zero or more. It may be infinite; then boxes at infinity are not
     /// reached.
+    #[doc(alias("max_toi", "max_time_of_impact"))]
     pub distance: f32,
 }
 
@@ -55,6 +57,7 @@ pub struct Hit {
     pub id: Id,
     /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts inside.
     /// For the nearest objects: the distance. Computed in `f64`.
+    #[doc(alias("time_of_impact", "toi"))]
     pub distance: f64,
 }
 
@@ -106,6 +109,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
+    #[doc(alias("raycast", "ray_cast", "cast_ray", "closest_hit"))]
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
         self.first_hit_of(cast, |_| true)
     }
@@ -133,6 +137,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    #[doc(alias("raycast_all", "ray_hits"))]
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.hits_of(cast, out, |_| true)
     }

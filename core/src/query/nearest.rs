@@ -69,6 +69,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.
+    #[doc(alias("closest", "knn", "project_point"))]
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.nearest_of(point, out, None)
     }

@@ -17,6 +17,7 @@ use core::ops::ControlFlow;
 /// A closed part of space to look for objects: touching counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Region {
     /// A box. Decided exactly.
     Aabb(Aabb),
@@ -126,6 +127,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    #[doc(alias("query_aabb", "intersections_with_aabb", "aabb_intersections"))]
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
         self.overlaps_of(region, out, |_| true)
     }

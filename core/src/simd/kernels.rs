@@ -20,6 +20,14 @@ enum Level {
     Avx2(Avx2),
 }
 
+impl PartialEq for Kernels {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for Kernels {}
+
 /// The best vectors that every CPU of the target has.
 const GUARANTEED: Option<Level> = {
     #[cfg(all(

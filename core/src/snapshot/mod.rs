@@ -67,6 +67,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::OutputFull`]; nothing is written then.
+    #[doc(alias = "serialize")]
     pub fn save(&self, out: &mut [u8]) -> Result<usize, Error> {
         let needed = self.snapshot_size();
         let full = Error::OutputFull { needed: needed as u64, room: out.len() };
@@ -100,6 +101,7 @@ impl<I: Index> World<'_, I> {
     /// # Errors
     /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
     /// [`Error::OtherConfig`] as for [`move_into`](Self::move_into). The world stays as it is.
+    #[doc(alias("restore", "deserialize", "rollback"))]
     pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
         let (state, sections) = body.split_at_checked(size_of::<State>()).ok_or(Error::BadSnapshot)?;
@@ -154,6 +156,7 @@ impl<I: Index> World<'_, I> {
     /// assert_eq!(world.step()?.found().len(), 2);
     /// # Ok::<(), Error>(())
     /// ```
+    #[doc(alias("move_to", "resize", "grow"))]
     pub fn move_into<'n>(&self, slab: &'n mut [u8], config: &Config) -> Result<World<'n, I>, Error> {
         let sizes = Parts::<I>::sizes(config)?;
         let setup = Setup::new(config, size_of::<I>());

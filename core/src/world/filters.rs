@@ -36,6 +36,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`], [`Error::NoFilters`] or [`Error::BadClass`].
+    #[doc(alias("set_collision_groups", "collision_layers"))]
     pub fn set_filter(&mut self, id: Id, filter: Filter) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         if self.parts.filters.of.is_empty() {
@@ -72,6 +73,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::NoFilters`].
+    #[doc(alias("object_layers", "collision_matrix"))]
     pub fn set_classes(&mut self, meets: &[u32; 32]) -> Result<(), Error> {
         if self.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);

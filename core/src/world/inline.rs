@@ -5,6 +5,7 @@ use crate::config::Config;
 use crate::error::Error;
 use crate::id::Index;
 use bytemuck::Zeroable;
+use core::fmt;
 
 /// Memory for a world, in a static, a struct or on the stack.
 ///
@@ -20,10 +21,11 @@ use bytemuck::Zeroable;
 /// let mut memory = InlineWorld::<BYTES>::EMPTY;
 /// let mut world = memory.init::<u16>(&CONFIG)?;
 /// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
+/// assert_eq!(format!("{memory:?}"), format!("InlineWorld<{BYTES}>"));
 /// # Ok::<(), trisap_core::Error>(())
 /// ```
 #[repr(C, align(64))]
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct InlineWorld<const BYTES: usize>([u8; BYTES]);
 
 impl<const BYTES: usize> InlineWorld<BYTES> {
@@ -42,6 +44,7 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
     ///
     /// # Errors
     /// Those of [`World::move_into`].
+    #[doc(alias = "move_to")]
     pub fn receive<I: Index>(
         &mut self,
         world: &World<'_, I>,
@@ -56,6 +59,12 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
     /// [`Error::NotAWorld`] before that, or if the index width differs.
     pub fn world<I: Index>(&mut self) -> Result<World<'_, I>, Error> {
         World::open(&mut self.0)
+    }
+}
+
+impl<const BYTES: usize> fmt::Debug for InlineWorld<BYTES> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "InlineWorld<{BYTES}>")
     }
 }
 

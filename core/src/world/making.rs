@@ -75,6 +75,7 @@ impl<'m, I: Index> World<'m, I> {
     /// assert!(world.is_empty());
     /// # Ok::<(), Error>(())
     /// ```
+    #[doc(alias("clone", "rollback"))]
     pub fn copy_from(&mut self, other: &World<'_, I>) -> Result<(), Error> {
         let (own, others) = (&self.parts, &other.parts);
         let field = others.state.setup.difference(&own.state.setup);

@@ -58,12 +58,13 @@ use crate::tree::keep;
 /// [results](Self::pairs) by slot, id or value, and at [what is there](Self::iter). Between two steps
 /// [queries](Self::overlaps) answer, [snapshots](Self::save) are taken and loaded, and the world [moves](Self::move_into) to where there
 /// is more room.
+#[doc(alias("broad_phase", "bvh", "dynamic_tree", "space"))]
 pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,
     pub(crate) kernels: Kernels,
 }
 
-/// A step.
+// A step.
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let unfinished = Unfinished::begin(&mut self.parts);

@@ -22,10 +22,10 @@ use crate::objects::margins::margin_length;
 /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
 /// let one = world.insert(cube(0.0))?;
 /// let boxes = [cube(2.0), cube(4.0)];
-/// let more: Vec<Id> = world.insert_many(Boxes::new(&boxes))?.collect();
+/// let more: Vec<Id> = world.insert_many(&boxes)?.collect();
 ///
 /// world.set_aabb(one, cube(1.5))?;
-/// world.update_many(&more, Boxes::new(&[cube(2.25), cube(9.0)]))?;
+/// world.update_many(&more, &vec![cube(2.25), cube(9.0)])?; // or whatever `Boxes` can look at
 /// assert_eq!(world.step()?.pairs(), [[0, 1]]);
 ///
 /// world.remove(one)?;
@@ -39,6 +39,7 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].
+    #[doc(alias("create_proxy", "add"))]
     pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
         let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
         self.insert_box(bounds)
@@ -48,6 +49,7 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::BadBox`]; the object keeps its box.
+    #[doc(alias("move_proxy", "update"))]
     pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
         self.slot_of(id)?;
         let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
@@ -76,6 +78,7 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`].
+    #[doc(alias("destroy_proxy", "delete"))]
     pub fn remove(&mut self, id: Id) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         self.remove_slot(slot);
@@ -88,7 +91,11 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].
-    pub fn insert_many<'w, 'b>(&'w mut self, boxes: Boxes<'b>) -> Result<Inserted<'w, 'm, 'b, I>, Error> {
+    pub fn insert_many<'w, 'b>(
+        &'w mut self,
+        boxes: impl Into<Boxes<'b>>,
+    ) -> Result<Inserted<'w, 'm, 'b, I>, Error> {
+        let boxes = boxes.into();
         let needed = u64::from(self.len()) + boxes.len() as u64;
         if needed > self.parts.sizes.objects as u64 {
             return Err(Error::ObjectsFull { needed, room: self.parts.sizes.objects as u32 });
@@ -101,7 +108,8 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::LengthMismatch`] if there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
-    pub fn update_many(&mut self, ids: &[Id], boxes: Boxes<'_>) -> Result<(), Error> {
+    pub fn update_many<'b>(&mut self, ids: &[Id], boxes: impl Into<Boxes<'b>>) -> Result<(), Error> {
+        let boxes = boxes.into();
         if ids.len() != boxes.len() {
             return Err(Error::LengthMismatch { needed: ids.len(), given: boxes.len() });
         }

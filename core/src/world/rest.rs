@@ -33,6 +33,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`].
+    #[doc(alias("sleep", "put_to_sleep", "deactivate"))]
     pub fn set_resting(&mut self, ids: &[Id]) -> Result<(), Error> {
         for id in ids {
             self.slot_of(*id)?;
@@ -55,6 +56,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`].
+    #[doc(alias("wake_up", "activate"))]
     pub fn wake(&mut self, ids: &[Id]) -> Result<(), Error> {
         for id in ids {
             self.slot_of(*id)?;
@@ -73,6 +75,7 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Whether the object was put to rest and has not been woken since.
+    #[doc(alias = "is_sleeping")]
     #[must_use]
     pub fn is_resting(&self, id: Id) -> bool {
         self.slot_of(id).is_ok_and(|slot| bits::test(self.parts.resting, slot))

@@ -31,6 +31,7 @@ impl<I: Index> World<'_, I> {
     /// The overlapping pairs of the last step, each once, the lower slot first. Their order means nothing, but the
     /// same calls give the same order. After [`Error::PairsFull`](crate::Error::PairsFull) these are the pairs that
     /// fit.
+    #[doc(alias("contacts", "collisions", "overlaps"))]
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
         let result = self.parts.state.pairs.result();
@@ -39,6 +40,7 @@ impl<I: Index> World<'_, I> {
 
     /// With events: the pairs of the last step that the complete step before it did not have. Other objects in the
     /// same slots are another pair.
+    #[doc(alias("started", "begin_contact"))]
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
         let found = self.parts.state.pairs.found as usize;
@@ -47,6 +49,7 @@ impl<I: Index> World<'_, I> {
 
     /// With events: the pairs of the complete step before the last one that the last one does not have. The slot of a
     /// removed object may have a new object by now, and the same two slots may be found again: take the lost pairs first.
+    #[doc(alias("stopped", "ended", "end_contact"))]
     #[must_use]
     pub fn lost(&self) -> &[Pair<I>] {
         self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)

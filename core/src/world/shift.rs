@@ -46,6 +46,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::BadShift`] where a part of `by` is not finite.
+    #[doc(alias = "floating_origin")]
     pub fn shift_origin(&mut self, by: [f64; 3]) -> Result<u32, Error> {
         if !by.iter().all(|x| x.is_finite()) {
             return Err(Error::BadShift);

@@ -36,8 +36,9 @@ pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
 /// // All boxes from the caller's array, and pairs of two teams alone.
 /// boxes[0] = cube(0.75);
 /// let rule = |a: u32, b: u32| teams[a as usize] != teams[b as usize];
-/// let step = world.on(&Serial).with_rule(&rule).step_over(Boxes::new(&boxes))?;
+/// let step = world.on(&Serial).with_rule(&rule).step_over(&boxes)?;
 /// assert_eq!(step.pairs().len(), 2);
+/// # world.on(&&Serial).step()?;
 /// # Ok::<(), Error>(())
 /// ```
 impl<'m, I: Index> World<'m, I> {
@@ -52,6 +53,7 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
+    #[doc(alias("update", "refit", "rebuild", "optimize"))]
     pub fn step(&mut self) -> Result<Step<'_, I>, Error> {
         self.on(&Serial).step()
     }
@@ -62,7 +64,7 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::PairsFull`]. It does not tell about refused boxes; another step over the same array does.
-    pub fn step_over(&mut self, bounds: Boxes<'_>) -> Result<Step<'_, I>, Error> {
+    pub fn step_over<'b>(&mut self, bounds: impl Into<Boxes<'b>>) -> Result<Step<'_, I>, Error> {
         self.on(&Serial).step_over(bounds)
     }
 
@@ -76,6 +78,12 @@ impl<'m, I: Index> World<'m, I> {
     /// world has a rule in one step, it should have the same in all.
     pub fn with_rule<'w, 'e>(&'w mut self, rule: &'e Rule<'e>) -> Stepper<'w, 'm, 'e, I> {
         Stepper { world: self, executor: &Serial, rule: Some(rule) }
+    }
+
+    /// The kernels that steps and queries use.
+    #[must_use]
+    pub fn kernels(&self) -> Kernels {
+        self.kernels
     }
 
     /// Makes steps and queries use other kernels than the best ones of this CPU. Only their speed differs. This
@@ -110,9 +118,9 @@ impl<'w, 'e, I: Index> Stepper<'w, '_, 'e, I> {
     ///
     /// # Errors
     /// Those of [`World::step_over`], or [`Error::NoFilters`] for a rule in a world without filters.
-    pub fn step_over(self, bounds: Boxes<'_>) -> Result<Step<'w, I>, Error> {
+    pub fn step_over<'b>(self, bounds: impl Into<Boxes<'b>>) -> Result<Step<'w, I>, Error> {
         let (world, context) = self.context()?;
-        world.advance(Some(bounds), context)
+        world.advance(Some(bounds.into()), context)
     }
 }
 

@@ -35,6 +35,7 @@ impl<I: Index> World<'_, I> {
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::NoValues`].
+    #[doc(alias("user_data", "set_user_data"))]
     pub fn set_value(&mut self, id: Id, value: u64) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         *self.parts.values.of.get_mut(slot).ok_or(Error::NoValues)? = value;
@@ -42,6 +43,7 @@ impl<I: Index> World<'_, I> {
     }
 
     /// The value of an object. `None` for a stale id, and in a world without values. O(1).
+    #[doc(alias = "user_data")]
     #[must_use]
     pub fn value(&self, id: Id) -> Option<u64> {
         self.slot_of(id).ok().and_then(|slot| self.parts.values.of.get(slot).copied())

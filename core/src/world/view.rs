@@ -50,6 +50,7 @@ pub struct PlaneView {
 /// ```
 impl<I: Index> World<'_, I> {
     /// The leaves. O(leaves).
+    #[doc(alias("debug_draw", "debug_render"))]
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
         let tree = &self.parts.tree;
         (0..self.leaf_count()).map(|leaf| {

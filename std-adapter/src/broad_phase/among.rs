@@ -11,6 +11,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
+    #[doc(alias("query_aabb", "intersections_with_aabb"))]
     pub fn overlaps(&self, region: &Region) -> Result<Vec<K>, Error> {
         let mut keys = Vec::new();
         self.as_world().visit_overlaps(region, &mut |id| {
@@ -24,6 +25,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
+    #[doc(alias("raycast", "ray_cast", "cast_ray"))]
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<(K, f64)>, Error> {
         Ok(self.as_world().first_hit(cast)?.and_then(|hit| self.named(hit)))
     }
@@ -106,6 +108,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::BadQuery`].
+    #[doc(alias("closest", "knn", "project_point"))]
     pub fn nearest(&self, point: [f32; 3], count: usize) -> Result<Vec<(K, f64)>, Error> {
         let mut hits = vec![None; count.min(self.len())];
         self.as_world().nearest(point, &mut hits)?;

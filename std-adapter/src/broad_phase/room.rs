@@ -92,6 +92,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::OtherConfig`], [`Error::NoMemory`], or [`Error::BadSnapshot`] of forged bytes; nothing has changed then.
+    #[doc(alias = "load")]
     pub fn restore(&mut self, snapshot: &Snapshot<K>) -> Result<(), Error> {
         let numbers = snapshot.contacts.as_ref().map(|memory| Contacts::open(memory.clone())).transpose()?;
         match self.owned.change(|world| world.load(&snapshot.bytes)) {

@@ -77,6 +77,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Errors
     /// [`Error::NoMemory`], [`Error::CapacityTooLarge`] of more than four billion pairs, or [`Error::InvariantBroken`].
+    #[doc(alias("update", "refit", "rebuild"))]
     pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
         self.run(|world, _, executor| world.on(executor).step().map(|_| ()))
     }
@@ -167,6 +168,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Panics
     /// If there are no [events](crate::Config::with_events): an empty answer would be wrong.
+    #[doc(alias("started", "begin_contact"))]
     pub fn found(&self) -> impl Iterator<Item = [K; 2]> {
         let (pairs, told) = self.events(|events| &events.found, World::found);
         pairs.iter().filter_map(|pair| self.names.pair(*pair)).chain(told.iter().copied())
@@ -178,6 +180,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     ///
     /// # Panics
     /// If there are no [events](crate::Config::with_events): an empty answer would be wrong.
+    #[doc(alias("stopped", "ended", "end_contact"))]
     pub fn lost(&self) -> impl Iterator<Item = [K; 2]> {
         let (pairs, told) = self.events(|events| &events.lost, World::lost);
         let from_world = (!pairs.is_empty()).then(|| self.as_world().lost_ids()).into_iter().flatten();

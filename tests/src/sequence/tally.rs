@@ -134,6 +134,7 @@ impl Tally {
             Path::Full => 3,
             Path::Rebuilt => 4,
             Path::MoversByLeaf => 5,
+            path => panic!("{path:?} is not counted"),
         };
         self.paths[path] += 1;
         self.pairs += stats.pairs;
