@@ -9,6 +9,7 @@
 mod broad_phase;
 mod memory;
 mod offer;
+mod once;
 mod owned;
 #[cfg(feature = "rayon")]
 mod pool;
@@ -25,6 +26,7 @@ pub mod guide {}
 
 pub use broad_phase::{AmongKeys, BroadPhase, KeyedError, KeyedRule, KeyedStep, KeyedStepper, Snapshot};
 pub use offer::Offer;
+pub use once::{Bounded, Pairs, Scratch, ScratchOn, pairs, pairs_between};
 pub use owned::OwnedWorld;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;

@@ -18,9 +18,20 @@ pub(crate) enum Memory {
 impl Memory {
     /// Zeroed memory of so many bytes or a few more; `None` if it cannot be had.
     pub(crate) fn zeroed(bytes: usize) -> Option<Self> {
+        let mut memory = Self::reserved(bytes)?;
+        #[cfg(target_os = "linux")]
+        if let Self::Pages(pages) = &mut memory {
+            // Written, so that its pages exist.
+            pages.fill(0);
+        }
+        Some(memory)
+    }
+
+    /// The same; on most systems, pages of large memory come when they are first used.
+    pub(crate) fn reserved(bytes: usize) -> Option<Self> {
         #[cfg(target_os = "linux")]
         if bytes >= huge::PAGE {
-            return huge::zeroed(bytes).map(Self::Pages);
+            return huge::reserved(bytes).map(Self::Pages);
         }
         bytemuck::allocation::try_zeroed_slice_box(bytes.div_ceil(size_of::<Block>())).ok().map(Self::Heap)
     }
@@ -57,13 +68,11 @@ mod huge {
     /// The size of a huge page on most targets. If it is another one, or the system has none, pages are small.
     pub(super) const PAGE: usize = 2 << 20;
 
-    pub(super) fn zeroed(bytes: usize) -> Option<MmapMut> {
+    pub(super) fn reserved(bytes: usize) -> Option<MmapMut> {
         // Whole huge pages: Linux aligns no others.
-        let mut memory = MmapMut::map_anon(bytes.checked_next_multiple_of(PAGE)?).ok()?;
+        let memory = MmapMut::map_anon(bytes.checked_next_multiple_of(PAGE)?).ok()?;
         // Refused if the system has no huge pages; small ones serve then.
         let _ = memory.advise(Advice::HugePage);
-        // Written, so that its pages exist.
-        memory.fill(0);
         Some(memory)
     }
 }

@@ -111,6 +111,22 @@ impl<I: Index> OwnedWorld<I> {
         Ok(Self::of(memory, bytes))
     }
 
+    /// As [`with_index`](Self::with_index), in the memory given if that is enough, or in some that nobody has written to: the pages
+    /// come as they are used.
+    pub(crate) fn reserved(used: Option<Memory>, config: &Config) -> Result<Self, Error> {
+        let bytes = bytes::<I>(config)?;
+        let used = used.filter(|memory| memory.len() >= bytes);
+        let mut memory = used.or_else(|| Memory::reserved(bytes)).ok_or(Error::NoMemory { bytes })?;
+        World::<I>::new_in(&mut memory, config)?;
+        Ok(Self::of(memory, bytes))
+    }
+
+    /// The memory, for another world.
+    pub(crate) fn into_memory(self) -> Memory {
+        let memory = self.memory.into_inner().unwrap_or_else(PoisonError::into_inner);
+        memory.or_else(|| self.held.into_inner().map(Held::into_memory)).expect(OWNED)
+    }
+
     fn of(memory: Memory, bytes: usize) -> Self {
         Self { memory: Mutex::new(Some(memory)), held: OnceLock::new(), bytes }
     }
@@ -165,12 +181,17 @@ impl<I: Index> OwnedWorld<I> {
 
 const OWNED: &str = "either the memory or the world in it is there";
 
-fn memory<I: Index>(config: &Config) -> Result<(Memory, usize), Error> {
+/// The bytes of a world.
+fn bytes<I: Index>(config: &Config) -> Result<usize, Error> {
     // No memory is too little for any world.
-    let bytes = match World::<I>::new_in(&mut [], config) {
-        Err(Error::SlabTooSmall { needed, .. }) => needed,
-        said => said.map(|_| 0)?,
-    };
+    match World::<I>::new_in(&mut [], config) {
+        Err(Error::SlabTooSmall { needed, .. }) => Ok(needed),
+        said => said.map(|_| 0),
+    }
+}
+
+fn memory<I: Index>(config: &Config) -> Result<(Memory, usize), Error> {
+    let bytes = bytes::<I>(config)?;
     Ok((Memory::zeroed(bytes).ok_or(Error::NoMemory { bytes })?, bytes))
 }
 

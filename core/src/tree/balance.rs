@@ -4,7 +4,7 @@
 
 use super::build::{Build, is_divisible};
 use super::cells::Sample;
-use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
+use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE, SAMPLED_FROM, SAMPLED_SHARE};
 use super::shape::{graft, join};
 use super::{Cell, Leaf, Record, are_few, assign, most, planned};
 use crate::access::{Access, bits};
@@ -80,7 +80,7 @@ fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
     }
 }
 
-/// Divides a leaf whose members are listed, into leaves of at most so many at exact medians.
+/// Divides a leaf whose members are listed, into leaves of at most so many at medians: exact ones, or of a sample of many.
 fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64, context: StepContext<'_>) {
     let leaf = parts.tree.leaves.at(index);
     let (len, mut levels) = (leaf.len as usize, 0);
@@ -98,7 +98,11 @@ fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64, context: 
         bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(0, len)).unwrap_or_default();
     let planes = bytemuck::try_cast_slice_mut::<Cell, i32>(parts.tree.cells).unwrap_or_default();
     let [x, y, z] = &mut parts.order;
-    let mut lists = [x, y, z].map(|list| list.span_mut(leaf.start as usize - len, len));
+    let (start, step) = (leaf.start as usize - len, if len < SAMPLED_FROM { 1 } else { SAMPLED_SHARE });
+    for at in 0..len / step {
+        x.put(start + at, x.at(start + at * step));
+    }
+    let mut lists = [x, y, z].map(|list| list.span_mut(start, len / step));
     let [x, others @ ..] = &mut lists;
     others.iter_mut().for_each(|list| list.copy_in(x));
     let (histograms, _) =

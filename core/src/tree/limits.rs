@@ -18,6 +18,10 @@ pub(crate) const PATIENCE: u8 = 64;
 
 /// Boxes that are sampled to choose an axis.
 pub(crate) const AXIS_SAMPLE: usize = 512;
+/// From so many objects on, one in so many tells where the planes of a leaf are to be. Odd, since every second object may be of
+/// another kind.
+pub(crate) const SAMPLED_FROM: usize = 65_536;
+pub(crate) const SAMPLED_SHARE: usize = 7;
 /// Members of a leaf that are sampled to tell whether a plane can part them.
 pub(crate) const LEAF_SAMPLE: usize = 32;
 /// Members of a leaf that are sampled for the planes of its sub-leaves.

@@ -2,6 +2,7 @@
 //! pair set checked in every frame. See README.md.
 
 mod clock;
+mod once;
 mod options;
 mod oracle;
 mod ours;
@@ -22,6 +23,22 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if let Some([side, count]) = options.once_side {
+        once::child(side, count, options.clock);
+        return ExitCode::SUCCESS;
+    }
+    if options.once {
+        return match once::table(&options) {
+            Ok(table) => {
+                print!("{table}");
+                ExitCode::SUCCESS
+            }
+            Err(message) => {
+                eprintln!("{message}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let kernels = match ours::kernels(&options) {
         Ok(kernels) => kernels,
         Err(message) => {

@@ -17,6 +17,7 @@ for one of those of games, as in town:28000 (`trisap run --help` lists them)
   --peers A,B           only peers whose names contain one of these
   --table               a line for each scene, with nothing but ratios; all recordings of the repository and a synthetic
                         scene of each kind, if no scene is given
+  --once                pairs of boxes that are there once, in processes of their own (parry3d, rstar, CGAL); takes no scene
   --queries             box queries and rays on the first frame instead of the race (trisap, parry3d, Embree)
   --clock wall|cpu      cpu: the time that the process has had of the CPU, for machines where others run; one thread only
   --frames N            timed frames a peer; by default about two million boxes, 15 to 300 frames
@@ -46,6 +47,9 @@ pub(crate) struct Options {
     pub(crate) table: bool,
     /// Queries instead of frames.
     pub(crate) queries: bool,
+    /// Boxes that are there once instead of scenes; and in a process for one side of that, which one, with how many boxes.
+    pub(crate) once: bool,
+    pub(crate) once_side: Option<[usize; 2]>,
     peers: Vec<String>,
     pub(crate) clock: Clock,
     pub(crate) frames: Option<usize>,
@@ -63,6 +67,8 @@ impl Options {
             threads: 1,
             table: false,
             queries: false,
+            once: false,
+            once_side: None,
             peers: Vec::new(),
             clock: Clock::Wall,
             frames: None,
@@ -102,6 +108,11 @@ impl Options {
                 }
                 "--table" => options.table = true,
                 "--queries" => options.queries = true,
+                "--once" => options.once = true,
+                "--once-side" => {
+                    let number = |value: String| value.parse().map_err(|_| format!("{value}: no number"));
+                    options.once_side = Some([number(value()?)?, above_zero("--once-side", &value()?)?]);
+                }
                 "--peers" => options.peers = value()?.split(',').map(str::to_lowercase).collect(),
                 "--frames" => options.frames = Some(above_zero("--frames", &value()?)?),
                 "--movers" => options.movers = Some(above_zero("--movers", &value()?)?),
@@ -117,7 +128,7 @@ impl Options {
             options.scenes =
                 scenes::all().map_err(|error| format!("the recordings of the repository: {error}"))?;
         }
-        if options.scenes.is_empty() {
+        if options.scenes.is_empty() && !options.once && options.once_side.is_none() {
             return Err("no scene given".into());
         }
         Ok(options)
