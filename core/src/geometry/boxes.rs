@@ -15,7 +15,7 @@ pub struct Boxes<'a> {
 }
 
 /// The bytes of three `f32`.
-const CORNER: usize = 12;
+pub(crate) const CORNER: usize = 12;
 
 /// The bytes of a corner that is padded to four floats.
 const PADDED: usize = 16;
@@ -126,13 +126,21 @@ impl<'a> Boxes<'a> {
         items.get(self.stride..).unwrap_or_default()
     }
 
-    /// The first four of some items, if there are as many and they are boxes and nothing else.
+    /// The first four of some items, if there are as many; in `room`, if there is something between their numbers.
     #[inline(always)]
-    pub(crate) fn four(&self, items: &'a [u8]) -> Option<Four<'a>> {
+    pub(crate) fn four<'r>(&self, items: &'r [u8], room: &'r mut [u8; 8 * CORNER]) -> Option<Four<'r>> {
         match (self.stride, self.end) {
             (24, _) => items.first_chunk().map(Four::Packed),
             (32, 28) => items.first_chunk().map(Four::Padded),
-            _ => None,
+            _ => {
+                let mut items = items;
+                for [min, max] in room.as_chunks_mut::<CORNER>().0.as_chunks_mut::<2>().0 {
+                    let end = items.get(..self.end)?;
+                    (*min, *max) = (*end.first_chunk()?, *end.last_chunk()?);
+                    items = items.get(self.stride..).unwrap_or_default();
+                }
+                Some(Four::Packed(room))
+            }
         }
     }
 

@@ -72,6 +72,9 @@ impl KeyBox {
     /// unbounded boxes.
     pub(crate) const NOTHING: Self = Self { min: [POSITIVE_INFINITY; 3], max: [NEGATIVE_INFINITY; 3] };
 
+    /// The box that holds all others.
+    pub(crate) const ALL: Self = Self { min: [NEGATIVE_INFINITY; 3], max: [POSITIVE_INFINITY; 3] };
+
     /// The box of one point.
     pub(crate) const fn at(corner: [i32; 3]) -> Self {
         Self { min: corner, max: corner }

@@ -2,7 +2,7 @@
 
 use crate::access::{Access, bits};
 use crate::config::Mode;
-use crate::geometry::boxes::Boxes;
+use crate::geometry::boxes::{Boxes, CORNER};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
@@ -14,7 +14,7 @@ use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
 use crate::simd::kernels::Kernels;
-use crate::simd::{Phase, Simd};
+use crate::simd::{CACHE_LINE, Phase, Simd};
 
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -209,6 +209,19 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let mut items = bounds.items_from(first + word * 32);
     let (mut resting, mut four_changed) = (resting, 0);
     if S::ENCODES_FOUR {
+        let all = u32::MAX >> unused;
+        if fat.exist() && !fat.renews {
+            let before = if *mode == Mode::Exact { &mut *before } else { &mut [] };
+            let held = fat.boxes.get(word * 32..).unwrap_or_default();
+            let quiet =
+                Quiet { bounds, items, now, before, held, skipped: resting | if EVENTS { kept } else { 0 } };
+            let (taken, others) = simd.call(quiet);
+            (resting, four_changed, contained) = (resting | taken, others, others);
+            fat.motions.moved_inside_margin |= others != 0;
+            if taken == all {
+                return objects.note(word, others, others);
+            }
+        }
         let fours = Fours { bounds, items, now, before, kept, resting, fat, first: word * 32, mode: *mode };
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network; and one for worlds
         // with fat boxes, so that others pay nothing for them.
@@ -217,10 +230,10 @@ fn take_in<S: Simd, const EVENTS: bool>(
         } else {
             take_in_fours::<S, EVENTS, false>(simd, fours)
         };
-        if taken == u32::MAX >> unused {
+        (resting, four_changed, contained) = (resting | taken, four_changed | others, contained | stay);
+        if taken == all {
             return objects.note(word, others, stay);
         }
-        (resting, four_changed, contained) = (resting | taken, others, stay);
     }
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
@@ -253,6 +266,53 @@ fn take_in<S: Simd, const EVENTS: bool>(
     }
     let changed = changed.checked_shr(unused as u32).unwrap_or_default() | four_changed;
     objects.note(word, changed, contained)
+}
+
+/// The boxes of the slots of a word, of which those are taken in, four at a time, that all stay in their fat boxes.
+struct Quiet<'f, 'b> {
+    bounds: &'f Boxes<'b>,
+    items: &'b [u8],
+    now: &'f mut [KeyBox],
+    /// Empty if there are no events, or if these are of fat boxes.
+    before: &'f mut [KeyBox],
+    held: &'f [KeyBox],
+    /// The bits of slots that are not asked for, or whose box of before is already kept.
+    skipped: u32,
+}
+
+impl Phase for Quiet<'_, '_> {
+    type Output = (u32, u32);
+
+    /// Returns the bits of the slots that are done with, and of those among them that have other boxes now.
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> (u32, u32) {
+        let Self { bounds, mut items, now, before, held, skipped } = self;
+        let (mut taken, mut changed, mut room) = (0, 0, [0; 8 * CORNER]);
+        let (before, held) = (before.as_chunks_mut::<4>().0, held.as_chunks::<4>().0);
+        for (four, (old, held)) in now.as_chunks_mut::<4>().0.iter_mut().zip(held).enumerate() {
+            let Some(boxes) = bounds.four(items, &mut room) else { break };
+            // The caller's boxes are seldom in the cache.
+            simd.prefetch(items, 1024);
+            simd.prefetch(items, 1024 + CACHE_LINE);
+            items = bounds.items_after_four(items);
+            let mut new = [KeyBox::EMPTY; 4];
+            if skipped >> (4 * four) & 0b1111 != 0 {
+                continue;
+            }
+            if let Some(others) = simd.encode_four(boxes, held, old, &mut new) {
+                if others != 0 {
+                    // Also of those that have not changed, so that no branch asks for it.
+                    if let Some(before) = before.get_mut(four) {
+                        *before = *old;
+                    }
+                    *old = new;
+                }
+                taken |= 0b1111 << (4 * four);
+                changed |= others << (4 * four);
+            }
+        }
+        (taken, changed)
+    }
 }
 
 /// The boxes of the slots of a word, to be taken in four at a time.
@@ -288,15 +348,16 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
 ) -> (u32, u32, u32) {
     let Fours { bounds, mut items, now, before, kept, resting, fat, first: word, mode } = fours;
     let (mut taken, mut changed, mut contained) = (0, 0, 0);
+    let (all, mut room) = ([KeyBox::ALL; 4], [0; 8 * CORNER]);
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
-        let Some(boxes) = bounds.four(items) else { break };
+        let Some(boxes) = bounds.four(items, &mut room) else { break };
         items = bounds.items_after_four(items);
         if resting >> first & 0b1111 != 0 {
             continue;
         }
         let mut new = [KeyBox::EMPTY; 4];
-        let Some(others) = simd.encode_four(boxes, old, &mut new) else { continue };
+        let Some(others) = simd.encode_four(boxes, &all, old, &mut new) else { continue };
         match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
             (0b1111, Some(before)) if EVENTS && (!FAT || mode == Mode::Exact) => *before = *old,
             (unkept, Some(before)) if EVENTS => {
@@ -308,7 +369,10 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
             _ => {}
         }
         if FAT {
-            contained |= fat.follow_four(simd, word + first, old, &new, others) << first;
+            for bit in bits::of_word(others) {
+                let (old, new) = (KeyBox::of(old, bit), KeyBox::of(&new, bit));
+                contained |= u32::from(fat.follow(simd, word + first + bit, old, new)) << (first + bit);
+            }
         }
         *old = new;
         taken |= 0b1111 << first;

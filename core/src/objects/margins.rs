@@ -5,7 +5,7 @@
 //! at once when some objects have left theirs, so that most steps are quiet: nobody leaves. Where they do not last some steps
 //! even so, the boxes as given are swept for a while: see [`renew`](crate::step::policy::renew).
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::config::{Margin, Mode};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
@@ -59,8 +59,7 @@ impl FatBoxes<'_> {
     /// Gives an object another box. Returns whether it stays in its fat box.
     #[inline(always)]
     pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let fat = KeyBox::of(self.boxes, at);
-        let contained = fat.contains(bounds);
+        let contained = simd.contains(KeyBox::of(self.boxes, at), bounds);
         self.motions.outran += u32::from(!contained);
         if contained && !self.renews {
             self.motions.moved_inside_margin = true;
@@ -76,28 +75,6 @@ impl FatBoxes<'_> {
         let margin = self.margin(at);
         let fat = if self.predicted { simd.predict(old, bounds, margin) } else { bounds.grown(margin) };
         self.boxes.put(at, fat);
-    }
-
-    /// As [`follow`](Self::follow) for four objects from a position on, of which some have `changed`. Returns which of them
-    /// stay in their fat boxes.
-    #[inline(always)]
-    pub(crate) fn follow_four<S: Simd>(
-        &mut self,
-        simd: S,
-        at: usize,
-        old: &[KeyBox; 4],
-        new: &[KeyBox; 4],
-        changed: u32,
-    ) -> u32 {
-        let Some(fat) = self.boxes.get(at..).and_then(|fat| fat.first_chunk::<4>()) else { return 0 };
-        let outside = simd.outside(fat, new) & changed;
-        let left = if self.renews { changed } else { outside };
-        self.motions.outran += outside.count_ones();
-        self.motions.moved_inside_margin |= left != changed;
-        for bit in bits::of_word(left) {
-            self.make(simd, at + bit, KeyBox::of(old, bit), KeyBox::of(new, bit));
-        }
-        changed & !left
     }
 }
 

@@ -70,9 +70,6 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let margin = [0.0, 1e-37, 0.25, f32::MAX][random.below(4)];
     // Moved a little.
     let near = KeyBox { min: a.min.map(|k| k.saturating_sub(random.below(1 << 21) as i32)), max: a.max };
-    let held = [(); 4].map(|()| if random.below(2) == 0 { a } else { b });
-    let four = [a, b, near, a];
-    let outside = (0..4).map(|k| u32::from(!held[k].contains(&four[k])) << k).sum::<u32>();
     rounds.check([
         ("keys", simd.bounds(keys) == a),
         ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
@@ -82,7 +79,7 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
         ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
         ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
-        ("outside", simd.outside(&held, &four) == outside),
+        ("contains", simd.contains(&a, &b) == a.contains(&b) && simd.contains(&near, &a)),
         ("predict", simd.predict(&b, &a, margin) == a.predicted(&b, margin)),
         ("predict", simd.predict(&a, &near, margin) == near.predicted(&a, margin)),
         ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
@@ -119,8 +116,17 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         0 => Four::Packed(bytemuck::cast_ref(&boxes)),
         _ => Four::Padded(bytemuck::cast_ref(&padded)),
     };
-    let found = simd.encode_four(four, &old, &mut new);
-    let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
+    let (all, near) = (random.below(2) == 0, keys.map(|keys| keys.unwrap_or_default()));
+    let held = near.map(|near| match random.below(8) {
+        _ if all => KeyBox::ALL,
+        0 => random.bounds(),
+        1 => KeyBox { max: near.max.map(|k| k.saturating_add(random.below(3) as i32 - 1)), ..near },
+        2 => KeyBox { min: near.min.map(|k| k.saturating_sub(random.below(3) as i32 - 1)), ..near },
+        _ => near,
+    });
+    let found = simd.encode_four(four, &held, &old, &mut new);
+    let good = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
+    let good = good && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
     let expected = if good && S::ENCODES_FOUR { Some(others) } else { None };
     let same = expected.is_none() || new.map(Some) == keys;

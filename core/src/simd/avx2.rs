@@ -109,8 +109,14 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: Four<'_>, old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
-        encode::encode_four(self, boxes, old, new)
+    fn encode_four(
+        self,
+        boxes: Four<'_>,
+        held: &[KeyBox; 4],
+        old: &[KeyBox; 4],
+        new: &mut [KeyBox; 4],
+    ) -> Option<u32> {
+        encode::encode_four(self, boxes, held, old, new)
     }
 
     #[inline(always)]
@@ -175,11 +181,6 @@ impl Simd for Avx2 {
             let few = _mm256_cmpeq_epi32(apart, _mm256_min_epu32(apart, _mm256_set1_epi32(3)));
             _mm256_movemask_ps(_mm256_castsi256_ps(few)) as u32 & MINIMA != 0
         }
-    }
-
-    #[inline(always)]
-    fn outside(self, held: &[KeyBox; 4], boxes: &[KeyBox; 4]) -> u32 {
-        predict::outside(self, held, boxes)
     }
 
     #[inline(always)]

@@ -35,17 +35,17 @@ pub(super) fn encode(simd: Avx2, min: &[u8; 12], max: &[u8; 12]) -> Option<__m25
     }
 }
 
-/// All ones in some lane where a box is bad or an old one empty: minima go from -infinity to the maxima, maxima to +infinity, and no
-/// key of a valid box is `i32::MAX`. `MAXIMA` has a bit for each lane of a maximum. A plain function for the same reason.
+/// All ones in some lane where a box is not inside the held one, a minimum is above its maximum, or an old box is empty: no key of
+/// a valid box is `i32::MAX`. `MAXIMA` has a bit for each lane of a maximum. A plain function for the same reason.
 #[inline(always)]
-fn bad<const MAXIMA: i32>(_: Avx2, keys: __m256i, maxima: __m256i, old: __m256i) -> __m256i {
+fn bad<const MAXIMA: i32>(_: Avx2, keys: __m256i, maxima: __m256i, held: __m256i, old: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
     unsafe {
-        let least =
-            _mm256_blend_epi32::<MAXIMA>(_mm256_set1_epi32(NEGATIVE_INFINITY), _mm256_set1_epi32(i32::MIN));
-        let most = _mm256_blend_epi32::<MAXIMA>(maxima, _mm256_set1_epi32(POSITIVE_INFINITY));
-        let apart = _mm256_or_si256(_mm256_cmpgt_epi32(least, keys), _mm256_cmpgt_epi32(keys, most));
-        _mm256_or_si256(apart, _mm256_cmpeq_epi32(old, _mm256_set1_epi32(i32::MAX)))
+        let (low, high) =
+            (_mm256_blend_epi32::<MAXIMA>(keys, held), _mm256_blend_epi32::<MAXIMA>(held, keys));
+        let upside_down = _mm256_cmpgt_epi32(keys, _mm256_blend_epi32::<MAXIMA>(maxima, keys));
+        let empty = _mm256_cmpeq_epi32(old, _mm256_set1_epi32(i32::MAX));
+        _mm256_or_si256(_mm256_cmpgt_epi32(high, low), _mm256_or_si256(upside_down, empty))
     }
 }
 
@@ -110,21 +110,23 @@ fn numbers(simd: Avx2, boxes: Four<'_>) -> [__m256i; 6] {
 pub(super) fn encode_four(
     simd: Avx2,
     boxes: Four<'_>,
+    held: &[KeyBox; 4],
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
 ) -> Option<u32> {
     let [a, b, c, a_maxima, b_maxima, c_maxima] = numbers(simd, boxes);
     let (a, b, c) = (keys(simd, a), keys(simd, b), keys(simd, c));
     let (a_maxima, b_maxima, c_maxima) = (keys(simd, a_maxima), keys(simd, b_maxima), keys(simd, c_maxima));
+    let held = held.as_ptr().cast::<__m256i>();
     let (from, to) = (old.as_ptr().cast::<__m256i>(), new.as_mut_ptr().cast::<__m256i>());
     // SAFETY: the token proves AVX2. Four boxes of keys are three times 32 bytes.
     unsafe {
         let (old_a, old_b) = (_mm256_loadu_si256(from), _mm256_loadu_si256(from.add(1)));
         let old_c = _mm256_loadu_si256(from.add(2));
         // A bit of each mask for each lane of a maximum.
-        let bad_a = bad::<0b0011_1000>(simd, a, a_maxima, old_a);
-        let bad_b = bad::<0b1000_1110>(simd, b, b_maxima, old_b);
-        let bad_c = bad::<0b1110_0011>(simd, c, c_maxima, old_c);
+        let bad_a = bad::<0b0011_1000>(simd, a, a_maxima, _mm256_loadu_si256(held), old_a);
+        let bad_b = bad::<0b1000_1110>(simd, b, b_maxima, _mm256_loadu_si256(held.add(1)), old_b);
+        let bad_c = bad::<0b1110_0011>(simd, c, c_maxima, _mm256_loadu_si256(held.add(2)), old_c);
         let bad = _mm256_or_si256(_mm256_or_si256(bad_a, bad_b), bad_c);
         if _mm256_movemask_ps(_mm256_castsi256_ps(bad)) != 0 {
             return None;
@@ -139,7 +141,7 @@ pub(super) fn encode_four(
 
 /// Which of four boxes have changed, from a bit for each of their 24 keys; bits above these mean nothing.
 #[inline(always)]
-pub(super) const fn changed_boxes(keys: u32) -> u32 {
+const fn changed_boxes(keys: u32) -> u32 {
     // The sixth bit of each box, set where any of its six is.
     const SIXTH: u32 = 0b100000_100000_100000_100000;
     const FIRST_FIVE: u32 = SIXTH - (SIXTH >> 5);

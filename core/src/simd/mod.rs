@@ -140,11 +140,24 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
     fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
 
-    /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None`
-    /// where one of them is bad or one of the old ones empty; the new keys mean nothing then.
+    /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None` where one of them is bad
+    /// or not inside `held[k]`, or one of the old ones empty; the new keys mean nothing then.
     #[inline(always)]
-    fn encode_four(self, _boxes: Four<'_>, _old: &[KeyBox; 4], _new: &mut [KeyBox; 4]) -> Option<u32> {
+    fn encode_four(
+        self,
+        _boxes: Four<'_>,
+        _held: &[KeyBox; 4],
+        _old: &[KeyBox; 4],
+        _new: &mut [KeyBox; 4],
+    ) -> Option<u32> {
         None
+    }
+
+    /// As [`KeyBox::contains`].
+    #[inline(always)]
+    fn contains(self, held: &KeyBox, inner: &KeyBox) -> bool {
+        let (held, inner) = (self.keys(held), self.keys(inner));
+        self.above(held, inner) & MINIMA | self.above(inner, held) & MAXIMA == 0
     }
 
     /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
@@ -181,16 +194,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Whether the two keys of an axis are less than four apart.
     fn narrow(self, keys: Self::Keys) -> bool;
-
-    /// Which of four boxes are not inside those of the same places: a bit each.
-    #[inline(always)]
-    fn outside(self, held: &[KeyBox; 4], boxes: &[KeyBox; 4]) -> u32 {
-        let mut bits = 0;
-        for (bit, (held, bounds)) in held.iter().zip(boxes).enumerate() {
-            bits |= u32::from(!held.contains(bounds)) << bit;
-        }
-        bits
-    }
 
     /// As [`KeyBox::predicted`].
     #[inline(always)]

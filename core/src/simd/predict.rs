@@ -1,8 +1,8 @@
-//! Boxes that hold others, with 256-bit vectors: predicted ones, and whether boxes are still inside theirs.
+//! Predicted boxes, with 256-bit vectors.
 
 use super::Simd;
 use super::detect::Avx2;
-use super::encode::{changed_boxes, keys};
+use super::encode::keys;
 use crate::geometry::key::{AHEAD, AROUND, KeyBox, SHORTEST};
 use core::arch::x86_64::*;
 
@@ -62,32 +62,5 @@ pub(super) fn predict(simd: Avx2, old: &KeyBox, bounds: &KeyBox, margin: f32) ->
         let to = _mm256_blend_epi32::<0b111000>(_mm256_min_epi32(to, sides), _mm256_max_epi32(to, sides));
         let stays = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_EQ_OQ>(by, zero));
         simd.bounds(_mm256_blendv_epi8(to, sides, stays))
-    }
-}
-
-/// A bit for each lane where a side is outside; `MAXIMA` has one for each lane of a maximum. A plain function, since a
-/// closure would not share the instruction set of its function.
-#[inline(always)]
-fn beyond<const MAXIMA: i32>(_: Avx2, held: __m256i, sides: __m256i) -> u32 {
-    // SAFETY: the token proves AVX2.
-    unsafe {
-        let low = _mm256_blend_epi32::<MAXIMA>(sides, held);
-        let high = _mm256_blend_epi32::<MAXIMA>(held, sides);
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(high, low))) as u32
-    }
-}
-
-/// See [`Simd::outside`].
-#[inline(always)]
-pub(super) fn outside(simd: Avx2, held: &[KeyBox; 4], boxes: &[KeyBox; 4]) -> u32 {
-    let (held, boxes) = (held.as_ptr().cast::<__m256i>(), boxes.as_ptr().cast::<__m256i>());
-    // SAFETY: the token proves AVX2. Four boxes of keys are three times 32 bytes.
-    unsafe {
-        let a = beyond::<0b0011_1000>(simd, _mm256_loadu_si256(held), _mm256_loadu_si256(boxes));
-        let (held, boxes) = (held.add(1), boxes.add(1));
-        let b = beyond::<0b1000_1110>(simd, _mm256_loadu_si256(held), _mm256_loadu_si256(boxes));
-        let (held, boxes) = (held.add(1), boxes.add(1));
-        let c = beyond::<0b1110_0011>(simd, _mm256_loadu_si256(held), _mm256_loadu_si256(boxes));
-        changed_boxes(a | b << 8 | c << 16)
     }
 }

@@ -6,7 +6,7 @@
 use super::keys::FROM_SECOND;
 use super::vectors::{NO_BYTE, Vectors};
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 
 /// The places of the second and the third word, the third again, and the first one.
 const FIRST_BEHIND: [u8; 16] = [4, 5, 6, 7, 8, 9, 10, 11, 8, 9, 10, 11, 0, 1, 2, 3];
@@ -44,33 +44,35 @@ fn packed<V: Vectors>(v: V, [min, max, next_min, next_max]: &[[u8; 16]; 4]) -> [
 pub(super) fn encode_four<V: Vectors>(
     v: V,
     boxes: Four<'_>,
+    held: &[KeyBox; 4],
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
 ) -> Option<u32> {
     let [a, b, c, d, e, f] = numbers(v, boxes);
     let (a, b, c) = (v.keys(a), v.keys(b), v.keys(c));
     let (d, e, f) = (v.keys(d), v.keys(e), v.keys(f));
-    let old: &[[u8; 16]; 6] = bytemuck::cast_ref(old);
+    let [held, old]: [&[[u8; 16]; 6]; 2] = [held, old].map(bytemuck::cast_ref);
     let (old_a, old_b, old_c) = (v.load(&old[0]), v.load(&old[1]), v.load(&old[2]));
     let (old_d, old_e, old_f) = (v.load(&old[3]), v.load(&old[4]), v.load(&old[5]));
     // The minima of each box and, behind them, another key of a box; the maxima likewise.
     let minima = [a, v.third_on(b, c), d, v.third_on(e, f)];
     let from_second = v.load(&FROM_SECOND);
     let maxima = [v.fourth_on(a, b), v.shuffle(c, from_second), v.fourth_on(d, e), v.shuffle(f, from_second)];
-    // Minima must be from -infinity to the maxima, maxima up to +infinity.
-    let mut apart = v.above32(minima[0], maxima[0]);
-    let (mut lowest, mut highest) = (minima[0], maxima[0]);
+    let mut bad = v.above32(minima[0], maxima[0]);
     for k in 1..4 {
-        apart = v.or(apart, v.above32(minima[k], maxima[k]));
-        lowest = v.lower32(lowest, minima[k]);
-        highest = v.upper32(highest, maxima[k]);
+        bad = v.or(bad, v.above32(minima[k], maxima[k]));
+    }
+    // What stands behind the three minima or maxima of a box means nothing.
+    let mut bad = v.and(bad, v.words([u32::MAX, u32::MAX, u32::MAX, 0]));
+    let minima = [[u32::MAX, u32::MAX, u32::MAX, 0], [0, 0, u32::MAX, u32::MAX], [u32::MAX, 0, 0, 0]];
+    for (k, keys) in [a, b, c, d, e, f].into_iter().enumerate() {
+        let (held, minima) = (v.load(&held[k]), v.words(minima[k % 3]));
+        let (low, high) = (v.select(minima, keys, held), v.select(minima, held, keys));
+        bad = v.or(bad, v.above32(high, low));
     }
     // No key of an object is above +infinity, but the first one of a free slot is.
     let highest_old = v.upper32(v.upper32(old_a, old_b), v.upper32(old_d, old_e));
-    let below = v.above32(v.splat(NEGATIVE_INFINITY as u32), lowest);
-    let above = v.above32(v.upper32(highest, highest_old), v.splat(POSITIVE_INFINITY as u32));
-    // What stands behind the three minima or maxima of a box means nothing.
-    if v.any_of_three(v.or(apart, v.or(below, above))) {
+    if v.any(v.or(bad, v.above32(highest_old, v.splat(POSITIVE_INFINITY as u32)))) {
         return None;
     }
     let to: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);

@@ -64,8 +64,14 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: Four<'_>, old: &[KeyBox; 4], new: &mut [KeyBox; 4]) -> Option<u32> {
-        encode::encode_four(self.0, boxes, old, new)
+    fn encode_four(
+        self,
+        boxes: Four<'_>,
+        held: &[KeyBox; 4],
+        old: &[KeyBox; 4],
+        new: &mut [KeyBox; 4],
+    ) -> Option<u32> {
+        encode::encode_four(self.0, boxes, held, old, new)
     }
 
     #[inline(always)]
