@@ -13,8 +13,8 @@ use crate::objects::settle::{Nothing, Records, Settle};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::kernels::Kernels;
-use crate::simd::{CACHE_LINE, Phase, Simd};
+use crate::simd::kernels::{Kernels, run};
+use crate::simd::{CACHE_LINE, Simd, call};
 
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,7 +104,7 @@ fn ingest_small<I: Index>(
     let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
     let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
     let objects = Objects { now, fat, moved, changed, before, mode };
-    kernels.run(IngestBlock { first: 0, bounds, objects, resting, settle: Nothing })
+    ingest_block(kernels, 0, bounds, objects, resting, Nothing)
 }
 
 /// Takes in the first slots, in blocks of so many. The slots that have left their leaves stand at the start of each block in the
@@ -143,46 +143,51 @@ fn ingest_blocks<I: Index>(
             let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
             let leaves = buckets;
             let settle = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
-            context.kernels.run(IngestBlock { first, bounds, objects, resting, settle })
+            ingest_block(context.kernels, first, bounds, objects, resting, settle)
         } else {
-            context.kernels.run(IngestBlock { first, bounds, objects, resting, settle: Nothing })
+            ingest_block(context.kernels, first, bounds, objects, resting, Nothing)
         });
     });
     found
 }
 
-struct IngestBlock<'b, 'o, T> {
+/// Takes in the boxes of some consecutive slots; those in `resting`, which is empty where nobody rests, are not asked for.
+fn ingest_block<T: Settle>(
+    kernels: Kernels,
     first: usize,
-    bounds: &'b Boxes<'b>,
-    objects: Objects<'o>,
-    /// The objects whose boxes are not asked for; empty where there are none.
-    resting: &'b [u32],
+    bounds: &Boxes<'_>,
+    objects: Objects<'_>,
+    resting: &[u32],
     settle: T,
+) -> Intake {
+    run!(kernels, |simd| take_in_words(simd, first, bounds, objects, resting, settle))
 }
 
-impl<T: Settle> Phase for IngestBlock<'_, '_, T> {
-    type Output = Intake;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Intake {
-        let Self { first, bounds, mut objects, resting, mut settle } = self;
-        let mut intake = Intake::default();
-        for word in 0..objects.now.len().div_ceil(32) {
-            let resting = resting.get(word).copied().unwrap_or_default();
-            if resting != u32::MAX {
-                let moved = if objects.before.is_empty() {
-                    take_in::<S, false>(simd, first, bounds, &mut objects, word, resting, &mut intake)
-                } else {
-                    take_in::<S, true>(simd, first, bounds, &mut objects, word, resting, &mut intake)
-                };
-                let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
-                settle.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
-            }
+#[inline(always)]
+fn take_in_words<S: Simd, T: Settle>(
+    simd: S,
+    first: usize,
+    bounds: &Boxes<'_>,
+    mut objects: Objects<'_>,
+    resting: &[u32],
+    mut settle: T,
+) -> Intake {
+    let mut intake = Intake::default();
+    for word in 0..objects.now.len().div_ceil(32) {
+        let resting = resting.get(word).copied().unwrap_or_default();
+        if resting != u32::MAX {
+            let moved = if objects.before.is_empty() {
+                take_in::<S, false>(simd, first, bounds, &mut objects, word, resting, &mut intake)
+            } else {
+                take_in::<S, true>(simd, first, bounds, &mut objects, word, resting, &mut intake)
+            };
+            let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
+            settle.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
         }
-        intake.motions = objects.fat.motions;
-        intake.left = settle.noted();
-        intake
     }
+    intake.motions = objects.fat.motions;
+    intake.left = settle.noted();
+    intake
 }
 
 /// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`. Returns the bits of
@@ -215,7 +220,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
             let held = fat.boxes.get(word * 32..).unwrap_or_default();
             let quiet =
                 Quiet { bounds, items, now, before, held, skipped: resting | if EVENTS { kept } else { 0 } };
-            let (taken, others) = simd.call(quiet);
+            let (taken, others) = call!(simd, take_in_quiet(simd, quiet));
             (resting, four_changed, contained) = (resting | taken, others, others);
             fat.motions.moved_inside_margin |= others != 0;
             if taken == all {
@@ -226,7 +231,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network; and one for worlds
         // with fat boxes, so that others pay nothing for them.
         let (taken, others, stay) = if cfg!(target_family = "wasm") || fours.fat.exist() {
-            simd.call(fours)
+            call!(simd, take_in_fours::<S, true, true>(simd, fours))
         } else {
             take_in_fours::<S, EVENTS, false>(simd, fours)
         };
@@ -280,39 +285,35 @@ struct Quiet<'f, 'b> {
     skipped: u32,
 }
 
-impl Phase for Quiet<'_, '_> {
-    type Output = (u32, u32);
-
-    /// Returns the bits of the slots that are done with, and of those among them that have other boxes now.
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> (u32, u32) {
-        let Self { bounds, mut items, now, before, held, skipped } = self;
-        let (mut taken, mut changed, mut room) = (0, 0, [0; 8 * CORNER]);
-        let (before, held) = (before.as_chunks_mut::<4>().0, held.as_chunks::<4>().0);
-        for (four, (old, held)) in now.as_chunks_mut::<4>().0.iter_mut().zip(held).enumerate() {
-            let Some(boxes) = bounds.four(items, &mut room) else { break };
-            // The caller's boxes are seldom in the cache.
-            simd.prefetch(items, 1024);
-            simd.prefetch(items, 1024 + CACHE_LINE);
-            items = bounds.items_after_four(items);
-            let mut new = [KeyBox::EMPTY; 4];
-            if skipped >> (4 * four) & 0b1111 != 0 {
-                continue;
-            }
-            if let Some(others) = simd.encode_four(boxes, held, old, &mut new) {
-                if others != 0 {
-                    // Also of those that have not changed, so that no branch asks for it.
-                    if let Some(before) = before.get_mut(four) {
-                        *before = *old;
-                    }
-                    *old = new;
-                }
-                taken |= 0b1111 << (4 * four);
-                changed |= others << (4 * four);
-            }
+/// Returns the bits of the slots that are done with, and of those among them that have other boxes now.
+#[inline(always)]
+fn take_in_quiet<S: Simd>(simd: S, quiet: Quiet<'_, '_>) -> (u32, u32) {
+    let Quiet { bounds, mut items, now, before, held, skipped } = quiet;
+    let (mut taken, mut changed, mut room) = (0, 0, [0; 8 * CORNER]);
+    let (before, held) = (before.as_chunks_mut::<4>().0, held.as_chunks::<4>().0);
+    for (four, (old, held)) in now.as_chunks_mut::<4>().0.iter_mut().zip(held).enumerate() {
+        let Some(boxes) = bounds.four(items, &mut room) else { break };
+        // The caller's boxes are seldom in the cache.
+        simd.prefetch(items, 1024);
+        simd.prefetch(items, 1024 + CACHE_LINE);
+        items = bounds.items_after_four(items);
+        let mut new = [KeyBox::EMPTY; 4];
+        if skipped >> (4 * four) & 0b1111 != 0 {
+            continue;
         }
-        (taken, changed)
+        if let Some(others) = simd.encode_four(boxes, held, old, &mut new) {
+            if others != 0 {
+                // Also of those that have not changed, so that no branch asks for it.
+                if let Some(before) = before.get_mut(four) {
+                    *before = *old;
+                }
+                *old = new;
+            }
+            taken |= 0b1111 << (4 * four);
+            changed |= others << (4 * four);
+        }
     }
+    (taken, changed)
 }
 
 /// The boxes of the slots of a word, to be taken in four at a time.
@@ -327,15 +328,6 @@ struct Fours<'f, 'b, 'o> {
     /// The first slot of the word.
     first: usize,
     mode: Mode,
-}
-
-impl Phase for Fours<'_, '_, '_> {
-    type Output = (u32, u32, u32);
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> (u32, u32, u32) {
-        take_in_fours::<S, true, true>(simd, self)
-    }
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns

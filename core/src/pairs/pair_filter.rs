@@ -5,7 +5,7 @@ use crate::filter::{FILTERS, Filter, Rule, all_meet, meet};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
-use crate::simd::{Phase, Simd};
+use crate::simd::kernels::run;
 
 /// Filters that are looked at first.
 const SAMPLE: usize = 1024;
@@ -48,7 +48,7 @@ impl<'g> PairFilter<'g> {
         // In most worlds that need them the first few tell.
         let all_meet = [filters.span(0, filters.len().min(SAMPLE)), filters]
             .into_iter()
-            .all(|filters| context.kernels.run(AllMeet { filters, classes: parts.classes }));
+            .all(|filters| run!(context.kernels, |_simd| all_meet(filters, |class| parts.classes.at(class))));
         let filters = if all_meet { &[] } else { filter.filters };
         (!all_meet || filter.rule.is_some()).then_some(Self { filters, ..filter })
     }
@@ -78,21 +78,6 @@ impl<'g> PairFilter<'g> {
         let filters = self.filters.get(pair[0].at()).zip(self.filters.get(pair[1].at()));
         filters.is_none_or(|(a, b)| self.meet(a, b))
             && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
-    }
-}
-
-/// Whether every pair passes the filters.
-struct AllMeet<'f> {
-    filters: &'f [Filter],
-    classes: &'f [u32],
-}
-
-impl Phase for AllMeet<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, _: S) -> bool {
-        all_meet(self.filters, |class| self.classes.at(class))
     }
 }
 

@@ -8,7 +8,8 @@ use crate::memory::prefetch::{BOXES_NEAR, BOXES_OF_SOME_NEAR};
 use crate::pairs::persistent::is_clear_of;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 use core::cell::Cell;
 
 /// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then pairs
@@ -18,15 +19,16 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: impl Test<I>,
 ) -> usize {
+    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
     if context.is_small() {
-        return context.kernels.run(ToFront { pairs, test });
+        return to_front(pairs);
     }
     let count = pairs.len();
     let len = count.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = count.div_ceil(len);
     let mut fronts = [0; PAIR_BLOCKS];
     context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
-        front.fill(context.kernels.run(ToFront { pairs, test }));
+        front.fill(to_front(pairs));
     });
     let border = fronts.iter().sum();
     if blocks > 1 {
@@ -41,66 +43,56 @@ pub(crate) fn partition<I: Index>(
 }
 
 /// Brings the pairs of one block that pass a test to the front, in order, and returns how many there are.
-pub(crate) struct ToFront<'b, I, T> {
-    pub(crate) pairs: &'b mut [Pair<I>],
-    pub(crate) test: T,
-}
-
-impl<I: Index, T: Test<I>> Phase for ToFront<'_, I, T> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { pairs, test } = self;
-        if cfg!(any(not(feature = "large"), target_family = "wasm")) {
-            // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
-            let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
-            for pair in cells {
-                let next = pair.get();
-                if test.holds(simd, &next) {
-                    if let Some(first) = cells.get(front) {
-                        pair.set(first.get());
-                        first.set(next);
-                    }
-                    front += 1;
+#[inline(always)]
+pub(crate) fn to_front<S: Simd, I: Index, T: Test<I>>(simd: S, pairs: &mut [Pair<I>], test: T) -> usize {
+    if cfg!(any(not(feature = "large"), target_family = "wasm")) {
+        // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
+        let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
+        for pair in cells {
+            let next = pair.get();
+            if test.holds(simd, &next) {
+                if let Some(first) = cells.get(front) {
+                    pair.set(first.get());
+                    first.set(next);
                 }
-            }
-            return front;
-        }
-        let boxes = test.boxes();
-        let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
-        let far = boxes.len() > near;
-        let (mut front, mut start) = (0, 0);
-        while start < pairs.len() {
-            let end = pairs.len().min(start + PAIRS_TOGETHER);
-            if far {
-                for pair in pairs.get(end..pairs.len().min(end + PAIRS_TOGETHER)).unwrap_or_default() {
-                    simd.prefetch(boxes, pair[0].at());
-                    simd.prefetch(boxes, pair[1].at());
-                }
-            }
-            // Noted for all of them first, since which ones pass is hard to predict.
-            let mut passing = test.hold(simd, pairs.span(start, end - start));
-            // How many pass is so, too: where there are few, no branch asks for it.
-            for _ in 0..PLACES_UNASKED {
-                let (to, from) = if passing == 0 {
-                    (start, start)
-                } else {
-                    (front, start + passing.trailing_zeros() as usize)
-                };
-                pairs.swap_at(to, from);
-                front += usize::from(passing != 0);
-                passing &= passing.wrapping_sub(1);
-            }
-            while passing != 0 {
-                pairs.swap_at(front, start + passing.trailing_zeros() as usize);
-                passing &= passing - 1;
                 front += 1;
             }
-            start = end;
         }
-        front
+        return front;
     }
+    let boxes = test.boxes();
+    let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
+    let far = boxes.len() > near;
+    let (mut front, mut start) = (0, 0);
+    while start < pairs.len() {
+        let end = pairs.len().min(start + PAIRS_TOGETHER);
+        if far {
+            for pair in pairs.get(end..pairs.len().min(end + PAIRS_TOGETHER)).unwrap_or_default() {
+                simd.prefetch(boxes, pair[0].at());
+                simd.prefetch(boxes, pair[1].at());
+            }
+        }
+        // Noted for all of them first, since which ones pass is hard to predict.
+        let mut passing = test.hold(simd, pairs.span(start, end - start));
+        // How many pass is so, too: where there are few, no branch asks for it.
+        for _ in 0..PLACES_UNASKED {
+            let (to, from) = if passing == 0 {
+                (start, start)
+            } else {
+                (front, start + passing.trailing_zeros() as usize)
+            };
+            pairs.swap_at(to, from);
+            front += usize::from(passing != 0);
+            passing &= passing.wrapping_sub(1);
+        }
+        while passing != 0 {
+            pairs.swap_at(front, start + passing.trailing_zeros() as usize);
+            passing &= passing - 1;
+            front += 1;
+        }
+        start = end;
+    }
+    front
 }
 
 /// A test of a pair.

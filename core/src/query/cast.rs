@@ -8,7 +8,8 @@ use crate::geometry::key::{KeyBox, key};
 use crate::geometry::line::{Crossing, Line, Walk};
 use crate::id::{Id, Index};
 use crate::memory::prefetch::CAST_ANSWERS;
-use crate::simd::{EIGHT, Phase, Simd};
+use crate::simd::kernels::run;
+use crate::simd::{EIGHT, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::{Probe, Visit};
 use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
@@ -101,7 +102,7 @@ impl<I: Index> World<'_, I> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        self.kernels.run(Hits { world: self, cast, visit });
+        run!(self.kernels, |simd| visit_along(simd, self, cast, visit));
         Ok(())
     }
 
@@ -205,47 +206,41 @@ impl Probe for Along<'_> {
     }
 }
 
-struct Hits<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    cast: &'q Cast,
-    visit: &'q mut dyn FnMut(Hit) -> f64,
-}
-
-impl<I: Index> Phase for Hits<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { world, cast, visit } = self;
-        let parts = &world.parts;
-        // What takes longest is started first: the leaf where the cast starts is found by planes alone, and
-        // prefetched.
-        let has_tree = world.has_tree();
-        let mut home = 0;
-        if has_tree {
-            home = leaf_of(parts.tree.splits, &cast.start.min.map(key));
-            prefetch_parts(simd, parts, home);
+#[inline(always)]
+fn visit_along<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    cast: &Cast,
+    visit: &mut dyn FnMut(Hit) -> f64,
+) {
+    let parts = &world.parts;
+    // What takes longest is started first: the leaf where the cast starts is found by planes alone, and
+    // prefetched.
+    let has_tree = world.has_tree();
+    let mut home = 0;
+    if has_tree {
+        home = leaf_of(parts.tree.splits, &cast.start.min.map(key));
+        prefetch_parts(simd, parts, home);
+    }
+    let line = Line::new(&cast.start, cast.direction, cast.distance);
+    let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
+    // Large objects first: they are often hit, and what is behind them need not be looked at.
+    if world.has_others() {
+        for slot in world.others() {
+            search.slots[0] = slot as u32;
+            search.look(simd, 1);
         }
-        let line = Line::new(&cast.start, cast.direction, cast.distance);
-        let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
-        // Large objects first: they are often hit, and what is behind them need not be looked at.
-        if world.has_others() {
-            for slot in world.others() {
-                search.slots[0] = slot as u32;
-                search.look(simd, 1);
-            }
-        }
-        if !has_tree {
-            return;
-        }
-        let walk = Walk::new(&search.line);
-        let along = Along { walk: &walk, until: walk.time(search.far) };
-        let mut visit = Visit::new(simd, parts.tree.nodes(), home, along);
-        while let Some(whole) = visit.next(simd) {
-            prefetch_parts(simd, parts, whole);
-            search.visit_leaf(simd, &walk, whole);
-            visit.probe.until = walk.time(search.far);
-        }
+    }
+    if !has_tree {
+        return;
+    }
+    let walk = Walk::new(&search.line);
+    let along = Along { walk: &walk, until: walk.time(search.far) };
+    let mut visit = Visit::new(simd, parts.tree.nodes(), home, along);
+    while let Some(whole) = visit.next(simd) {
+        prefetch_parts(simd, parts, whole);
+        search.visit_leaf(simd, &walk, whole);
+        visit.probe.until = walk.time(search.far);
     }
 }
 

@@ -8,7 +8,8 @@ use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 use crate::sort::{heapsort, sift_down, sift_up};
 use crate::tree::home_of;
 use crate::tree::visit::{Probe, Visit};
@@ -88,7 +89,7 @@ impl<I: Index> World<'_, I> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(self.kernels.run(Nearest { world: self, point, wanted }))
+        Ok(run!(self.kernels, |simd| visit_near(simd, self, point, wanted)))
     }
 }
 
@@ -210,57 +211,51 @@ impl Probe for Around<'_> {
     }
 }
 
-struct Nearest<'q, 'm, W, I: Index> {
-    world: &'q World<'m, I>,
+#[inline(always)]
+fn visit_near<S: Simd, W: Wanted, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
     point: [f32; 3],
-    wanted: W,
-}
-
-impl<W: Wanted, I: Index> Phase for Nearest<'_, '_, W, I> {
-    type Output = W::Output;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> W::Output {
-        let Self { world, point, mut wanted } = self;
-        let parts = &world.parts;
-        let offer = |wanted: &mut W, slot: usize| {
-            let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
-            if let (true, Some(id)) = (squared <= wanted.limit(), world.id_of(slot)) {
-                wanted.offer(id, squared);
-            }
-        };
-        if world.has_others() {
-            for slot in world.others() {
-                offer(&mut wanted, slot);
-            }
+    mut wanted: W,
+) -> W::Output {
+    let parts = &world.parts;
+    let offer = |wanted: &mut W, slot: usize| {
+        let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
+        if let (true, Some(id)) = (squared <= wanted.limit(), world.id_of(slot)) {
+            wanted.offer(id, squared);
         }
-        if world.has_tree() {
-            let sub_levels = parts.state.tree.sub_levels();
-            let home = home_of(&parts.tree, parts.state, &point.map(key));
-            let start = home >> sub_levels;
-            // The part around the point first: the others are hardly near enough then.
-            let around_point = 1u32 << (home - (start << sub_levels));
-            let probe = Around { point: &point, limit: wanted.limit() };
-            let mut visit = Visit::new(simd, parts.tree.nodes(), start, probe);
-            while let Some(whole) = visit.next(simd) {
-                let first = if whole == start { around_point } else { 0 };
-                for some in [first, !first].into_iter().filter(|some| *some != 0) {
-                    let (record, near) = parts_near(simd, parts, whole, &around(&point, wanted.limit()));
-                    let mut mask = near & some;
-                    while mask != 0 {
-                        let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
-                        mask &= mask - 1;
-                        let mut members = MembersNear::new(simd, parts, leaf, record);
-                        while let Some((slot, _)) = members.next() {
-                            offer(&mut wanted, slot);
-                        }
+    };
+    if world.has_others() {
+        for slot in world.others() {
+            offer(&mut wanted, slot);
+        }
+    }
+    if world.has_tree() {
+        let sub_levels = parts.state.tree.sub_levels();
+        let home = home_of(&parts.tree, parts.state, &point.map(key));
+        let start = home >> sub_levels;
+        // The part around the point first: the others are hardly near enough then.
+        let around_point = 1u32 << (home - (start << sub_levels));
+        let probe = Around { point: &point, limit: wanted.limit() };
+        let mut visit = Visit::new(simd, parts.tree.nodes(), start, probe);
+        while let Some(whole) = visit.next(simd) {
+            let first = if whole == start { around_point } else { 0 };
+            for some in [first, !first].into_iter().filter(|some| *some != 0) {
+                let (record, near) = parts_near(simd, parts, whole, &around(&point, wanted.limit()));
+                let mut mask = near & some;
+                while mask != 0 {
+                    let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    let mut members = MembersNear::new(simd, parts, leaf, record);
+                    while let Some((slot, _)) = members.next() {
+                        offer(&mut wanted, slot);
                     }
                 }
-                visit.probe.limit = wanted.limit();
             }
+            visit.probe.limit = wanted.limit();
         }
-        wanted.conclude()
     }
+    wanted.conclude()
 }
 
 /// What overlaps everything up to a squared distance from a point: a little larger than need be.

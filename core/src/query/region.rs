@@ -7,7 +7,8 @@ use crate::geometry::aabb::{Aabb, widened};
 use crate::geometry::key::{KeyBox, value};
 use crate::id::{Id, Index};
 use crate::memory::prefetch::{REGION_ANSWERS, REGION_LEAVES};
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 use crate::sort::heapsort;
 use crate::tree::visit::Visit;
 use crate::tree::{Record, SUB_LEAVES, leaf_of};
@@ -119,7 +120,7 @@ impl<I: Index> World<'_, I> {
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let bounds = region.bounds().ok_or(Error::BadQuery { index: 0 })?;
-        self.kernels.run(Overlaps { world: self, region, bounds, visit });
+        run!(self.kernels, |simd| visit_region(simd, self, region, bounds, visit));
         Ok(())
     }
 
@@ -160,71 +161,65 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-struct Overlaps<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    region: &'q Region,
+#[inline(always)]
+fn visit_region<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    region: &Region,
     bounds: KeyBox,
-    visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
-}
-
-impl<I: Index> Phase for Overlaps<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { world, region, bounds, visit } = self;
-        let parts = &world.parts;
-        if world.has_tree() {
-            let tree = &parts.tree;
-            let sub_levels = parts.state.tree.sub_levels();
-            let home = leaf_of(tree.splits, &bounds.min);
-            let mut visits = Visit::new(simd, tree.nodes(), home, bounds);
-            let mut wholes = [0; REGION_LEAVES];
-            let mut near = Near {
-                world,
-                region,
-                bounds,
-                records: [Record::NOTHING; REGION_LEAVES],
-                leaves: [(0, 0); REGION_LEAVES * SUB_LEAVES],
-                leaf_count: 0,
-                slots: [(0, false); REGION_ANSWERS],
-                slot_count: 0,
-            };
-            loop {
-                let mut count = 0;
-                while let Some(place) = wholes.get_mut(count) {
-                    let Some(whole) = visits.next(simd) else { break };
-                    prefetch_parts(simd, parts, whole);
-                    *place = whole;
-                    count += 1;
-                }
-                for (index, &whole) in wholes.span(0, count).iter().enumerate() {
-                    let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
-                    near.records.put(index, record);
-                    while mask != 0 {
-                        let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
-                        mask &= mask - 1;
-                        simd.prefetch(tree.leaves, leaf);
-                        near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
-                        near.leaf_count += 1;
-                    }
-                }
-                if near.scan(simd, visit) {
-                    return;
-                }
-                if count < REGION_LEAVES {
-                    break;
+    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+) {
+    let parts = &world.parts;
+    if world.has_tree() {
+        let tree = &parts.tree;
+        let sub_levels = parts.state.tree.sub_levels();
+        let home = leaf_of(tree.splits, &bounds.min);
+        let mut visits = Visit::new(simd, tree.nodes(), home, bounds);
+        let mut wholes = [0; REGION_LEAVES];
+        let mut near = Near {
+            world,
+            region,
+            bounds,
+            records: [Record::NOTHING; REGION_LEAVES],
+            leaves: [(0, 0); REGION_LEAVES * SUB_LEAVES],
+            leaf_count: 0,
+            slots: [(0, false); REGION_ANSWERS],
+            slot_count: 0,
+        };
+        loop {
+            let mut count = 0;
+            while let Some(place) = wholes.get_mut(count) {
+                let Some(whole) = visits.next(simd) else { break };
+                prefetch_parts(simd, parts, whole);
+                *place = whole;
+                count += 1;
+            }
+            for (index, &whole) in wholes.span(0, count).iter().enumerate() {
+                let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
+                near.records.put(index, record);
+                while mask != 0 {
+                    let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    simd.prefetch(tree.leaves, leaf);
+                    near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
+                    near.leaf_count += 1;
                 }
             }
-            if near.flush(simd, visit) {
+            if near.scan(simd, visit) {
                 return;
             }
+            if count < REGION_LEAVES {
+                break;
+            }
         }
-        if world.has_others() {
-            for slot in world.others() {
-                if meet(simd, world, region, &bounds, slot, visit) {
-                    return;
-                }
+        if near.flush(simd, visit) {
+            return;
+        }
+    }
+    if world.has_others() {
+        for slot in world.others() {
+            if meet(simd, world, region, &bounds, slot, visit) {
+                return;
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Steps of worlds run the same operations, but do not reach all of their corners. It is a function of the crate
 //! under a feature, so that it can also run in an emulator without std: see `tests/emulated`.
 
-use super::{EIGHT, Phase, Row, Simd, WINDOW, limit, scalar::Scalar};
+use super::{EIGHT, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
@@ -12,13 +12,14 @@ use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
 use crate::memory::limits::PAIRS_TOGETHER;
 use crate::query::Cast;
-use crate::simd::kernels::Kernels;
+use crate::simd::kernels::{Kernels, run};
 
 impl Kernels {
     /// Names the operations whose result differs from the scalar one, once for each time in so many rounds.
     #[doc(hidden)]
     pub fn disagreements(self, seed: u64, rounds: u32, tell: &mut dyn FnMut(&'static str)) {
-        self.run(Rounds { random: Random(seed), rounds, tell });
+        let rounds = Rounds { random: Random(seed), rounds, tell };
+        run!(self, |simd| play(simd, rounds));
     }
 }
 
@@ -28,22 +29,18 @@ struct Rounds<'t> {
     tell: &'t mut dyn FnMut(&'static str),
 }
 
-impl Phase for Rounds<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        for _ in 0..self.rounds {
-            boxes(simd, &mut self);
-            four_boxes(simd, &mut self);
-            rows(simd, &mut self);
-            records(simd, &mut self);
-            candidates::<S, u16>(simd, &mut self);
-            candidates::<S, u32>(simd, &mut self);
-            overlaps::<S, u16>(simd, &mut self);
-            overlaps::<S, u32>(simd, &mut self);
-            lines(simd, &mut self);
-        }
+#[inline(always)]
+fn play<S: Simd>(simd: S, mut rounds: Rounds<'_>) {
+    for _ in 0..rounds.rounds {
+        boxes(simd, &mut rounds);
+        four_boxes(simd, &mut rounds);
+        rows(simd, &mut rounds);
+        records(simd, &mut rounds);
+        candidates::<S, u16>(simd, &mut rounds);
+        candidates::<S, u32>(simd, &mut rounds);
+        overlaps::<S, u16>(simd, &mut rounds);
+        overlaps::<S, u32>(simd, &mut rounds);
+        lines(simd, &mut rounds);
     }
 }
 

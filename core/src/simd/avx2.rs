@@ -6,7 +6,7 @@ use super::encode;
 use super::fours::{self, HALVES};
 use super::overlaps;
 use super::predict;
-use super::{Contact, EIGHT, MINIMA, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
@@ -75,14 +75,14 @@ impl Simd for Avx2 {
     const TESTS_SOME_PAIRS: bool = true;
 
     #[inline(always)]
-    fn call<P: Phase>(self, phase: P) -> P::Output {
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
         #[inline(never)]
         #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
-        fn compiled<P: Phase>(simd: Avx2, phase: P) -> P::Output {
-            phase.run(simd)
+        fn compiled<R>(work: impl FnOnce() -> R) -> R {
+            work()
         }
         // SAFETY: `self` proves that the CPU has these features.
-        unsafe { compiled(self, phase) }
+        unsafe { compiled(work) }
     }
 
     #[inline(always)]

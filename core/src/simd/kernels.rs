@@ -1,11 +1,8 @@
 //! The instruction set that a step uses.
 
-use super::{Phase, narrow, scalar::Scalar};
-
-#[allow(unused_imports, reason = "not for scalar code alone")]
-use super::Simd;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 use super::detect::Avx2;
+use super::{narrow, scalar::Scalar};
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
 /// levels give the same bytes; only their speed differs.
@@ -13,7 +10,7 @@ use super::detect::Avx2;
 pub struct Kernels(Level);
 
 #[derive(Clone, Copy, Debug)]
-enum Level {
+pub(crate) enum Level {
     Scalar(Scalar),
     Narrow(narrow::Level),
     #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
@@ -117,24 +114,27 @@ impl Kernels {
 
     /// The level, or what replaces scalar code if there is none.
     #[inline(always)]
-    const fn level(self) -> Level {
+    pub(crate) const fn level(self) -> Level {
         match (self.0, GUARANTEED) {
             (Level::Scalar(_), Some(vectors)) if !PLAIN => vectors,
             (level, _) => level,
         }
     }
-
-    /// Runs a phase compiled for this level.
-    #[inline]
-    pub(crate) fn run<P: Phase>(self, phase: P) -> P::Output {
-        match self.level() {
-            Level::Scalar(simd) => phase.run(simd),
-            Level::Narrow(simd) => simd.call(phase),
-            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-            Level::Avx2(simd) => simd.call(phase),
-        }
-    }
 }
+
+/// Calls a function that is generic over [`Simd`](super::Simd), compiled for the level of some kernels:
+/// `run!(kernels, |simd| sweep_leaves(simd, leaves))`.
+macro_rules! run {
+    ($kernels:expr, |$simd:ident| $call:expr) => {
+        match $kernels.level() {
+            $crate::simd::kernels::Level::Scalar($simd) => $call,
+            $crate::simd::kernels::Level::Narrow($simd) => $crate::simd::narrow::run!($simd, $call),
+            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
+            $crate::simd::kernels::Level::Avx2($simd) => $crate::simd::call!($simd, $call),
+        }
+    };
+}
+pub(crate) use run;
 
 impl Default for Kernels {
     /// The detected level.

@@ -1,8 +1,8 @@
 //! The operations of a step for each instruction set, and all `unsafe` for it.
 //!
-//! A [`Phase`] is written once, generic over [`Simd`]. [`Kernels`](crate::Kernels) runs it compiled for one level. A
-//! level is a handful of operations on bytes, records and boxes, so another CPU needs one small file. All levels give
-//! the same bytes.
+//! What a step does with boxes is a function that is generic over [`Simd`] and inlined, so that it is compiled with the instruction
+//! set of its caller. [`run!`](kernels::run) calls it, compiled for the level of a [`Kernels`](crate::Kernels). A level is a
+//! handful of operations on bytes, records and boxes, so another CPU needs one small file. All levels give the same bytes.
 
 #[cfg(any(test, feature = "agreement"))]
 mod agreement;
@@ -22,14 +22,14 @@ pub(crate) mod kernels;
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128")
 ))]
-mod narrow;
+pub(crate) mod narrow;
 #[cfg(not(any(
     all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128")
 )))]
 #[path = "absent.rs"]
-mod narrow;
+pub(crate) mod narrow;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod overlaps;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
@@ -128,8 +128,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether it tests some pairs at once: see [`overlaps`](Self::overlaps).
     const TESTS_SOME_PAIRS: bool = false;
 
-    /// Runs a phase compiled for this level, as a call: what it needs takes no registers from its caller's loops.
-    fn call<P: Phase>(self, phase: P) -> P::Output;
+    /// Calls a closure that is compiled for this level: see [`call!`].
+    fn call<R>(self, work: impl FnOnce() -> R) -> R;
 
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
@@ -322,10 +322,15 @@ pub(crate) fn limit(record: &Record) -> Record {
     Record { lanes: [x1, y1, z1, x0, y0, z0], tag: u32::MAX }
 }
 
-/// A piece of a step that is compiled once for each level.
-pub(crate) trait Phase {
-    /// What it returns.
-    type Output;
-    /// Does the work. Inline, so that it is compiled with the instruction set of its caller.
-    fn run<S: Simd>(self, simd: S) -> Self::Output;
+/// Calls a function of a level as a call, not inline: `call!(simd, drain(simd, masks))`. What it needs takes no registers from
+/// its caller's loops.
+macro_rules! call {
+    ($simd:ident, $call:expr) => {
+        $crate::simd::Simd::call(
+            $simd,
+            #[inline(always)]
+            move || $call,
+        )
+    };
 }
+pub(crate) use call;

@@ -1,6 +1,6 @@
 //! The level that every CPU has, and the definition of each operation.
 
-use super::{Contact, EIGHT, Phase, Row, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::access::Access;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, value};
@@ -36,8 +36,8 @@ impl Simd for Scalar {
     type Query = Row;
 
     #[inline(never)]
-    fn call<P: Phase>(self, phase: P) -> P::Output {
-        phase.run(self)
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        work()
     }
 
     #[inline(always)]

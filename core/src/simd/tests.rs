@@ -1,6 +1,7 @@
 //! Every level on all coordinates, or on so many that gaps between them are short.
 
-use super::{Phase, Simd};
+use super::Simd;
+use super::kernels::run;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
 use crate::geometry::record::Frame;
 use crate::simd::kernels::Kernels;
@@ -21,26 +22,19 @@ fn corners() -> Vec<i32> {
 
 /// In a frame, records of ascending coordinates ascend, and a minimum is never above the maximum at the same place.
 /// So boxes that overlap have records that overlap.
-struct Ascends<K>(Frame, K);
-
-impl<K: Iterator<Item = i32>> Phase for Ascends<K> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> bool {
-        let Self(frame, keys) = self;
-        let mut last = [0; 6];
-        let mut holds = true;
-        for x in keys {
-            let lanes = simd.record(&frame, simd.keys(&KeyBox::at([x; 3])), 0).lanes;
-            for k in 0..3 {
-                let (min, max) = (lanes[k], !lanes[3 + k]);
-                holds &= last[k] <= min && last[3 + k] <= max && min <= max;
-                (last[k], last[3 + k]) = (min, max);
-            }
+#[inline(always)]
+fn ascends<S: Simd>(simd: S, frame: Frame, keys: impl Iterator<Item = i32>) -> bool {
+    let mut last = [0; 6];
+    let mut holds = true;
+    for x in keys {
+        let lanes = simd.record(&frame, simd.keys(&KeyBox::at([x; 3])), 0).lanes;
+        for k in 0..3 {
+            let (min, max) = (lanes[k], !lanes[3 + k]);
+            holds &= last[k] <= min && last[3 + k] <= max && min <= max;
+            (last[k], last[3 + k]) = (min, max);
         }
-        holds
     }
+    holds
 }
 
 #[test]
@@ -53,7 +47,7 @@ fn records_keep_the_order_of_all_coarse_coordinates() {
             let frame = Frame::over([*low, *low, between], [*high, between, *high]);
             assert!(frame.is_sound(), "from {low} to {high}");
             for kernels in Kernels::all() {
-                let holds = kernels.run(Ascends(frame, coarse_keys()));
+                let holds = run!(kernels, |simd| ascends(simd, frame, coarse_keys()));
                 assert!(holds, "{}: from {low} to {high}", kernels.name());
             }
         }
@@ -70,7 +64,8 @@ fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
             let until = high.saturating_add(size).min(POSITIVE_INFINITY);
             let keys = (from..=until).step_by((size as usize / 1024).max(1));
             for kernels in Kernels::all() {
-                let holds = kernels.run(Ascends(frame, keys.clone()));
+                let keys = keys.clone();
+                let holds = run!(kernels, |simd| ascends(simd, frame, keys));
                 assert!(holds, "{}: from {low}, of {size} keys", kernels.name());
             }
         }
@@ -78,28 +73,22 @@ fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
 }
 
 /// Boxes get the keys of the definition.
-struct Encodes;
-
-impl Phase for Encodes {
-    type Output = Option<f32>;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<f32> {
-        (0..=u16::MAX).flat_map(|top| [0, 1, 0x8000, 0xffff].map(|low| u32::from(top) << 16 | low)).find_map(
-            |bits| {
-                let x = f32::from_bits(bits);
-                let corner: [u8; 12] = bytemuck::cast([x; 3]);
-                let keys = simd.encode(&corner, &corner).map(|keys| simd.bounds(keys));
-                let expected = if x.is_nan() { None } else { Some(KeyBox::at([key(x); 3])) };
-                (keys != expected).then_some(x)
-            },
-        )
-    }
+#[inline(always)]
+fn encodes<S: Simd>(simd: S) -> Option<f32> {
+    (0..=u16::MAX).flat_map(|top| [0, 1, 0x8000, 0xffff].map(|low| u32::from(top) << 16 | low)).find_map(
+        |bits| {
+            let x = f32::from_bits(bits);
+            let corner: [u8; 12] = bytemuck::cast([x; 3]);
+            let keys = simd.encode(&corner, &corner).map(|keys| simd.bounds(keys));
+            let expected = if x.is_nan() { None } else { Some(KeyBox::at([key(x); 3])) };
+            (keys != expected).then_some(x)
+        },
+    )
 }
 
 #[test]
 fn boxes_of_all_coarse_floats_get_their_keys() {
     for kernels in Kernels::all() {
-        assert_eq!(kernels.run(Encodes), None, "{}", kernels.name());
+        assert_eq!(run!(kernels, |simd| encodes(simd)), None, "{}", kernels.name());
     }
 }

@@ -11,9 +11,10 @@ use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
+use crate::simd::kernels::run;
 use crate::sweep::Collector;
 use crate::sweep::kinds::Kinds;
-use crate::sweep::leaves::{SweepLeaves, TreeView};
+use crate::sweep::leaves::{TreeView, sweep_leaves};
 use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
@@ -90,6 +91,6 @@ fn sweep<I: Index>(
     collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        kernels.run(SweepLeaves { tree_view: &tree_view, leaves, kinds, scratch, sink });
+        run!(kernels, |simd| sweep_leaves(simd, &tree_view, leaves, kinds, scratch, sink));
     })
 }

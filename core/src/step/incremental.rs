@@ -10,21 +10,22 @@ use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
+use crate::simd::kernels::run;
 use crate::sweep::Collector;
 use crate::sweep::leaves::TreeView;
-use crate::sweep::movers::SweepMovers;
-use crate::tree::refit::Refit;
-use crate::tree::relocate::{Relocate, order_movers};
+use crate::sweep::movers::sweep_movers;
+use crate::tree::refit::refit_some;
+use crate::tree::relocate::{order_movers, relocate_all};
 
 /// Moves the records of moved objects and tests them. `None` if a leaf had no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
     context.executor.enter(Stage::Fill);
     parts.state.step.kept = 0;
     let moved = parts.moved.list(parts.order[1]);
-    if !context.kernels.run(Relocate(parts, moved)) {
+    if !relocate_all(parts, moved, context.kernels) {
         return None;
     }
-    context.kernels.run(Refit { parts, movers: moved });
+    refit_some(parts, moved, context.kernels);
     let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts);
     context.executor.enter(Stage::Sweep);
@@ -41,7 +42,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
         let start = block * per_block;
         let len = per_block.min(count - start);
         let (movers, homes) = (movers.span(start, len), homes.span(start, len));
-        context.kernels.run(SweepMovers { tree_view: &tree_view, moved, movers, homes, scratch, sink });
+        run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, homes, scratch, sink));
     });
     Some(Progress { pairs, work, leaves, ..Progress::default() })
 }

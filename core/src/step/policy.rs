@@ -12,8 +12,9 @@ use crate::objects::margins;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
+use crate::simd::kernels::run;
 use crate::tree::balance::{self, Due};
-use crate::tree::subdivide::Subdivide;
+use crate::tree::subdivide::subdivide;
 
 /// Movers are tested one by one while they are at most one in this many objects.
 const MOVERS_SHARE: u64 = 13;
@@ -219,6 +220,6 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     // A step in which nobody moves needs no leaves.
     if parts.state.step.calm >= due && some_are_undivided && moved > 0 {
         context.executor.enter(Stage::Fill);
-        context.kernels.run(Subdivide(parts));
+        run!(context.kernels, |simd| subdivide(simd, parts));
     }
 }

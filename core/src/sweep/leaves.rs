@@ -13,9 +13,10 @@ use crate::id::Index;
 use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
-use crate::simd::{MINIMA, Phase, Simd};
+use crate::simd::{MINIMA, Simd, call};
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Nodes, Record, Straddler};
+use core::ops::Range;
 
 /// What sweeps read of the tree.
 #[derive(Clone, Copy)]
@@ -118,23 +119,17 @@ impl<S: Simd> Gathered<'_, S> {
 }
 
 /// Sweeps some leaves.
-pub(crate) struct SweepLeaves<'p, 's, 'g, I> {
-    pub(crate) tree_view: &'p TreeView<'g>,
-    pub(crate) leaves: core::ops::Range<usize>,
-    pub(crate) kinds: Kinds<'g, I>,
-    pub(crate) scratch: &'p mut Scratch<'s, I>,
-    pub(crate) sink: &'p mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for SweepLeaves<'_, '_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, leaves, kinds, scratch, sink } = self;
-        for index in leaves {
-            sweep_leaf(simd, tree_view, index, &kinds, scratch, sink);
-        }
+#[inline(always)]
+pub(crate) fn sweep_leaves<S: Simd, I: Index>(
+    simd: S,
+    tree_view: &TreeView<'_>,
+    leaves: Range<usize>,
+    kinds: Kinds<'_, I>,
+    scratch: &mut Scratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    for index in leaves {
+        sweep_leaf(simd, tree_view, index, &kinds, scratch, sink);
     }
 }
 
@@ -153,7 +148,12 @@ fn sweep_leaf<S: Simd, I: Index>(
     scratch.copies += count as u64;
     if members.len() + count > scratch.leaf_scratch.sorted.len() {
         let count = members.len() + count;
-        return rarely(simd, Tiles { tree_view, index, count, kinds, scratch, sink });
+        // A module for the web, whose bytes are loaded over a network, has it as a call, compiled once (some 13,000 bytes less).
+        // Elsewhere it runs in place, as frames below each other would take more of a microcontroller's stack.
+        if cfg!(target_family = "wasm") {
+            return call!(simd, sweep_tiles(simd, tree_view, index, count, kinds, scratch, sink));
+        }
+        return sweep_tiles(simd, tree_view, index, count, kinds, scratch, sink);
     }
     let (axis, leaf_scratch, boxes) = (leaf.axis as usize, &mut scratch.leaf_scratch, tree_view.boxes);
     let buckets = [members, scratch.ghosts.span(0, count)];
@@ -161,138 +161,109 @@ fn sweep_leaf<S: Simd, I: Index>(
         let plan = kinds.plan(&kinds.count(buckets));
         scratch.spared += plan.spared;
         if !plan.whole {
-            let (plan, across) = (&plan, false);
-            return simd.call(Passes { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink });
+            return sweep_passes(simd, buckets, false, (kinds, &plan), (axis, boxes), leaf_scratch, sink);
         }
     }
     bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink);
 }
 
-/// Does the passes of a plan.
-struct Passes<'p, 's, 'g, I> {
-    buckets: [&'p [Record]; 2],
+/// Does the passes of a plan, as a call.
+#[inline(always)]
+fn sweep_passes<S: Simd, I: Index>(
+    simd: S,
+    buckets: [&[Record]; 2],
     across: bool,
-    kinds: &'p Kinds<'g, I>,
-    plan: &'p Plan,
-    axis: usize,
-    leaf_scratch: &'p mut LeafScratch<'s, I>,
-    boxes: &'p [KeyBox],
-    sink: &'p mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for Passes<'_, '_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink } = self;
+    (kinds, plan): (&Kinds<'_, I>, &Plan),
+    (axis, boxes): (usize, &[KeyBox]),
+    leaf_scratch: &mut LeafScratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    call!(simd, {
         for Pass { sides, within } in plan.passes(across) {
             let side = |bucket: usize, record: &Record| {
                 sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
             };
             bucket::sweep_parts(simd, buckets, (side, within), axis, leaf_scratch, boxes, sink);
         }
-    }
-}
-
-/// Runs a phase that is rare. A module for the web, whose bytes are loaded over a network, has it as a call, compiled once (some
-/// 13,000 bytes less). Elsewhere it runs in place, as frames below each other would take more of a microcontroller's stack.
-#[inline(always)]
-fn rarely<S: Simd, P: Phase>(simd: S, phase: P) -> P::Output {
-    if cfg!(target_family = "wasm") { simd.call(phase) } else { phase.run(simd) }
+    });
 }
 
 /// Sweeps a leaf that is too large for the bucket: tiles of half a bucket, each alone and each two against each other.
-struct Tiles<'p, 's, 'g, I> {
-    tree_view: &'p TreeView<'g>,
+#[inline(always)]
+fn sweep_tiles<S: Simd, I: Index>(
+    simd: S,
+    tree_view: &TreeView<'_>,
     index: usize,
-    /// Members and ghosts.
     count: usize,
-    kinds: &'p Kinds<'g, I>,
-    scratch: &'p mut Scratch<'s, I>,
-    sink: &'p mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for Tiles<'_, '_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, index, count, kinds, scratch, sink } = self;
-        let (axis, boxes) = (tree_view.leaves.at(index).axis as usize, tree_view.boxes);
-        let half = (scratch.ghosts.len() / 2).max(1);
-        let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
-        let leaf_scratch = &mut scratch.leaf_scratch;
-        let fill = |from: &mut usize, plan: Option<&Plan>, tile: &mut [Record]| {
-            simd.call(FillTile { tree_view, index, count, from, kinds, plan, tile })
-        };
-        // First only to count.
-        let (mut from, mut counts) = (0, Counts::default());
-        while from < count && !kinds.are_one() {
-            let len = fill(&mut from, None, left);
-            let tile = kinds.count([left.span(0, len), &[]]);
-            counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
-        }
-        let plan = &kinds.plan(&counts);
-        scratch.spared += plan.spared;
-        from = 0;
-        while from < count {
-            let len = fill(&mut from, Some(plan), left);
-            let (mut next, mut other, mut across) = (from, 0, false);
-            loop {
-                let buckets = [left.span(0, len), right.span(0, other)];
-                let leaf_scratch = &mut *leaf_scratch;
-                simd.call(Passes { buckets, across, kinds, plan, axis, leaf_scratch, boxes, sink });
-                // One tile after another may have millions of pairs.
-                if sink.is_full() {
-                    return;
-                }
-                if next == count {
-                    break;
-                }
-                (other, across) = (fill(&mut next, Some(plan), right), true);
+    kinds: &Kinds<'_, I>,
+    scratch: &mut Scratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    let (axis, boxes) = (tree_view.leaves.at(index).axis as usize, tree_view.boxes);
+    let half = (scratch.ghosts.len() / 2).max(1);
+    let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
+    let leaf_scratch = &mut scratch.leaf_scratch;
+    let fill = |rest: &mut Range<usize>, plan: Option<&Plan>, tile: &mut [Record]| {
+        call!(simd, fill_tile(simd, tree_view, index, rest, kinds, plan, tile))
+    };
+    // First only to count.
+    let (mut rest, mut counts) = (0..count, Counts::default());
+    while !rest.is_empty() && !kinds.are_one() {
+        let len = fill(&mut rest, None, left);
+        let tile = kinds.count([left.span(0, len), &[]]);
+        counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
+    }
+    let plan = &kinds.plan(&counts);
+    scratch.spared += plan.spared;
+    rest = 0..count;
+    while !rest.is_empty() {
+        let len = fill(&mut rest, Some(plan), left);
+        let (mut next, mut other, mut across) = (rest.clone(), 0, false);
+        loop {
+            let buckets = [left.span(0, len), right.span(0, other)];
+            sweep_passes(simd, buckets, across, (kinds, plan), (axis, boxes), leaf_scratch, sink);
+            // One tile after another may have millions of pairs.
+            if sink.is_full() {
+                return;
             }
+            if next.is_empty() {
+                break;
+            }
+            (other, across) = (fill(&mut next, Some(plan), right), true);
         }
     }
 }
 
-/// Fills a tile with the members and ghosts of a leaf from number `from` on that a plan takes, or all. Returns how many there are;
-/// `from` is then where the next tile starts.
-struct FillTile<'p, 'g, I> {
-    tree_view: &'p TreeView<'g>,
+/// Fills a tile with those of the members and ghosts with these numbers that a plan takes, or all. Returns how many there are;
+/// `numbers` are then what is left for the next tiles.
+#[inline(always)]
+fn fill_tile<S: Simd, I: Index>(
+    simd: S,
+    tree_view: &TreeView<'_>,
     index: usize,
-    count: usize,
-    from: &'p mut usize,
-    kinds: &'p Kinds<'g, I>,
-    plan: Option<&'p Plan>,
-    tile: &'p mut [Record],
-}
-
-impl<I: Index> Phase for FillTile<'_, '_, I> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> usize {
-        let Self { tree_view, index, count, from, kinds, plan, tile } = self;
-        let members = tree_view.members(&tree_view.leaves.at(index));
-        let mut kept = 0;
-        while kept < tile.len() && *from < count {
-            let start = kept;
-            let rest = tile.span_mut(start, (tile.len() - start).min(count - *from));
-            let own = members.get(*from..).unwrap_or_default();
-            let (inside, outside) = rest.split_at_mut(own.len().min(rest.len()));
-            inside.copy_in(own);
-            if !outside.is_empty() {
-                tree_view.gather(simd, index, from.saturating_sub(members.len()), outside);
-            }
-            let len = rest.len();
-            *from += len;
-            for at in start..start + len {
-                let record = tile.at(at);
-                tile.put(kept, record);
-                kept += usize::from(plan.is_none_or(|plan| plan.takes(kinds.code(&record))));
-            }
+    numbers: &mut Range<usize>,
+    kinds: &Kinds<'_, I>,
+    plan: Option<&Plan>,
+    tile: &mut [Record],
+) -> usize {
+    let members = tree_view.members(&tree_view.leaves.at(index));
+    let mut kept = 0;
+    while kept < tile.len() && !(*numbers).is_empty() {
+        let start = kept;
+        let rest = tile.span_mut(start, (tile.len() - start).min(numbers.len()));
+        let own = members.get(numbers.start..).unwrap_or_default();
+        let (inside, outside) = rest.split_at_mut(own.len().min(rest.len()));
+        inside.copy_in(own);
+        if !outside.is_empty() {
+            tree_view.gather(simd, index, numbers.start.saturating_sub(members.len()), outside);
         }
-        kept
+        let len = rest.len();
+        numbers.start += len;
+        for at in start..start + len {
+            let record = tile.at(at);
+            tile.put(kept, record);
+            kept += usize::from(plan.is_none_or(|plan| plan.takes(kinds.code(&record))));
+        }
     }
+    kept
 }

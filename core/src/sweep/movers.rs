@@ -11,49 +11,41 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, pair};
 use crate::memory::prefetch::{LEAVES_TOGETHER, MOVERS_AHEAD, RECORDS_AHEAD};
 use crate::memory::scratch::Scratch;
-use crate::simd::{Phase, Simd, limit};
+use crate::simd::{Simd, limit};
 use crate::tree::visit::Visit;
 use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
 
 /// Tests some movers.
-pub(crate) struct SweepMovers<'p, 's, 'g, I> {
-    pub(crate) tree_view: &'p TreeView<'g>,
-    /// One bit a slot.
-    pub(crate) moved: &'p [u32],
-    /// The slots of the movers, leaf by leaf, and their homes.
-    pub(crate) movers: &'p [I],
-    pub(crate) homes: &'p [I],
-    pub(crate) scratch: &'p mut Scratch<'s, I>,
-    pub(crate) sink: &'p mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for SweepMovers<'_, '_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { tree_view, moved, movers, homes, scratch, sink } = self;
-        let mut report =
-            Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
-        let visits = [(0, 0, 0); LEAVES_TOGETHER];
-        let (leaves, records) = ([0; LEAVES_TOGETHER], [Record::NOTHING; LEAVES_TOGETHER]);
-        let mut near =
-            Near { tree_view, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
-        let mut start = 0;
-        while start < homes.len() {
-            let home = homes.at(start);
-            let mut end = start + 1;
-            while homes.get(end) == Some(&home) {
-                end += 1;
-            }
-            near.visit(simd, home, start as u32, end as u32, &mut report);
-            start = end;
+#[inline(always)]
+pub(crate) fn sweep_movers<S: Simd, I: Index>(
+    simd: S,
+    tree_view: &TreeView<'_>,
+    moved: &[u32],
+    movers: &[I],
+    homes: &[I],
+    scratch: &mut Scratch<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    let mut report =
+        Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
+    let visits = [(0, 0, 0); LEAVES_TOGETHER];
+    let (leaves, records) = ([0; LEAVES_TOGETHER], [Record::NOTHING; LEAVES_TOGETHER]);
+    let mut near =
+        Near { tree_view, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
+    let mut start = 0;
+    while start < homes.len() {
+        let home = homes.at(start);
+        let mut end = start + 1;
+        while homes.get(end) == Some(&home) {
+            end += 1;
         }
-        near.divide(simd, &mut report);
-        near.test(simd, &mut report);
-        report.flush();
-        scratch.leaf_scratch.tested += near.tested as u64;
+        near.visit(simd, home, start as u32, end as u32, &mut report);
+        start = end;
     }
+    near.divide(simd, &mut report);
+    near.test(simd, &mut report);
+    report.flush();
+    scratch.leaf_scratch.tested += near.tested as u64;
 }
 
 /// Leaves near movers, collected so that they can be prefetched together.

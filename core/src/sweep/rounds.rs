@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::memory::limits::MASKS_PER_ROUND;
 use crate::memory::scratch::{CANDIDATES_PER_ROUND, Lists};
-use crate::simd::{Phase, Simd, Tested};
+use crate::simd::{Simd, Tested, call};
 use crate::tree::Record;
 use core::ops::Range;
 
@@ -28,50 +28,34 @@ pub(super) struct Found<'s, I> {
 }
 
 /// Takes all bits of the masks.
-pub(super) struct Drain<'d, 's, I> {
-    pub(super) lists: &'d mut Lists,
-    /// How many masks there are.
-    pub(super) mask_count: usize,
-    pub(super) found: &'d mut Found<'s, I>,
-    pub(super) sink: &'d mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for Drain<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { lists, mask_count, found, sink } = self;
-        let mut left = 0;
-        for start in (0..mask_count).step_by(MASKS_PER_ROUND) {
+#[inline(always)]
+pub(super) fn drain<S: Simd, I: Index>(
+    simd: S,
+    lists: &mut Lists,
+    mask_count: usize,
+    found: &mut Found<'_, I>,
+    sink: &mut dyn Sink<I>,
+) {
+    let mut left = 0;
+    for start in (0..mask_count).step_by(MASKS_PER_ROUND) {
+        found.make_room(simd, sink);
+        left = found.odd_ones(lists, start..mask_count.min(start + MASKS_PER_ROUND), left);
+    }
+    while left > 0 {
+        let mut again = 0;
+        for start in (0..left).step_by(MASKS_PER_ROUND) {
             found.make_room(simd, sink);
-            left = found.odd_ones(lists, start..mask_count.min(start + MASKS_PER_ROUND), left);
+            again = found.fours(simd, lists, start..left.min(start + MASKS_PER_ROUND), again);
         }
-        while left > 0 {
-            let mut again = 0;
-            for start in (0..left).step_by(MASKS_PER_ROUND) {
-                found.make_room(simd, sink);
-                again = found.fours(simd, lists, start..left.min(start + MASKS_PER_ROUND), again);
-            }
-            left = again;
-        }
+        left = again;
     }
 }
 
 /// Tests the last candidates and passes the last pairs on.
-pub(super) struct Last<'d, 's, I> {
-    pub(super) found: &'d mut Found<'s, I>,
-    pub(super) sink: &'d mut dyn Sink<I>,
-}
-
-impl<I: Index> Phase for Last<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        self.found.test(simd, self.sink);
-        self.found.hand_on(self.sink);
-    }
+#[inline(always)]
+pub(super) fn drain_last<S: Simd, I: Index>(simd: S, found: &mut Found<'_, I>, sink: &mut dyn Sink<I>) {
+    found.test(simd, sink);
+    found.hand_on(sink);
 }
 
 impl<I: Index> Found<'_, I> {
@@ -169,7 +153,7 @@ impl<I: Index> Found<'_, I> {
         let (sorted, boxes) = (self.sorted, self.boxes);
         let candidates = self.candidates.span_mut(0, self.collected);
         let pairs = self.pairs.span_mut(self.found, self.collected);
-        let Tested { found, tied } = simd.call(Test { sorted, candidates, pairs, boxes });
+        let Tested { found, tied } = call!(simd, test_candidates(simd, sorted, candidates, pairs, boxes));
         *self.tested += self.collected as u64;
         *self.tied += tied as u64;
         self.found += found;
@@ -193,27 +177,21 @@ const fn candidate(base: u32, bits: u64) -> u32 {
 
 /// Tests candidates: see [`Simd::test_candidates`]. Pairs go to the front of `pairs`, which has a place for each
 /// candidate.
-struct Test<'t, I> {
-    sorted: &'t [Record],
-    candidates: &'t mut [u32],
-    pairs: &'t mut [Pair<I>],
-    boxes: &'t [KeyBox],
-}
-
-impl<I: Index> Phase for Test<'_, I> {
-    type Output = Tested;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Tested {
-        let Self { sorted, candidates, pairs, boxes } = self;
-        let Tested { mut found, tied } = simd.test_candidates(sorted, candidates, pairs);
-        // Where boxes share a step of the grid, the keys decide.
-        for &candidate in candidates.span(0, tied) {
-            let a = sorted.at((candidate >> 16) as usize).slot();
-            let b = sorted.at((candidate & 0xffff) as usize).slot();
-            pairs.put(found, pair::<I>(a, b));
-            found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
-        }
-        Tested { found, tied }
+#[inline(always)]
+fn test_candidates<S: Simd, I: Index>(
+    simd: S,
+    sorted: &[Record],
+    candidates: &mut [u32],
+    pairs: &mut [Pair<I>],
+    boxes: &[KeyBox],
+) -> Tested {
+    let Tested { mut found, tied } = simd.test_candidates(sorted, candidates, pairs);
+    // Where boxes share a step of the grid, the keys decide.
+    for &candidate in candidates.span(0, tied) {
+        let a = sorted.at((candidate >> 16) as usize).slot();
+        let b = sorted.at((candidate & 0xffff) as usize).slot();
+        pairs.put(found, pair::<I>(a, b));
+        found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
     }
+    Tested { found, tied }
 }

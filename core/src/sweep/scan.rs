@@ -6,13 +6,13 @@
 //! mask; `rounds` takes its bits.
 
 use super::Sink;
-use super::rounds::{Drain, Found, Last};
+use super::rounds::{Found, drain, drain_last};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::ROWS;
 use crate::memory::scratch::{LeafScratch, Lists};
-use crate::simd::{Phase, Row, Simd, WINDOW};
+use crate::simd::{Row, Simd, WINDOW, call};
 use crate::tree::Record;
 
 /// Looks for pairs in a sorted bucket.
@@ -45,9 +45,11 @@ impl<'s, I: Index> Scan<'s, I> {
     /// Passes on the pairs of all records. `run` tells where the neighbours of a record start and end.
     #[inline(always)]
     pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
-        simd.call(Passes { scan: &mut self, run });
+        let scan = &mut self;
+        call!(simd, compare_all(simd, scan, run));
         self.drain(simd);
-        simd.call(Last { found: &mut self.found, sink: self.sink });
+        let (found, sink) = (&mut self.found, self.sink);
+        call!(simd, drain_last(simd, found, sink));
     }
 
     /// Makes room for so many masks, at most `ROWS`.
@@ -60,51 +62,45 @@ impl<'s, I: Index> Scan<'s, I> {
 
     #[inline(always)]
     fn drain<S: Simd>(&mut self, simd: S) {
-        let [lists] = &mut *self.lists else { return };
-        simd.call(Drain { lists, mask_count: self.mask_count, found: &mut self.found, sink: self.sink });
-        self.mask_count = 0;
+        let Self { lists: [lists], mask_count, found, sink, .. } = self else { return };
+        let (mask_count, sink) = (core::mem::take(mask_count), &mut **sink);
+        call!(simd, drain(simd, lists, mask_count, found, sink));
     }
 }
 
 /// Compares all records with their neighbours.
-struct Passes<'p, 's, I, F> {
-    scan: &'p mut Scan<'s, I>,
+#[inline(always)]
+fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
+    simd: S,
+    scan: &mut Scan<'_, I>,
     run: F,
-}
-
-impl<I: Index, F: Fn(usize, &Record) -> (usize, usize)> Phase for Passes<'_, '_, I, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { scan, run } = self;
-        let (sorted, rows, lanes) = (scan.sorted, scan.rows, simd.axis(scan.axis));
-        let mut start = 0;
-        while start < sorted.len() {
-            let count = ROWS.min(sorted.len() - start);
-            scan.make_room(simd, count);
+) {
+    let (sorted, rows, lanes) = (scan.sorted, scan.rows, simd.axis(scan.axis));
+    let mut start = 0;
+    while start < sorted.len() {
+        let count = ROWS.min(sorted.len() - start);
+        scan.make_room(simd, count);
+        let [lists] = &mut *scan.lists else { return };
+        let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
+        for (at, record) in (start..).zip(sorted.span(start, count)) {
+            let (first, end) = run(at, record);
+            pass.next(simd, record, (at << 16 | first) as u32, end as u32);
+        }
+        let mut left = pass.left;
+        scan.mask_count = pass.mask_count;
+        while left > 0 {
+            scan.make_room(simd, left);
             let [lists] = &mut *scan.lists else { return };
             let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
-            for (at, record) in (start..).zip(sorted.span(start, count)) {
-                let (first, end) = run(at, record);
-                pass.next(simd, record, (at << 16 | first) as u32, end as u32);
+            for index in 0..left {
+                let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
+                let Some(record) = sorted.get((base >> 16) as usize) else { continue };
+                pass.next(simd, record, base, end);
             }
-            let mut left = pass.left;
+            left = pass.left;
             scan.mask_count = pass.mask_count;
-            while left > 0 {
-                scan.make_room(simd, left);
-                let [lists] = &mut *scan.lists else { return };
-                let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
-                for index in 0..left {
-                    let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
-                    let Some(record) = sorted.get((base >> 16) as usize) else { continue };
-                    pass.next(simd, record, base, end);
-                }
-                left = pass.left;
-                scan.mask_count = pass.mask_count;
-            }
-            start += count;
         }
+        start += count;
     }
 }
 

@@ -19,7 +19,8 @@ use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined first.
@@ -81,7 +82,7 @@ fn count_in<I: Index>(
     );
     context.each(blocks, |block, (homes, histogram, found)| {
         let boxes = boxes.span(block * len, homes.len());
-        found.fill(context.kernels.run(CountBlock { boxes, homes, splits, cells, histogram }));
+        found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, splits, cells, histogram)));
     });
     let mut sum = BoundsScan::NONE;
     let mut left = 0;
@@ -94,68 +95,62 @@ fn count_in<I: Index>(
     (sum, left)
 }
 
-struct CountBlock<'b, I> {
-    boxes: &'b [KeyBox],
-    homes: &'b mut [I],
-    splits: &'b [Split],
-    cells: &'b [Cell],
-    histogram: &'b mut [u32],
-}
-
-impl<I: Index> Phase for CountBlock<'_, I> {
-    type Output = (BoundsScan, u32);
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> (BoundsScan, u32) {
-        let Self { boxes, homes, splits, cells, histogram } = self;
-        let (counts, large) = histogram.as_chunks_mut::<2>();
-        // Of one length, so that one check of an index is enough.
-        let Some(counts) = counts.get_mut(..cells.len()) else { return (BoundsScan::NONE, 0) };
-        let finite = Extent::FINITE;
-        let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
-        let (mut low, mut high) = (most, least);
-        let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
-        for (bounds, home) in boxes.iter().zip(homes) {
-            if bounds.is_empty() {
-                *home = I::NONE;
-                continue;
-            }
-            let keys = simd.keys(bounds);
-            if simd.narrow(keys) {
-                bounds_scan.examine(bounds);
-            }
-            // Without infinite coordinates and large objects, which would make frames too coarse.
-            let mut include = || {
-                low = simd.lower(low, simd.upper(keys, least));
-                high = simd.upper(high, simd.lower(keys, most));
-            };
-            let leaf = home.at();
-            if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
-                let classified = cell.classify(simd, keys);
-                if classified.is_home() && !classified.is_large() {
-                    include();
-                    *members += 1;
-                    *straddlers += u32::from(classified.straddles());
-                    continue;
-                }
-            }
-            // The object is new, large, or has left its leaf.
-            left += u32::from(*home != I::LARGE);
-            let leaf = leaf_of(splits, &bounds.min);
-            let classified = cells.at(leaf).classify(simd, keys);
-            if classified.is_large() {
-                *home = I::LARGE;
-                large.put(0, large.at(0) + 1);
-            } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
+#[inline(always)]
+fn count_block<S: Simd, I: Index>(
+    simd: S,
+    boxes: &[KeyBox],
+    homes: &mut [I],
+    splits: &[Split],
+    cells: &[Cell],
+    histogram: &mut [u32],
+) -> (BoundsScan, u32) {
+    let (counts, large) = histogram.as_chunks_mut::<2>();
+    // Of one length, so that one check of an index is enough.
+    let Some(counts) = counts.get_mut(..cells.len()) else { return (BoundsScan::NONE, 0) };
+    let finite = Extent::FINITE;
+    let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
+    let (mut low, mut high) = (most, least);
+    let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
+    for (bounds, home) in boxes.iter().zip(homes) {
+        if bounds.is_empty() {
+            *home = I::NONE;
+            continue;
+        }
+        let keys = simd.keys(bounds);
+        if simd.narrow(keys) {
+            bounds_scan.examine(bounds);
+        }
+        // Without infinite coordinates and large objects, which would make frames too coarse.
+        let mut include = || {
+            low = simd.lower(low, simd.upper(keys, least));
+            high = simd.upper(high, simd.lower(keys, most));
+        };
+        let leaf = home.at();
+        if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
+            let classified = cell.classify(simd, keys);
+            if classified.is_home() && !classified.is_large() {
                 include();
-                *home = I::from_slot(leaf as u32);
                 *members += 1;
                 *straddlers += u32::from(classified.straddles());
+                continue;
             }
         }
-        bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
-        (bounds_scan, left)
+        // The object is new, large, or has left its leaf.
+        left += u32::from(*home != I::LARGE);
+        let leaf = leaf_of(splits, &bounds.min);
+        let classified = cells.at(leaf).classify(simd, keys);
+        if classified.is_large() {
+            *home = I::LARGE;
+            large.put(0, large.at(0) + 1);
+        } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
+            include();
+            *home = I::from_slot(leaf as u32);
+            *members += 1;
+            *straddlers += u32::from(classified.straddles());
+        }
     }
+    bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
+    (bounds_scan, left)
 }
 
 /// Writes all records and straddlers where [`count`] says, and finds the boxes of nodes.
@@ -218,7 +213,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepC
     );
     context.each(blocks, |block, (places, histogram)| {
         let first = block * len;
-        context.kernels.run(ScatterBlock {
+        let block = ScatterBlock {
             first,
             boxes: boxes.span(first, places.len()),
             homes: homes.span(first, places.len()),
@@ -230,10 +225,12 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepC
             straddlers,
             large_start,
             histogram,
-        });
+        };
+        run!(context.kernels, |simd| scatter_block(simd, block));
     });
 }
 
+/// A block of slots, where its boxes are and where its records go.
 struct ScatterBlock<'b, 's, I> {
     first: usize,
     boxes: &'b [KeyBox],
@@ -248,43 +245,39 @@ struct ScatterBlock<'b, 's, I> {
     histogram: &'b mut [u32],
 }
 
-impl<I: Index> Phase for ScatterBlock<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = self;
-        let Self { large_start, histogram, .. } = self;
-        let (next, large) = histogram.as_chunks_mut::<2>();
-        // Of one length, for the same reason.
-        let (Some(next), Some(cells), Some(frames)) =
-            (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
-        else {
-            return;
-        };
-        for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
-            let slot = (first + index) as u32;
-            let leaf = home.at();
-            if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
-                (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
-            {
-                let at = *member;
-                *member = at + 1;
-                *place = I::from_slot(at);
-                let keys = simd.keys(bounds);
-                let classified = cell.classify(simd, keys);
-                let record = simd.record(frame, keys, slot | classified.marks());
-                records.store((leaf.start + at) as usize, &record);
-                if classified.straddles() {
-                    straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
-                    *straddler += 1;
-                }
-            } else if *home == I::LARGE {
-                let at = large.at(0);
-                large.put(0, at + 1);
-                *place = I::from_slot(at - large_start);
-                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+#[inline(always)]
+fn scatter_block<S: Simd, I: Index>(simd: S, block: ScatterBlock<'_, '_, I>) {
+    let ScatterBlock { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = block;
+    let ScatterBlock { large_start, histogram, .. } = block;
+    let (next, large) = histogram.as_chunks_mut::<2>();
+    // Of one length, for the same reason.
+    let (Some(next), Some(cells), Some(frames)) =
+        (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
+    else {
+        return;
+    };
+    for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
+        let slot = (first + index) as u32;
+        let leaf = home.at();
+        if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
+            (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
+        {
+            let at = *member;
+            *member = at + 1;
+            *place = I::from_slot(at);
+            let keys = simd.keys(bounds);
+            let classified = cell.classify(simd, keys);
+            let record = simd.record(frame, keys, slot | classified.marks());
+            records.store((leaf.start + at) as usize, &record);
+            if classified.straddles() {
+                straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                *straddler += 1;
             }
+        } else if *home == I::LARGE {
+            let at = large.at(0);
+            large.put(0, at + 1);
+            *place = I::from_slot(at - large_start);
+            straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
         }
     }
 }

@@ -9,7 +9,8 @@ use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 
 /// Says where the straddlers of each leaf will be, by the marks of the records. Returns how many there are.
 /// O(records).
@@ -37,44 +38,38 @@ pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepC
     let straddlers = Shared::new(parts.tree.straddlers);
     let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
     context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
-        context.kernels.run(ListStraddlers { boxes, leaves, records, straddlers });
+        run!(context.kernels, |simd| list_straddlers_of(simd, boxes, leaves, records, straddlers));
     });
 }
 
-struct ListStraddlers<'b, 's> {
-    boxes: &'b [KeyBox],
-    leaves: &'b [Leaf],
-    records: &'b [Record],
-    straddlers: Shared<'s, Straddler>,
-}
-
-impl Phase for ListStraddlers<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { boxes, leaves, records, straddlers } = self;
-        for leaf in leaves {
-            let mut at = leaf.straddler_start as usize;
-            for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-                // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each box
-                // would be waited for.
-                let mut marked = 0u64;
-                for (bit, record) in records.iter().enumerate() {
-                    marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
-                }
-                let mut ahead = marked;
-                while ahead != 0 {
-                    simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
-                    ahead &= ahead - 1;
-                }
-                while marked != 0 {
-                    let slot = records.at(marked.trailing_zeros() as usize).slot();
-                    marked &= marked - 1;
-                    let bounds = *KeyBox::of(boxes, slot as usize);
-                    straddlers.store(at, &Straddler { bounds, slot, unused: 0 });
-                    at += 1;
-                }
+#[inline(always)]
+fn list_straddlers_of<S: Simd>(
+    simd: S,
+    boxes: &[KeyBox],
+    leaves: &[Leaf],
+    records: &[Record],
+    straddlers: Shared<'_, Straddler>,
+) {
+    for leaf in leaves {
+        let mut at = leaf.straddler_start as usize;
+        for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
+            // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each box
+            // would be waited for.
+            let mut marked = 0u64;
+            for (bit, record) in records.iter().enumerate() {
+                marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
+            }
+            let mut ahead = marked;
+            while ahead != 0 {
+                simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
+                ahead &= ahead - 1;
+            }
+            while marked != 0 {
+                let slot = records.at(marked.trailing_zeros() as usize).slot();
+                marked &= marked - 1;
+                let bounds = *KeyBox::of(boxes, slot as usize);
+                straddlers.store(at, &Straddler { bounds, slot, unused: 0 });
+                at += 1;
             }
         }
     }

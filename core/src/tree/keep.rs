@@ -6,7 +6,7 @@
 
 use super::are_few;
 use super::enclose::{enclose, list_straddlers, number_straddlers};
-use super::relocate::Relocate;
+use super::relocate::relocate_all;
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -31,7 +31,7 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
 /// else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);
-    if left > live / LEAVERS_SHARE || !context.kernels.run(Relocate(parts, left as usize)) {
+    if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context.kernels) {
         return false;
     }
     let large = parts.state.tree.large;

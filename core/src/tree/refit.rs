@@ -8,29 +8,19 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::prefetch::REFIT_AHEAD;
 use crate::memory::slab::Parts;
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::{Kernels, run};
 
 /// Makes boxes tight, after the records of `movers` objects were moved.
-pub(crate) struct Refit<'p, 'm, I> {
-    pub(crate) parts: &'p mut Parts<'m, I>,
-    pub(crate) movers: usize,
-}
-
-impl<I: Index> Phase for Refit<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { parts, movers } = self;
-        let moved = parts.state.tree.moved_since_refit as usize + movers;
-        parts.state.tree.moved_since_refit = (moved % MOVERS_PER_REFIT) as u32;
-        for _ in 0..moved / MOVERS_PER_REFIT {
-            // There may have been more leaves before.
-            let whole =
-                if parts.state.tree.refit < parts.state.tree.count { parts.state.tree.refit } else { 0 };
-            refit(simd, parts, whole as usize);
-            parts.state.tree.refit = whole + 1;
-        }
+pub(crate) fn refit_some<I: Index>(parts: &mut Parts<'_, I>, movers: usize, kernels: Kernels) {
+    let moved = parts.state.tree.moved_since_refit as usize + movers;
+    parts.state.tree.moved_since_refit = (moved % MOVERS_PER_REFIT) as u32;
+    for _ in 0..moved / MOVERS_PER_REFIT {
+        // There may have been more leaves before.
+        let whole = if parts.state.tree.refit < parts.state.tree.count { parts.state.tree.refit } else { 0 };
+        parts.state.tree.refit = whole + 1;
+        let parts = &mut *parts;
+        run!(kernels, |simd| refit(simd, parts, whole as usize));
     }
 }
 

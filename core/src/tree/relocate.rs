@@ -9,31 +9,29 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::prefetch::RELOCATED_AHEAD;
 use crate::memory::slab::Parts;
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
+use crate::simd::kernels::{Kernels, run};
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the large
 /// objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects are full,
 /// nothing is lost, but all leaves must be filled anew.
-pub(crate) struct Relocate<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>, pub(crate) usize);
+pub(crate) fn relocate_all<I: Index>(parts: &mut Parts<'_, I>, count: usize, kernels: Kernels) -> bool {
+    run!(kernels, |simd| relocate_each(simd, parts, count))
+}
 
-impl<I: Index> Phase for Relocate<'_, '_, I> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> bool {
-        let Self(parts, count) = self;
-        parts.state.lists.stale = 1;
-        let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
-        for index in 0..count {
-            prefetch(simd, parts, parts.order[1].span(index, count - index));
-            let slot = parts.order[1].at(index).at();
-            if !relocate(simd, parts, slot, &mut budget) {
-                parts.state.tree.filled = 0;
-                return false;
-            }
+#[inline(always)]
+fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
+    parts.state.lists.stale = 1;
+    let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
+    for index in 0..count {
+        prefetch(simd, parts, parts.order[1].span(index, count - index));
+        let slot = parts.order[1].at(index).at();
+        if !relocate(simd, parts, slot, &mut budget) {
+            parts.state.tree.filled = 0;
+            return false;
         }
-        true
     }
+    true
 }
 
 /// Prefetches what the next movers need.

@@ -10,8 +10,9 @@ use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
+use crate::simd::Simd;
 use crate::simd::kernels::Kernels;
-use crate::simd::{Phase, Simd};
+use crate::simd::kernels::run;
 
 /// Makes such frames narrower, and the records of their leaves anew. O(leaves + members of those leaves).
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
@@ -24,7 +25,7 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
     {
         let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
         if is_sparse(members) {
-            kernels.run(Sharpen { boxes, extent: &extent, cell, frame, leaf, members });
+            run!(kernels, |simd| sharpen_leaf(simd, boxes, &extent, cell, frame, leaf, members));
         }
     }
 }
@@ -42,35 +43,28 @@ fn is_sparse(members: &[Record]) -> bool {
 }
 
 /// Makes the frame of one leaf from where most of its members are.
-struct Sharpen<'l> {
-    boxes: &'l [KeyBox],
-    extent: &'l Extent,
-    cell: &'l Cell,
-    frame: &'l mut Frame,
-    leaf: &'l mut Leaf,
-    members: &'l mut [Record],
-}
-
-impl Phase for Sharpen<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { boxes, extent, cell, frame, leaf, members } = self;
-        let minimum =
-            |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
-        let sample = Sample::of(members.len(), minimum);
-        let (low, high) = extent.clip(cell);
-        let narrow = Extent { low, high }.trimmed(&sample);
-        // If they are all at one point, no grid tells them apart, but the wide one the others.
-        if (narrow.low, narrow.high) == (low, high) || narrow.low == narrow.high {
-            return;
-        }
-        *frame = Frame::over(narrow.low, narrow.high);
-        leaf.axis = frame.longest_axis() as u32;
-        for record in members {
-            let bounds = KeyBox::of(boxes, record.slot() as usize);
-            *record = simd.record(frame, simd.keys(bounds), record.tag);
-        }
+#[inline(always)]
+fn sharpen_leaf<S: Simd>(
+    simd: S,
+    boxes: &[KeyBox],
+    extent: &Extent,
+    cell: &Cell,
+    frame: &mut Frame,
+    leaf: &mut Leaf,
+    members: &mut [Record],
+) {
+    let minimum = |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
+    let sample = Sample::of(members.len(), minimum);
+    let (low, high) = extent.clip(cell);
+    let narrow = Extent { low, high }.trimmed(&sample);
+    // If they are all at one point, no grid tells them apart, but the wide one the others.
+    if (narrow.low, narrow.high) == (low, high) || narrow.low == narrow.high {
+        return;
+    }
+    *frame = Frame::over(narrow.low, narrow.high);
+    leaf.axis = frame.longest_axis() as u32;
+    for record in members {
+        let bounds = KeyBox::of(boxes, record.slot() as usize);
+        *record = simd.record(frame, simd.keys(bounds), record.tag);
     }
 }

@@ -16,29 +16,22 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::{Parts, TreeParts};
-use crate::simd::{Phase, Simd};
+use crate::simd::Simd;
 use crate::sort::heapsort;
 
 /// Divides some leaves that are not divided yet.
-pub(crate) struct Subdivide<'p, 'm, I>(pub(crate) &'p mut Parts<'m, I>);
-
-impl<I: Index> Phase for Subdivide<'_, '_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let parts = self.0;
-        if parts.state.tree.subdivided == 0 {
-            number_anew(parts);
-        }
-        let mut left = (parts.state.objects.live / DIVIDED_SHARE).max(DIVIDED_AT_LEAST);
-        while left > 0 && parts.state.tree.subdivided <= parts.state.tree.count {
-            let whole = parts.state.tree.subdivided as usize - 1;
-            // An empty leaf takes time too.
-            left = left.saturating_sub(parts.tree.leaves.at(whole * SUB_LEAVES).len + 1);
-            divide_leaf(simd, parts, whole);
-            parts.state.tree.subdivided += 1;
-        }
+#[inline(always)]
+pub(crate) fn subdivide<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>) {
+    if parts.state.tree.subdivided == 0 {
+        number_anew(parts);
+    }
+    let mut left = (parts.state.objects.live / DIVIDED_SHARE).max(DIVIDED_AT_LEAST);
+    while left > 0 && parts.state.tree.subdivided <= parts.state.tree.count {
+        let whole = parts.state.tree.subdivided as usize - 1;
+        // An empty leaf takes time too.
+        left = left.saturating_sub(parts.tree.leaves.at(whole * SUB_LEAVES).len + 1);
+        divide_leaf(simd, parts, whole);
+        parts.state.tree.subdivided += 1;
     }
 }
 

@@ -10,8 +10,8 @@ use crate::id::Index;
 use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::pairs::persistent::is_clear_of;
-use crate::simd::kernels::Kernels;
-use crate::simd::{Phase, Simd, limit};
+use crate::simd::kernels::{Kernels, run};
+use crate::simd::{Simd, limit};
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::first_of_eight;
 use crate::tree::visit::Visit;
@@ -80,7 +80,7 @@ fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     if !known || !parts.filters.of.is_empty() || !filled && !few {
         return Ok(());
     }
-    let all = if filled { Kernels::detect().run(InTree(parts)) } else { one_by_one(parts) };
+    let all = if filled { run!(Kernels::detect(), |simd| in_tree(simd, parts)) } else { one_by_one(parts) };
     check(all == kept(parts), "pairs are missing, or there twice", 0)
 }
 
@@ -104,42 +104,34 @@ fn one_by_one<I: Index>(parts: &Parts<'_, I>) -> Sum {
 }
 
 /// As [`one_by_one`], in a tree.
-struct InTree<'p, 'm, I>(&'p Parts<'m, I>);
-
-impl<I: Index> Phase for InTree<'_, '_, I> {
-    type Output = Sum;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Sum {
-        let Self(parts) = self;
-        let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
-        let (mut all, sub_levels) = (Sum::default(), state.tree.sub_levels());
-        for slot in (0..state.objects.slots as usize).filter(|slot| stays(parts, *slot)) {
-            let bounds = KeyBox::of(boxes, slot);
-            // No vectors: a closure does not have the instruction set of its function.
-            let mut meet = |other: usize| {
-                if other > slot && stays(parts, other) && KeyBox::of(boxes, other).overlaps(bounds) {
-                    all.add([slot as u32, other as u32]);
-                }
-            };
-            let mut visit = Visit::new(simd, tree.nodes(), 0, *bounds);
-            while let Some(whole) = visit.next(simd) {
-                let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
-                for part in whole << sub_levels..(whole + 1) << sub_levels {
-                    for (eight, left) in tree.leaves.at(part).chunks_of_eight(tree.records) {
-                        let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
-                        while mask != 0 {
-                            meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
-                            mask &= mask - 1;
-                        }
+#[inline(always)]
+fn in_tree<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>) -> Sum {
+    let (state, tree, boxes) = (&*parts.state, &parts.tree, parts.boxes.swept());
+    let (mut all, sub_levels) = (Sum::default(), state.tree.sub_levels());
+    for slot in (0..state.objects.slots as usize).filter(|slot| stays(parts, *slot)) {
+        let bounds = KeyBox::of(boxes, slot);
+        // No vectors: a closure does not have the instruction set of its function.
+        let mut meet = |other: usize| {
+            if other > slot && stays(parts, other) && KeyBox::of(boxes, other).overlaps(bounds) {
+                all.add([slot as u32, other as u32]);
+            }
+        };
+        let mut visit = Visit::new(simd, tree.nodes(), 0, *bounds);
+        while let Some(whole) = visit.next(simd) {
+            let record = simd.record(&tree.frames.at(whole), simd.keys(bounds), 0);
+            for part in whole << sub_levels..(whole + 1) << sub_levels {
+                for (eight, left) in tree.leaves.at(part).chunks_of_eight(tree.records) {
+                    let mut mask = simd.touching(eight, limit(&record)) & first_of_eight(left);
+                    while mask != 0 {
+                        meet(eight.at(mask.trailing_zeros() as usize).slot() as usize);
+                        mask &= mask - 1;
                     }
                 }
             }
-            for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize)
-            {
-                meet(straddler.slot as usize);
-            }
         }
-        all
+        for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize) {
+            meet(straddler.slot as usize);
+        }
     }
+    all
 }

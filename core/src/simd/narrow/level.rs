@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, Phase, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
 
 /// The level of some vectors.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +44,8 @@ impl<V: Vectors> Simd for Narrow<V> {
     const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
 
     #[inline(always)]
-    fn call<P: Phase>(self, phase: P) -> P::Output {
-        self.0.call(phase)
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        self.0.call(work)
     }
 
     #[inline(always)]

@@ -30,8 +30,11 @@ use simd128::Simd128 as Native;
 use sse41::Sse41 as Native;
 use vectors::Vectors;
 
+/// As [`run!`](crate::simd::kernels::run) for this level.
+pub(crate) use crate::simd::call as run;
+
 /// The level of the target's vectors.
-pub(super) type Level = level::Narrow<Native>;
+pub(crate) type Level = level::Narrow<Native>;
 
 impl Level {
     /// The name of the level.

@@ -2,7 +2,6 @@
 
 use super::vectors::{Vectors, operations};
 use crate::geometry::record::GRID_MAX;
-use crate::simd::Phase;
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -37,14 +36,14 @@ impl Vectors for Sse41 {
     type Vector = __m128i;
 
     #[inline(always)]
-    fn call<P: Phase>(self, phase: P) -> P::Output {
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
         #[inline(never)]
         #[target_feature(enable = "ssse3,sse4.1,popcnt")]
-        fn compiled<P: Phase>(simd: Sse41, phase: P) -> P::Output {
-            phase.run(super::level::Narrow(simd))
+        fn compiled<R>(work: impl FnOnce() -> R) -> R {
+            work()
         }
         // SAFETY: `self` proves that the CPU has these features.
-        unsafe { compiled(self, phase) }
+        unsafe { compiled(work) }
     }
 
     #[inline(always)]

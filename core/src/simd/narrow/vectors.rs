@@ -1,7 +1,5 @@
 //! The operations that an instruction set of 128 bits must offer.
 
-use crate::simd::Phase;
-
 /// The operations of one instruction set on 16 bytes: lanes of 8, 16 or 32 bits, as the name of an operation says. A
 /// value of the type is the proof that the CPU has it. A mask has lanes of all ones or all zeros.
 pub(crate) trait Vectors: Copy + Send + Sync {
@@ -24,7 +22,7 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     type Vector: Copy;
 
     /// As [`Simd::call`](crate::simd::Simd::call).
-    fn call<P: Phase>(self, phase: P) -> P::Output;
+    fn call<R>(self, work: impl FnOnce() -> R) -> R;
 
     /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
     #[inline(always)]
