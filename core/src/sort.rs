@@ -1,4 +1,4 @@
-//! Heaps and the heap sort: no scratch memory, no recursion, no panic.
+//! Heaps, the heap sort and a selection: no scratch memory, no recursion, no panic.
 
 use crate::access::Access;
 
@@ -33,6 +33,41 @@ pub(crate) fn heapsort<T: Copy + Default>(items: &mut [T], precedes: impl Fn(T, 
         }
         items.put(at, item);
     }
+}
+
+/// Brings the first `middle` items of a total order to the front. Expected O(n), at most O(n log n).
+pub(crate) fn select<T: Copy + Default>(
+    mut items: &mut [T],
+    mut middle: usize,
+    precedes: &impl Fn(&T, &T) -> bool,
+) {
+    for _ in 0..2 * (usize::BITS - items.len().leading_zeros()) {
+        if items.len() <= 16 {
+            break;
+        }
+        // The median of three has items on both sides.
+        let (mut low, mut pivot, high) = (items.at(0), items.at(items.len() / 2), items.at(items.len() - 1));
+        if precedes(&pivot, &low) {
+            core::mem::swap(&mut low, &mut pivot);
+        }
+        if precedes(&high, &pivot) {
+            pivot = if precedes(&high, &low) { low } else { high };
+        }
+        let mut end = 0;
+        for at in 0..items.len() {
+            if precedes(&items.at(at), &pivot) {
+                items.swap_at(at, end);
+                end += 1;
+            }
+        }
+        let (front, back) = items.split_at_mut_checked(end).unwrap_or_default();
+        items = if middle < end { front } else { back };
+        middle = if middle < end { middle } else { middle - end };
+        if middle == 0 {
+            return;
+        }
+    }
+    heapsort(items, |a, b| precedes(&a, &b));
 }
 
 /// Moves the last item of a heap up to its place. The last item in order is at the root. O(log n).

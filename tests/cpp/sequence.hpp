@@ -329,11 +329,10 @@ inline void seal(Bytes &snapshot) {
 }
 
 /// Changes some numbers of a snapshot, most of them near the front, and seals it.
-inline void forge(Bytes &snapshot, Rng &rng) {
-    constexpr std::size_t header = 24, state = 288;
+inline void forge(Bytes &snapshot, std::size_t front, Rng &rng) {
+    constexpr std::size_t header = 24;
     for (std::uint32_t left = 1 + rng.below(3); left > 0; left--) {
-        const std::size_t near = snapshot.size() < header + state ? snapshot.size() : header + state;
-        const std::size_t reach = rng.once_in(2) ? near : snapshot.size();
+        const std::size_t reach = rng.once_in(2) ? std::min(snapshot.size(), front) : snapshot.size();
         const std::size_t at = header + rng.below((reach - header) / 2 - 4) * std::size_t{2};
         std::uint32_t old = 0;
         std::memcpy(&old, snapshot.data() + at, sizeof old);

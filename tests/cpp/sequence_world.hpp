@@ -27,6 +27,19 @@ inline Memory allocate(std::size_t bytes) {
     return Memory(::operator new(bytes, std::align_val_t(trisap_world_align())));
 }
 
+/// Where the state ends in snapshots, which comes first: there is nothing else in that of a world without objects.
+inline std::size_t front() {
+    static const std::size_t bytes = [] {
+        const trisap::Config config = trisap::config(1);
+        const std::size_t size = trisap_world_size(&config);
+        const Memory memory = allocate(size);
+        trisap_world *world = nullptr;
+        CHECK_OK(trisap_world_init(memory.get(), size, &config, &world));
+        return trisap_world_snapshot_size(world);
+    }();
+    return bytes;
+}
+
 class World {
 public:
     World(const std::uint8_t *bytes, Tally &tally)

@@ -569,7 +569,7 @@ private:
     void load_forged(Operation &op) {
         const Bytes before = snapshot();
         Bytes bytes = before;
-        forge(bytes, op.rng);
+        forge(bytes, front(), op.rng);
         if (!say_status(trisap_world_load(world_, bytes.data(), bytes.size()))) {
             tally_.forged_refused++;
             CHECK(snapshot() == before);

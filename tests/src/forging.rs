@@ -3,9 +3,10 @@
 use crate::checked::Outcome;
 use crate::lives::saved;
 use crate::scenes::{self, Rng, shifted};
-use crate::worlds::Setup;
+use crate::worlds::{Setup, Slab, ample};
 use crate::{SlotPair, oracle, sorted};
-use trisap_core::{Aabb, Error, Id, Index, Mode, Region, World};
+use std::sync::LazyLock;
+use trisap_core::{Aabb, Config, Error, Id, Index, Mode, Region, World};
 
 /// The checksum of the format, written out again.
 fn checksum(bytes: &[u8]) -> u64 {
@@ -22,8 +23,28 @@ fn checksum(bytes: &[u8]) -> u64 {
 /// Bytes of the header: a number, the length of what follows, its checksum.
 pub const HEADER: usize = 24;
 
-/// Bytes of the state, which comes first.
-pub const STATE: usize = 288;
+/// Where the state ends, which comes first: there is nothing else in the snapshot of a world without objects.
+pub static FRONT: LazyLock<usize> = LazyLock::new(|| {
+    let config = Config::new(ample(1, 1));
+    Slab::new::<u32>(&config).world::<u32>(&config).snapshot_size()
+});
+
+/// Where the bytes of the state stand that have changed like this from one snapshot to another.
+///
+/// # Panics
+/// If there are fewer, or more.
+#[must_use]
+pub fn places_of_change<const N: usize>([before, after]: &[Vec<u8>; 2], change: [u8; 2]) -> [usize; N] {
+    let is_it = |at: &usize| [before[*at], after[*at]] == change;
+    let places: Vec<usize> = (HEADER..*FRONT).filter(is_it).collect();
+    places.try_into().unwrap_or_else(|places| panic!("{change:?} at {places:?}"))
+}
+
+/// Where a number of eight bytes stands in the state.
+#[must_use]
+pub fn places_of(snapshot: &[u8], number: u64) -> Vec<usize> {
+    (HEADER..*FRONT).step_by(8).filter(|at| snapshot[*at..at + 8] == number.to_ne_bytes()).collect()
+}
 
 /// Makes length and checksum right.
 ///
@@ -59,7 +80,7 @@ pub fn put(bytes: &mut [u8], at: usize, number: u32) {
 /// If the snapshot is shorter than a state.
 pub fn forge(snapshot: &mut Vec<u8>, rng: &mut Rng) {
     for _ in 0..1 + rng.below(3) {
-        let reach = if rng.once_in(2) { snapshot.len().min(HEADER + STATE) } else { snapshot.len() };
+        let reach = if rng.once_in(2) { snapshot.len().min(*FRONT) } else { snapshot.len() };
         let at = HEADER + rng.below((reach - HEADER) / 2 - 4) * 2;
         let old = u32::from_ne_bytes(snapshot[at..at + 4].try_into().expect("four bytes"));
         let word = match rng.below(8) {

@@ -131,6 +131,65 @@ fn grounds_cost_only_their_own_pairs() {
     }
 }
 
+/// Strips through the whole of a flat world, along some of the axes in turn.
+fn strips(count: usize, axes: &[usize], side: f32, rng: &mut Rng) -> Vec<Aabb> {
+    let mut strip = |index: usize| {
+        let (mut min, mut edges) =
+            ([rng.between(0.0, side), rng.between(0.0, 20.0), rng.between(0.0, side)], [0.2; 3]);
+        let axis = axes[index % axes.len()];
+        (min[axis], edges[axis]) = (0.0, side);
+        at(min, edges)
+    };
+    (0..count).map(&mut strip).collect()
+}
+
+/// The most candidates of a step in which 500 cubes move, of twenty, and of the last one; and those of a full step that are no pairs,
+/// without one for every two pairs.
+fn moving_among(boxes: &[Aabb], cubes: usize) -> [f64; 3] {
+    let config = Config::new(ample(boxes.len(), 10 * boxes.len()));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let mut boxes = boxes.to_vec();
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room and good boxes").collect();
+    let full = world.step().expect("room for the pairs").stats();
+    let mut rng = Rng::new(3);
+    let mut counts = Vec::new();
+    for _ in 0..20 {
+        for _ in 0..500 {
+            let k = rng.below(cubes);
+            boxes[k] = shifted(&boxes[k], rng.point(-1.0, 1.0));
+            world.set_aabb(ids[k], boxes[k]).expect("alive");
+        }
+        let stats = world.step().expect("room").stats();
+        assert_eq!(stats.path, Path::Movers);
+        counts.push(stats.candidates as f64);
+    }
+    let beyond = (full.candidates as f64 - 1.5 * full.pairs as f64).max(0.0);
+    [counts.iter().copied().fold(0.0, f64::max), counts[19], beyond]
+}
+
+/// Roads, cables and fibres: what moves among them looks only at those near it.
+#[test]
+fn strips_cost_what_is_near_them() {
+    let (count, side) = (20_000, 400.0);
+    let mut rng = Rng::new(4);
+    let cubes: Vec<Aabb> = (0..count)
+        .map(|_| cube(rng.between(0.0, side), rng.between(0.0, 20.0), rng.between(0.0, side)))
+        .collect();
+    let plain = moving_among(&cubes, count);
+    for axes in [&[0][..], &[0, 2], &[0, 1, 2]] {
+        for number in [400, 4000] {
+            let with = moving_among(&[&cubes[..], &strips(number, axes, side, &mut rng)].concat(), count);
+            for (what, (with, plain)) in ["most", "last", "full"].iter().zip(with.iter().zip(&plain)) {
+                assert!(
+                    *with <= 3.0 * plain + 64.0,
+                    "{number} along {axes:?}, {what}: {with} candidates, {plain}"
+                );
+            }
+        }
+    }
+}
+
 /// A world that steps over frames, all checked, and then over one frame until it must be as a fresh world.
 fn recovers(what: &str, frames: &[Vec<Aabb>], then: impl Fn(usize) -> Vec<Aabb>) {
     let count = frames[0].len();

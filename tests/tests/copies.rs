@@ -1,9 +1,9 @@
 //! Copies of worlds go on byte for byte, whatever was in the memory before; and sorted results are the same bytes in
 //! worlds of other room and another past.
 
-use trisap_core::{Config, Error, Field, Filter, Id, Index, InlineWorld, Margin, World, layout};
+use trisap_core::{Boxes, Config, Error, Field, Filter, Id, Index, InlineWorld, Margin, World, layout};
 use trisap_tests::lives::{act, configs, lived, saved};
-use trisap_tests::scenes::{Rng, cube, shifted};
+use trisap_tests::scenes::{Rng, at, cube, shifted, uniform};
 use trisap_tests::sorted;
 use trisap_tests::worlds::{Setup, Slab, ample};
 
@@ -60,6 +60,48 @@ fn a_copy_goes_on_byte_for_byte() {
         let mut copy = World::<u32>::open(bytes.bytes_mut()).expect("a copy of a world");
         let mut world = World::<u32>::open(slab.bytes_mut()).expect("the world");
         go_on_alike(&mut world, &mut copy, rng, 3);
+    }
+}
+
+/// A world with strips along all axes, which are large objects, after some steps.
+fn with_strips<'m>(slab: &'m mut Slab, config: &Config, steps: usize) -> World<'m, u32> {
+    let mut rng = Rng::new(8);
+    let mut boxes = uniform(1600, 3);
+    for (k, aabb) in boxes.iter_mut().enumerate().step_by(11) {
+        let (mut min, mut edges) = (aabb.min, [0.1; 3]);
+        (min[k % 3], edges[k % 3]) = (-1.0, 80.0);
+        *aabb = at(min, edges);
+    }
+    let mut world = slab.world::<u32>(config);
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
+    for _ in 0..steps {
+        world.step().expect("room");
+        for _ in 0..20 {
+            let k = rng.below(1600);
+            world.set_aabb(ids[k], shifted(&boxes[k], rng.point(-0.5, 0.5))).expect("alive");
+        }
+    }
+    world
+}
+
+#[test]
+fn copies_have_the_order_of_large_objects_too() {
+    for config in configs() {
+        let config = config.with_capacity(ample(1800, 40_000));
+        let [mut slab, mut room, mut again] = [(); 3].map(|()| Slab::new::<u32>(&config));
+        let mut world = with_strips(&mut slab, &config, 6);
+        let mut copy = lived::<u32>(&mut room, &config, 1700, 4);
+        copy.copy_from(&world).expect("the same configuration");
+        world.step().expect("room");
+        copy.step().expect("room");
+        assert!(world.stats().large > 90, "{:?}", world.stats());
+        assert_eq!((world.stats(), world.pairs()), (copy.stats(), copy.pairs()));
+        go_on_alike(&mut world, &mut copy, &mut Rng::new(3), 20);
+        // Nor does a list matter that the memory had before.
+        let _ = with_strips(&mut again, &config, 9);
+        let (mut fresh, mut after) = (Slab::new::<u32>(&config), again);
+        let [mut one, mut other] = [&mut fresh, &mut after].map(|slab| with_strips(slab, &config, 6));
+        go_on_alike(&mut one, &mut other, &mut Rng::new(4), 20);
     }
 }
 

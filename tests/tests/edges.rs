@@ -3,14 +3,14 @@
 
 use trisap_core::{Aabb, Choice, Config, Error, Id, Index, Path, World};
 use trisap_tests::checked::Checked;
-use trisap_tests::forging::{HEADER, STATE, get, put, seal};
+use trisap_tests::forging::{FRONT, get, put, seal};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;
-use trisap_tests::scenes::{at, cube};
+use trisap_tests::scenes::{Rng, at, cube, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 /// An object that becomes large when the list of large objects is exactly full starts a step that fills all leaves anew.
-/// In `admit_large`, `at >= fronts.len()` made `>` would drop it.
+/// In `large::has_room`, `<` for the last `<=` would fill them where there is room, and an end that is one less would drop it.
 #[test]
 fn a_mover_becomes_large_when_the_list_is_full() {
     const COUNT: usize = 1100;
@@ -34,6 +34,68 @@ fn a_mover_becomes_large_when_the_list_is_full() {
         }
         assert!(large > 0, "{leaf_refs}: no mover became large");
         assert!(refilled, "{leaf_refs}: the list was never full");
+    }
+}
+
+/// Straddlers may take all room up to the last one where there are no large objects, and all but what large ones need. A list of
+/// large objects that began at the end of the array would be cut off before straddlers that end there.
+#[test]
+fn all_leaf_references_may_be_in_use() {
+    const COUNT: usize = 1100;
+    let boxes = uniform(COUNT, 21);
+    let mut least = u32::MAX;
+    for leaf_refs in 1..=260 {
+        let mut config = Config::new(ample(COUNT, 40 * COUNT));
+        config.capacity.leaf_refs = leaf_refs;
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let ids = world.insert_many(&boxes);
+        least = least.min(world.step(Setup::REFERENCE).stats.fullest_leaf);
+        for (k, id) in ids.iter().enumerate().take(10) {
+            let strip = at([0.0, boxes[k].min[1], boxes[k].min[2]], [40.0, 0.1, 0.1]);
+            world.set(*id, if k % 10 < 7 { strip } else { boxes[k] });
+            if k > 12 {
+                world.set(ids[k - 12], boxes[k - 12]);
+            }
+            world.step(Setup::REFERENCE);
+        }
+    }
+    assert!(least < 300, "{least}: never enough room for small leaves");
+}
+
+/// Strips come by dozens and go again, one by one or all at once: their list and the nodes over it never stand over others.
+#[test]
+fn many_large_objects_come_and_go() {
+    const COUNT: usize = 900;
+    let boxes = uniform(COUNT, 22);
+    let mut rng = Rng::new(5);
+    for leaf_refs in [300, 500, 3600] {
+        let mut config = Config::new(ample(COUNT, 80 * COUNT)).with_events();
+        config.capacity.leaf_refs = leaf_refs;
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let ids = world.insert_many(&boxes);
+        world.step(Setup::REFERENCE);
+        let mut most = 0;
+        for _ in 0..30 {
+            let share = [1, 8, 40, 150][rng.below(4)];
+            for _ in 0..share {
+                let (k, axis) = (rng.below(COUNT / 5), rng.below(3));
+                let (mut min, mut edges) = (boxes[k].min, [0.1; 3]);
+                (min[axis], edges[axis]) = (-1.0, 60.0);
+                world.set(ids[k], if rng.once_in(2) { at(min, edges) } else { boxes[k] });
+            }
+            if rng.once_in(6) {
+                (0..COUNT / 5).for_each(|k| world.set(ids[k], boxes[k]));
+            }
+            // Others, so that there are more straddlers, or fewer.
+            for _ in 0..[0, 300][rng.below(2)] {
+                let k = COUNT / 5 + rng.below(4 * COUNT / 5);
+                world.set(ids[k], shifted(&boxes[k], rng.point(-1.0, 1.0)));
+            }
+            most = most.max(world.step(Setup::REFERENCE).stats.large);
+        }
+        assert!(most > 20, "{most} large objects at once");
     }
 }
 
@@ -86,7 +148,7 @@ fn a_step_without_chunks_counts_once() {
 /// The world again, with the generation of slot 0 as if it had been given out so many times.
 fn aged<I: Index>(world: &mut World<'_, I>, generation: u32) -> Id {
     let mut snapshot = saved(world);
-    let generations = HEADER + STATE;
+    let generations = *FRONT;
     assert_eq!(
         [0, 1, 2].map(|slot| get(&snapshot, generations + 4 * slot)),
         [1; 3],

@@ -1,41 +1,75 @@
 //! Snapshots that were forged with a right checksum: refused with the world as it was, or loaded, valid, and as right as brute
 //! force from then on.
 
-use trisap_core::{Config, Error, Index, Kernels};
+use trisap_core::{Config, Error, Id, Index, Kernels, World};
 use trisap_tests::effort;
-use trisap_tests::forging::{HEADER, STATE, forge, get, go_on, put, seal};
+use trisap_tests::forging::{FRONT, HEADER, forge, get, go_on, places_of, places_of_change, put, seal};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::model::Model;
 use trisap_tests::queries::Questions;
-use trisap_tests::scenes::Rng;
+use trisap_tests::scenes::{Rng, cube};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
-// Where numbers of the state stand.
-const LIVE: usize = HEADER + 256;
-const SLOTS: usize = HEADER + 260;
-const FREE: usize = HEADER + 264;
-const STALE_LISTS: usize = HEADER + 280;
-const BUILT: usize = HEADER + 56;
-const DEPTH: usize = HEADER + 60;
-const SUBDIVIDED: usize = HEADER + 68;
-const FILLED: usize = HEADER + 120;
-const LARGE_START: usize = HEADER + 80;
-const DIRTY: usize = HEADER + 272;
-const RESTING: usize = HEADER + 273;
-const MOVED_INSIDE_MARGIN: usize = HEADER + 275;
-const BASELINE: usize = HEADER + 40;
-const SWEPT: usize = HEADER + 128;
-const PARKED: usize = HEADER + 168;
-const REPORTED: usize = HEADER + 136;
-const FOUND: usize = HEADER + 144;
-const LOST: usize = HEADER + 152;
-const COMPLETE: usize = HEADER + 188;
-const CHOSEN: usize = HEADER + 244;
+/// Where numbers of the state stand that worlds differ in.
+struct Numbers {
+    live: usize,
+    free: usize,
+    dirty: usize,
+    resting: usize,
+    complete: usize,
+    found: usize,
+    /// And how many pairs are kept for that.
+    lost: [usize; 2],
+}
+
+impl Numbers {
+    /// Found by what happens to a row of cubes, in which each overlaps the next one.
+    fn find() -> Self {
+        let config = Config::new(ample(9, 12)).with_events();
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let row = (0..9).map(|k| cube(0.9 * k as f32, 0.0, 0.0));
+        let ids: Vec<Id> = row.map(|aabb| world.insert(aabb).expect("room")).collect();
+        let mut after = |act: &dyn Fn(&mut World<'_, u32>)| {
+            let before = saved(&world);
+            act(&mut world);
+            [before, saved(&world)]
+        };
+        let step = |world: &mut World<'_, u32>| {
+            let _ = world.step();
+        };
+        let crowd = |world: &mut World<'_, u32>| {
+            let all = ids.iter().filter(|id| world.set_aabb(**id, cube(0.0, 0.0, 0.0)).is_ok());
+            assert_eq!(all.count(), 7, "those that live");
+            step(world);
+        };
+        let place = |k: usize| {
+            let id = ids[k];
+            move |world: &mut World<'_, u32>| world.set_aabb(id, cube(70.0, 0.0, 0.0)).expect("alive")
+        };
+        after(&step);
+        let rest = after(&|world| world.set_resting(&ids[..1]).expect("alive"));
+        let touched = after(&place(4));
+        // It has left two.
+        let parted = after(&step);
+        let removed = [5, 4].map(|k| after(&|world| world.remove(ids[k]).expect("alive")));
+        let crowded = after(&crowd);
+        let [resting] = places_of_change(&rest, [0, 1]);
+        let [dirty] = places_of_change(&touched, [0, 1]);
+        let [found] = places_of_change(&parted, [8, 0]);
+        let lost = places_of_change(&parted, [0, 2]);
+        let [live] = places_of_change(&removed[0], [9, 8]);
+        let [free] = places_of_change(&removed[1], [6, 5]);
+        let [complete] = places_of_change(&crowded, [1, 0]);
+        Self { live, free, dirty, resting, complete, found, lost }
+    }
+}
 
 /// Where sections of a snapshot start, of a world with nothing that it could do without, 32 bits wide.
 #[derive(Clone, Copy, Debug)]
 struct Places {
+    slots: usize,
     boxes: usize,
     generations: usize,
     moved: usize,
@@ -45,16 +79,14 @@ struct Places {
 }
 
 impl Places {
-    fn of(snapshot: &[u8]) -> Self {
-        let slots = get(snapshot, SLOTS) as usize;
-        let generations = HEADER + STATE;
+    fn of(snapshot: &[u8], slots: usize, pair_count: usize) -> Self {
+        let generations = *FRONT;
         let moved = generations + 4 * slots;
         let resting = moved + 4 * slots.div_ceil(32);
         let boxes = resting + 4 * slots.div_ceil(32);
         let pairs = boxes + 24 * slots;
-        let pair_count = get(snapshot, SWEPT) as usize;
         assert_eq!(pairs + 8 * pair_count, snapshot.len(), "all sections");
-        Self { boxes, generations, moved, resting, pairs, pair_count }
+        Self { slots, boxes, generations, moved, resting, pairs, pair_count }
     }
 }
 
@@ -102,24 +134,31 @@ fn loaded<'n>(snapshot: &[u8], forgeries: &[Forgery<'n>], setup: Setup) -> Vec<&
 }
 
 /// A calm world with few movers, a free slot and resting objects.
-fn divided() -> Vec<u8> {
+fn divided() -> (Vec<u8>, Places) {
     let mut slab = Slab::new::<u32>(&PLAIN);
     let mut world = lived::<u32>(&mut slab, &PLAIN, 650, 5);
     let id = world.id_at(9).expect("alive");
     world.remove(id).expect("alive");
-    saved(&world)
+    placed(&world)
+}
+
+/// A snapshot of a world that has had 650 objects at once.
+fn placed(world: &World<'_, u32>) -> (Vec<u8>, Places) {
+    let snapshot = saved(world);
+    let places = Places::of(&snapshot, 650, world.pairs().len());
+    (snapshot, places)
 }
 
 /// As it is after a full step in which all have moved.
-fn whole() -> Vec<u8> {
+fn whole() -> (Vec<u8>, Places) {
     let mut slab = Slab::new::<u32>(&PLAIN);
-    saved(&lived::<u32>(&mut slab, &PLAIN, 650, 0))
+    placed(&lived::<u32>(&mut slab, &PLAIN, 650, 0))
 }
 
 #[test]
 fn what_a_forged_snapshot_cannot_have_is_refused() {
-    for (snapshot, setup) in [divided(), whole()].iter().zip(setups()) {
-        let p = Places::of(snapshot);
+    let n = Numbers::find();
+    for ((snapshot, p), setup) in [divided(), whole()].iter().zip(setups()) {
         let mut copy = snapshot.clone();
         seal(&mut copy);
         assert!(&copy == snapshot, "the checksum is that of the format");
@@ -134,28 +173,21 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
             let word = get(bytes, set + slot / 32 * 4) ^ 1 << (slot % 32);
             put(bytes, set + slot / 32 * 4, word);
         };
-        let beyond = get(snapshot, SLOTS);
+        let beyond = p.slots as u32;
+        // Of all overlaps, and of the result.
+        let counts = places_of(snapshot, p.pair_count as u64);
+        assert_eq!(counts.len(), 2, "{counts:?}");
         let forgeries: &[Forgery<'_>] = &[
-            ("a number of objects", &|b| put(b, LIVE, get(snapshot, LIVE) - 1)),
-            ("a free slot", &|b| put(b, FREE, 1 + slot as u32)),
-            ("lists", &|b| b[STALE_LISTS] = 0),
-            ("planes", &|b| put(b, BUILT, 600)),
-            ("filled leaves", &|b| b[FILLED] = 1),
-            ("a deeper tree", &|b| put(b, DEPTH, get(snapshot, DEPTH) + 1)),
-            ("leaves that are divided", &|b| put(b, SUBDIVIDED, get(snapshot, SUBDIVIDED) ^ 1)),
-            ("where large objects start", &|b| put(b, LARGE_START, u32::MAX)),
-            ("touched by nobody", &|b| b[DIRTY] = 2),
-            ("margins that there are not", &|b| b[MOVED_INSIDE_MARGIN] = 1),
-            ("squares beyond all numbers", &|b| b[BASELINE..BASELINE + 8].fill(255)),
-            ("more pairs than room", &|b| put(b, SWEPT, 9001)),
-            ("fewer pairs", &|b| put(b, SWEPT, get(snapshot, SWEPT) - 1)),
-            ("surplus without margins", &|b| put(b, REPORTED, get(snapshot, REPORTED) - 1)),
-            ("pairs that are set aside", &|b| put(b, PARKED, 1)),
-            ("found without events", &|b| put(b, FOUND, 1)),
-            ("lost without events", &|b| put(b, LOST, 1)),
-            ("neither complete nor not", &|b| b[COMPLETE] = 2),
-            ("a path that there is not", &|b| put(b, CHOSEN, 6)),
-            ("a reason that there is not", &|b| put(b, CHOSEN, 10 << 8)),
+            ("a number of objects", &|b| put(b, n.live, get(snapshot, n.live) - 1)),
+            ("a free slot", &|b| put(b, n.free, 1 + slot as u32)),
+            ("touched by nobody", &|b| b[n.dirty] = 2),
+            ("more pairs than room", &|b| put(b, counts[0], 9001)),
+            ("fewer pairs", &|b| put(b, counts[0], p.pair_count as u32 - 1)),
+            ("surplus without margins", &|b| put(b, counts[1], p.pair_count as u32 - 1)),
+            ("found without events", &|b| put(b, n.found, 1)),
+            ("lost without events", &|b| put(b, n.lost[0], 1)),
+            ("kept without events", &|b| put(b, n.lost[1], 1)),
+            ("neither complete nor not", &|b| b[n.complete] = 2),
             ("a box that is none", &|b| put(b, p.boxes + 24 * slot, i32::MAX as u32)),
             ("NaN in a box", &|b| put(b, p.boxes + 24 * slot + 12, 0x7fc0_0000)),
             ("a box somewhere else", &|b| {
@@ -186,13 +218,13 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         // The other one has nothing of this.
         let divided: &[Forgery<'_>] = &[
             ("a pair that does not overlap", &|b| put(b, pair + 4, apart)),
-            ("who has moved and is not touched", &|b| b[DIRTY] = 0),
+            ("who has moved and is not touched", &|b| b[n.dirty] = 0),
             ("who is no more rests", &|b| bit(b, p.resting, free)),
-            ("nobody was put to rest", &|b| b[RESTING] = 0),
+            ("nobody was put to rest", &|b| b[n.resting] = 0),
             ("a free slot with a box", &|b| put(b, p.boxes + 24 * free + 12, 0)),
             ("a chain that does not end", &|b| put(b, p.boxes + 24 * free + 4, 1 + free as u32)),
         ];
-        let there = if get(snapshot, LIVE) < beyond { divided.len() } else { 1 };
+        let there = if get(snapshot, n.live) < beyond { divided.len() } else { 1 };
         assert_eq!(loaded(snapshot, &divided[..there], setup), [""; 0]);
     }
 }
@@ -200,12 +232,11 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
 /// Whether pairs are missing, or there twice, does not matter to the first step: it finds all anew.
 #[test]
 fn pairs_that_are_not_all_are_found_anew() {
-    for (snapshot, setup) in [divided(), whole()].iter().zip(setups()) {
-        let p = Places::of(snapshot);
+    for ((snapshot, p), setup) in [divided(), whole()].iter().zip(setups()) {
         let less = |b: &mut Vec<u8>| {
-            let [swept, result] = [SWEPT, REPORTED].map(|at| get(snapshot, at) - 1);
-            put(b, SWEPT, swept);
-            put(b, REPORTED, result);
+            for at in places_of(snapshot, p.pair_count as u64) {
+                put(b, at, p.pair_count as u32 - 1);
+            }
             b.truncate(b.len() - 8);
         };
         let twice = |b: &mut Vec<u8>| {
@@ -215,6 +246,25 @@ fn pairs_that_are_not_all_are_found_anew() {
         let forgeries: [Forgery<'_>; 2] = [("a pair less", &less), ("a pair twice", &twice)];
         let names = loaded(snapshot, &forgeries, setup);
         assert_eq!(names, ["a pair less", "a pair twice"]);
+    }
+}
+
+/// Each number of the state, made another one: most say what the objects or nothing say, and are refused.
+#[test]
+fn no_number_of_the_state_is_believed() {
+    for ((snapshot, _), setup) in [divided(), whole()].iter().zip(setups()) {
+        let (mut refused, mut numbers) = (0, 0);
+        for at in (HEADER..*FRONT).step_by(4) {
+            let old = get(snapshot, at);
+            let forge = |new: u32| move |b: &mut Vec<u8>| put(b, at, new);
+            let name = format!("byte {} of the state", at - HEADER);
+            let others = [old ^ 1, old ^ 1 << 8, old ^ 1 << 16, old ^ 1 << 31, old.wrapping_add(7), !old];
+            let others = others.map(forge);
+            let forgeries = others.each_ref().map(|other| -> Forgery<'_> { (&name, other) });
+            refused += usize::from(loaded(snapshot, &forgeries, setup).is_empty());
+            numbers += 1;
+        }
+        assert!(2 * refused > numbers, "{refused} of {numbers}");
     }
 }
 

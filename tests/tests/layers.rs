@@ -196,7 +196,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1675),
+    ("", 1710),
     ("geometry", 1290),
     ("lists", 300),
     ("memory", 2120),
@@ -208,7 +208,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("snapshot", 1000),
     ("step", 720),
     ("sweep", 1880),
-    ("tree", 2500),
+    ("tree", 2570),
     ("validate", 1120),
     ("world", 1635),
 ];

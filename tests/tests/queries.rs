@@ -8,7 +8,7 @@ use trisap_tests::queries::{Near, Questions, ask_cast, ask_nearest, ask_region};
 use trisap_tests::scenes::{self, Rng, cube, shifted};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
-/// A few unbounded boxes, some large ones, and cubes.
+/// A few unbounded boxes, some large ones, strips through all of them, and cubes.
 fn scene(count: usize, seed: u64) -> Vec<Aabb> {
     let mut boxes = scenes::uniform(count, seed);
     let side = scenes::side(count);
@@ -24,6 +24,11 @@ fn scene(count: usize, seed: u64) -> Vec<Aabb> {
     ];
     for (at, aabb) in odd.into_iter().enumerate().take(count / 9) {
         boxes[at * 9] = aabb;
+    }
+    for at in (80..count).step_by(10) {
+        let (axis, strip) = (at / 10 % 3, &mut boxes[at]);
+        (strip.max, strip.min[axis]) = (strip.min.map(|x| x + 0.01), 0.0);
+        strip.max[axis] = side;
     }
     boxes
 }

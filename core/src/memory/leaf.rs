@@ -242,5 +242,6 @@ pub(crate) const fn first_of_eight(left: u32) -> u32 {
 pub(crate) struct Straddler {
     pub(crate) bounds: KeyBox,
     pub(crate) slot: u32,
-    pub(crate) unused: u32,
+    /// Of a large object: the axes that it is long on, a bit each.
+    pub(crate) long: u32,
 }

@@ -82,9 +82,10 @@ macro_rules! sections {
             tree: TreeParts ['m] {
                 /// The records of all leaves, one leaf after another, each with some room.
                 records: &'m mut [Record] = [Record; s.records], used s.records;
-                /// The straddlers of all leaves, one leaf after another, and behind them the list of large objects.
+                /// The straddlers of all leaves, one leaf after another; behind them the boxes of the nodes over the large
+                /// objects, and their list.
                 straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],
-                    used (state.tree.large_start + state.tree.large) as usize;
+                    used state.tree.large_list() + state.tree.large as usize;
                 /// By node.
                 splits: &'m mut [Split] = [Split; 2 * s.whole_leaves], used 2 * s.whole_leaves;
                 /// By half of the number of two nodes: the node above them.

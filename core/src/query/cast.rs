@@ -12,7 +12,7 @@ use crate::simd::kernels::run;
 use crate::simd::{EIGHT, Simd};
 use crate::sort::heapsort;
 use crate::tree::visit::{Probe, Visit};
-use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
+use crate::tree::{Frame, Straddler, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
 
 /// A box, or a point, that moves along a line.
@@ -224,9 +224,8 @@ fn visit_along<S: Simd, I: Index>(
     }
     let line = Line::new(&cast.start, cast.direction, cast.distance);
     let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
-    // Large objects first: they are often hit, and what is behind them need not be looked at.
-    if world.has_others() {
-        for slot in world.others() {
+    if world.has_apart() {
+        for slot in world.apart_from_tree() {
             search.slots[0] = slot as u32;
             search.look(simd, 1);
         }
@@ -235,6 +234,15 @@ fn visit_along<S: Simd, I: Index>(
         return;
     }
     let walk = Walk::new(&search.line);
+    // Large objects first: they are often hit, and what is behind them need not be looked at.
+    if let Some(large) = world.large_objects() {
+        let along = Along { walk: &walk, until: walk.time(search.far) };
+        let mut visit = large.visit(along);
+        while let Some(group) = visit.next(simd) {
+            search.visit_large(simd, &visit.probe, large.group(group));
+            visit.probe.until = walk.time(search.far);
+        }
+    }
     let along = Along { walk: &walk, until: walk.time(search.far) };
     let mut visit = Visit::new(simd, parts.tree.nodes(), home, along);
     while let Some(whole) = visit.next(simd) {
@@ -304,6 +312,23 @@ impl<I: Index> Search<'_, '_, I> {
             self.visit_members(simd, leaf, &crossing);
             crossing.until = walk.time(self.far);
         }
+    }
+
+    /// Visits the large objects of a group that the cast meets.
+    #[inline(always)]
+    fn visit_large<S: Simd>(&mut self, simd: S, along: &Along<'_>, group: &[Straddler]) {
+        let mut count = 0;
+        for two in group.chunks(2) {
+            let bounds = [0, 1].map(|at| two.get(at).map_or(&KeyBox::NOTHING, |straddler| &straddler.bounds));
+            let when = along.meet(simd, bounds);
+            for (straddler, when) in two.iter().zip(when) {
+                if along.is_met(when) && is_current(&self.world.parts, straddler.slot as usize) {
+                    self.slots.put(count, straddler.slot);
+                    count += 1;
+                }
+            }
+        }
+        self.look(simd, count);
     }
 
     /// Visits the members of a leaf that the cast meets.

@@ -28,6 +28,7 @@ use crate::id::{Id, Index};
 use crate::memory::prefetch::RECORDS_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd, limit};
+use crate::tree::large::Large;
 use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
 use crate::world::World;
 
@@ -37,14 +38,15 @@ impl<I: Index> World<'_, I> {
         self.parts.state.tree.filled != 0
     }
 
-    /// Whether there are objects that are not in leaves. Asked first, since it takes less than an empty iterator.
-    fn has_others(&self) -> bool {
-        !self.has_tree() || self.parts.state.tree.large != 0 || self.parts.state.objects.dirty != 0
+    /// Whether there may be objects that the tree does not know. Asked first, since it takes less than an empty iterator.
+    fn has_apart(&self) -> bool {
+        !self.has_tree() || self.parts.state.objects.dirty != 0
     }
 
-    /// The slots of objects that are not in leaves.
-    fn others(&self) -> impl Iterator<Item = usize> + '_ {
-        self.large_in_tree().chain(self.apart_from_tree())
+    /// The large objects in the tree; `None` if there are none.
+    fn large_objects(&self) -> Option<Large<'_>> {
+        let tree = &self.parts.state.tree;
+        (self.has_tree() && tree.large > 0).then(|| Large::new(tree, self.parts.tree.straddlers))
     }
 
     /// The slots that the tree does not know: all, or those that have changed since the last step.
@@ -57,9 +59,7 @@ impl<I: Index> World<'_, I> {
 
     /// The large objects, those that have changed aside.
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
-        let state = &*self.parts.state;
-        let count = if self.has_tree() { state.tree.large as usize } else { 0 };
-        let large = self.parts.tree.straddlers.span(state.tree.large_start as usize, count);
+        let large = self.large_objects().map_or(&[][..], |large| large.list);
         large.iter().map(|straddler| straddler.slot as usize).filter(|&slot| is_current(&self.parts, slot))
     }
 

@@ -2,7 +2,7 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{MembersNear, key_above, key_below, parts_near};
+use super::{MembersNear, is_current, key_above, key_below, parts_near};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::widened;
@@ -225,9 +225,22 @@ fn visit_near<S: Simd, W: Wanted, I: Index>(
             wanted.offer(id, squared);
         }
     };
-    if world.has_others() {
-        for slot in world.others() {
+    if world.has_apart() {
+        for slot in world.apart_from_tree() {
             offer(&mut wanted, slot);
+        }
+    }
+    if let Some(large) = world.large_objects() {
+        let mut groups = large.visit(Around { point: &point, limit: wanted.limit() });
+        while let Some(group) = groups.next(simd) {
+            for straddler in large.group(group) {
+                let slot = straddler.slot as usize;
+                let near = squared_distance(&point, &straddler.bounds) <= wanted.limit();
+                if near && is_current(parts, slot) {
+                    offer(&mut wanted, slot);
+                }
+            }
+            groups.probe.limit = wanted.limit();
         }
     }
     if world.has_tree() {

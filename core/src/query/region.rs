@@ -1,6 +1,6 @@
 //! What overlaps a box, a ball or a point.
 
-use super::{MembersNear, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
+use super::{MembersNear, is_current, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
@@ -216,8 +216,22 @@ fn visit_region<S: Simd, I: Index>(
             return;
         }
     }
-    if world.has_others() {
-        for slot in world.others() {
+    if let Some(large) = world.large_objects() {
+        let mut groups = large.visit(bounds);
+        while let Some(group) = groups.next(simd) {
+            for straddler in large.group(group) {
+                let slot = straddler.slot as usize;
+                if simd.overlap(&straddler.bounds, &bounds)
+                    && is_current(parts, slot)
+                    && meet(simd, world, region, &bounds, slot, visit)
+                {
+                    return;
+                }
+            }
+        }
+    }
+    if world.has_apart() {
+        for slot in world.apart_from_tree() {
             if meet(simd, world, region, &bounds, slot, visit) {
                 return;
             }

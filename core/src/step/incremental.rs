@@ -14,6 +14,7 @@ use crate::simd::kernels::run;
 use crate::sweep::Collector;
 use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::sweep_movers;
+use crate::tree::large;
 use crate::tree::refit::refit_some;
 use crate::tree::relocate::{order_movers, relocate_all};
 
@@ -25,6 +26,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     if !relocate_all(parts, moved, context.kernels) {
         return None;
     }
+    large::arrange_if_due(parts);
     refit_some(parts, moved, context.kernels);
     let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts);

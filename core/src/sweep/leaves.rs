@@ -14,6 +14,7 @@ use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::{MINIMA, Simd, call};
+use crate::tree::large::Large;
 use crate::tree::visit::Visit;
 use crate::tree::{Cell, Frame, Leaf, Nodes, Record, Straddler};
 use core::ops::Range;
@@ -31,8 +32,7 @@ pub(crate) struct TreeView<'g> {
     pub(crate) bounds: &'g [Record],
     pub(crate) records: &'g [Record],
     pub(crate) straddlers: &'g [Straddler],
-    /// The large objects.
-    pub(crate) large: &'g [Straddler],
+    pub(crate) large: Large<'g>,
 }
 
 impl<'g> TreeView<'g> {
@@ -47,7 +47,7 @@ impl<'g> TreeView<'g> {
             bounds: tree.bounds,
             records: tree.records,
             straddlers: tree.straddlers,
-            large: tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize),
+            large: Large::new(&state.tree, tree.straddlers),
         }
     }
 
@@ -74,7 +74,12 @@ impl<'g> TreeView<'g> {
                     .add(self.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize));
             }
         }
-        gathered.add(self.large);
+        if !self.large.is_empty() {
+            let mut visit = self.large.visit(cell.inside());
+            while let Some(group) = visit.next(simd) {
+                gathered.add(self.large.group(group));
+            }
+        }
         gathered.count
     }
 }

@@ -36,7 +36,8 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
     while start < homes.len() {
         let home = homes.at(start);
         let mut end = start + 1;
-        while homes.get(end) == Some(&home) {
+        // Large objects may be anywhere: each by itself.
+        while homes.get(end) == Some(&home) && home != I::LARGE {
             end += 1;
         }
         near.visit(simd, home, start as u32, end as u32, &mut report);
@@ -77,11 +78,13 @@ impl<I: Index> Near<'_, '_, I> {
         for mover in movers {
             let bounds = tree_view.boxes.at(mover.at());
             around.include(&bounds);
-            self.tested += tree_view.large.len();
-            for large in tree_view.large {
-                if large.bounds.overlaps(&bounds) {
-                    report.pair(mover.slot(), large.slot);
-                }
+            if !tree_view.large.is_empty() {
+                tree_view.large.each(simd, bounds, |large| {
+                    self.tested += 1;
+                    if large.bounds.overlaps(&bounds) {
+                        report.pair(mover.slot(), large.slot);
+                    }
+                });
             }
         }
         // A large object has no home: the walk starts anywhere.

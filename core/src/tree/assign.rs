@@ -9,7 +9,7 @@ use super::cells::{cut, frame};
 use super::enclose::enclose;
 use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Split, Straddler, are_few, leaf_of, most};
+use super::{Cell, Leaf, Split, Straddler, are_few, large, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::extent::{BoundsScan, Extent};
 use crate::geometry::key::KeyBox;
@@ -46,7 +46,7 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
             }
             large += u64::from(rest.at(0));
         }
-        let fits = straddlers + large <= parts.tree.straddlers.len() as u64;
+        let fits = large::fits(straddlers, large, parts.tree.straddlers.len());
         if leaves == 1 || (fits && are_few(large, leaves as u32, parts.state.objects.live)) {
             return counted;
         }
@@ -156,17 +156,19 @@ fn count_block<S: Simd, I: Index>(
 /// Writes all records and straddlers where [`count`] says, and finds the boxes of nodes.
 pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
     let leaves = parts.state.tree.count as usize;
-    offsets(parts, leaves);
+    let listed = offsets(parts, leaves);
     parts.state.tree.set_extent(&bounds_scan.extent);
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
-    scatter(parts, leaves, context);
+    let listed = listed && large::renew(parts);
+    scatter(parts, leaves, listed, context);
+    large::arrange(parts, listed);
     sharpen(parts, context.kernels);
     enclose(parts);
     parts.state.tree.filled = 1;
 }
 
-/// Turns the counts of each block into the positions where it writes.
-fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
+/// Turns the counts of each block into the positions where it writes. Returns whether there are as many large objects as before.
+fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) -> bool {
     let row = histogram_row(leaves);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     let (mut record, mut straddler, most) = (0u32, 0u32, most(parts.state) as u32);
@@ -188,22 +190,23 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) {
         straddler += leaf.straddler_len;
         parts.tree.leaves.put(index, leaf);
     }
-    parts.state.tree.large_start = straddler;
+    let mut large = 0;
     for histogram in histograms.chunks_exact_mut(row.max(1)) {
-        let (_, large) = histogram.as_chunks_mut::<2>();
-        let count = large.at(0);
-        large.put(0, straddler);
-        straddler += count;
+        let (_, rest) = histogram.as_chunks_mut::<2>();
+        let count = rest.at(0);
+        rest.put(0, large);
+        large += count;
     }
-    parts.state.tree.large = straddler - parts.state.tree.large_start;
+    large::seat(parts, straddler, large)
 }
 
-fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepContext<'_>) {
+/// Writes records and straddlers; and the large objects, if they are not `listed` yet.
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(leaf_count);
     let boxes = parts.boxes.swept();
-    let large_start = parts.state.tree.large_start;
+    let large_list = parts.state.tree.large_list();
     let (homes, cells, frames, leaves) =
         (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
@@ -223,7 +226,8 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, context: StepC
             leaves: leaves.span(0, leaf_count),
             records,
             straddlers,
-            large_start,
+            large_list,
+            listed,
             histogram,
         };
         run!(context.kernels, |simd| scatter_block(simd, block));
@@ -241,14 +245,15 @@ struct ScatterBlock<'b, 's, I> {
     leaves: &'b [Leaf],
     records: Shared<'s, Record>,
     straddlers: Shared<'s, Straddler>,
-    large_start: u32,
+    large_list: usize,
+    listed: bool,
     histogram: &'b mut [u32],
 }
 
 #[inline(always)]
 fn scatter_block<S: Simd, I: Index>(simd: S, block: ScatterBlock<'_, '_, I>) {
     let ScatterBlock { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = block;
-    let ScatterBlock { large_start, histogram, .. } = block;
+    let ScatterBlock { large_list, listed, histogram, .. } = block;
     let (next, large) = histogram.as_chunks_mut::<2>();
     // Of one length, for the same reason.
     let (Some(next), Some(cells), Some(frames)) =
@@ -270,14 +275,14 @@ fn scatter_block<S: Simd, I: Index>(simd: S, block: ScatterBlock<'_, '_, I>) {
             let record = simd.record(frame, keys, slot | classified.marks());
             records.store((leaf.start + at) as usize, &record);
             if classified.straddles() {
-                straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+                straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, long: 0 });
                 *straddler += 1;
             }
-        } else if *home == I::LARGE {
+        } else if *home == I::LARGE && !listed {
             let at = large.at(0);
             large.put(0, at + 1);
-            *place = I::from_slot(at - large_start);
-            straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, unused: 0 });
+            *place = I::from_slot(at);
+            straddlers.store(large_list + at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
         }
     }
 }

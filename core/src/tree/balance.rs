@@ -6,7 +6,7 @@ use super::build::{Build, is_divisible};
 use super::cells::Sample;
 use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE, SAMPLED_FROM, SAMPLED_SHARE};
 use super::shape::{graft, join};
-use super::{Cell, Leaf, Record, are_few, assign, most, planned};
+use super::{Cell, Leaf, Record, are_few, assign, large, most, planned};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -203,15 +203,15 @@ pub(crate) fn plan(state: &mut State) {
 /// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer. Returns
 /// whether all must be counted anew.
 pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    let (state, room) = (&mut *parts.state, parts.tree.straddlers.len() as u64);
-    let (coarser, large) = (state.tree.coarser, u64::from(state.tree.large));
+    let (state, room) = (&mut *parts.state, parts.tree.straddlers.len());
+    let (coarser, number) = (state.tree.coarser, u64::from(state.tree.large));
     if coarser == 0 || state.tree.wait > 0 {
         return false;
     }
     // Twice as many leaves have at most about twice as many ghosts.
-    let fits = (u64::from(state.tree.large_start) << coarser.min(31)) + large <= room;
+    let fits = large::fits(u64::from(state.tree.large_start) << coarser.min(31), number, room);
     let leaves = u64::from(state.tree.count) << coarser.min(31);
-    if !fits || !are_few(large, leaves as u32, state.objects.live) {
+    if !fits || !are_few(number, leaves as u32, state.objects.live) {
         return false;
     }
     state.tree.coarser = 0;

@@ -4,10 +4,11 @@
 //! median of the axis that parts its objects best. Then each list is divided by side and keeps its order, so the
 //! medians of the children need no other sort. Level by level, O(n log n) in all.
 
+use super::large::is_thin;
 use super::limits::{AXIS_SAMPLE, CROSSING, LEAF_SAMPLE, LOPSIDED};
 use super::{AXIS, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, bits};
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::lists::links;
 use crate::memory::limits::{BUILD_SHARED_BELOW, BUILD_SHARED_FROM};
@@ -151,19 +152,26 @@ impl<I: Index> Build<'_, I> {
         (key_of(plane) > first).then_some(plane)
     }
 
-    /// How many boxes of a sample of the range cross the plane; the greatest number if too many do.
+    /// How many boxes of a sample of the range cross the plane; the greatest number if too many do. Four long thin ones
+    /// that go far beyond it count as one, since they are large objects then, which cost little.
     fn crossing(&self, plane: i32, start: usize, end: usize) -> usize {
         let axis = axis_of(plane);
         let list = self.lists[axis].span(start, end - start);
         let step = step(list.len());
-        let (mut below, mut crossing) = (0, 0);
+        let minimum = |slot: Option<&I>| slot.map_or(0, |slot| self.boxes.at(slot.at()).min[axis]);
+        let half = length(minimum(list.first()), minimum(list.last())) / 2.0;
+        let (mut below, mut quarters) = (0, 0);
         for slot in list.iter().step_by(step) {
             let bounds = self.boxes.at(slot.at());
             if bounds.min[axis] < key_of(plane) {
                 below += 1;
-                crossing += usize::from(bounds.max[axis] >= key_of(plane));
+                if bounds.max[axis] >= key_of(plane) {
+                    let is_far = length(key_of(plane), bounds.max[axis]) > half && is_thin(&bounds);
+                    quarters += if is_far { 1 } else { 4 };
+                }
             }
         }
+        let crossing = quarters / 4;
         let all = sampled(list.len());
         match crossing {
             _ if crossing * CROSSING > below => usize::MAX,

@@ -68,7 +68,7 @@ fn list_straddlers_of<S: Simd>(
                 let slot = records.at(marked.trailing_zeros() as usize).slot();
                 marked &= marked - 1;
                 let bounds = *KeyBox::of(boxes, slot as usize);
-                straddlers.store(at, &Straddler { bounds, slot, unused: 0 });
+                straddlers.store(at, &Straddler { bounds, slot, long: 0 });
                 at += 1;
             }
         }
@@ -85,13 +85,23 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
         for straddler in tree.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
             around.include(&straddler.bounds);
         }
-        expand_ancestors(tree.boxes, tree.parents, tree.tops.at(index) as usize, &around);
+        expand_ancestors(
+            tree.boxes,
+            |node| tree.parents.at(node / 2) as usize,
+            tree.tops.at(index) as usize,
+            &around,
+        );
     }
 }
 
 /// Grows the boxes of a node and of those above it to hold a box.
 #[inline(always)]
-pub(crate) fn expand_ancestors(boxes: &mut [KeyBox], parents: &[u32], mut node: usize, bounds: &KeyBox) {
+pub(crate) fn expand_ancestors(
+    boxes: &mut [KeyBox],
+    above: impl Fn(usize) -> usize,
+    mut node: usize,
+    bounds: &KeyBox,
+) {
     while node > 0 {
         let mut around = boxes.at(node);
         // Then the boxes above hold it too.
@@ -100,6 +110,6 @@ pub(crate) fn expand_ancestors(boxes: &mut [KeyBox], parents: &[u32], mut node: 
         }
         around.include(bounds);
         boxes.put(node, around);
-        node = parents.at(node / 2) as usize;
+        node = above(node);
     }
 }

@@ -4,10 +4,9 @@
 //! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
 //! objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
 
-use super::are_few;
 use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::relocate_all;
-use crate::access::Access;
+use super::{are_few, large};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::state::State;
@@ -36,19 +35,12 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     }
     let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context);
-    let fits = u64::from(straddlers) + u64::from(large) <= parts.tree.straddlers.len() as u64;
+    let fits = large::fits(u64::from(straddlers), u64::from(large), parts.tree.straddlers.len());
     if !fits || !are_few(u64::from(large), leaves, live) {
         return false;
     }
-    // Behind the straddlers, of which there may be more or fewer now.
-    let (from, to) = (parts.state.tree.large_start as usize, straddlers as usize);
-    for index in 0..large as usize {
-        // From the end that is not written to yet.
-        let index = if to > from { large as usize - 1 - index } else { index };
-        let object = parts.tree.straddlers.at(from + index);
-        parts.tree.straddlers.put(to + index, object);
-    }
-    parts.state.tree.large_start = straddlers;
+    large::seat(parts, straddlers, large);
+    large::arrange(parts, true);
     list_straddlers(parts, context);
     enclose(parts);
     true

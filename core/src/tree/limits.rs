@@ -31,9 +31,8 @@ pub(crate) const CROSSING: usize = 2;
 /// A plane is lopsided with less than one in this many of the objects on a side.
 pub(crate) const LOPSIDED: usize = 4;
 /// A box is a large object if it reaches this many times the size of its cell beyond it.
-pub(crate) const FAR: f32 = 2.0;
-/// Large objects times leaves may be this many times the objects, since each leaf looks at all large ones. With more,
-/// larger leaves cost less.
+pub(crate) const FAR: f32 = 1.0;
+/// Large objects may have this many ghosts for each object. With more, larger leaves cost less.
 pub(crate) const LARGE_PER_OBJECT: u64 = 8;
 
 // Where most objects are.

@@ -19,6 +19,7 @@ pub(crate) mod build;
 pub(crate) mod cells;
 pub(crate) mod enclose;
 pub(crate) mod keep;
+pub(crate) mod large;
 pub(crate) mod limits;
 pub(crate) mod refit;
 pub(crate) mod relocate;
@@ -125,10 +126,10 @@ pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) ->
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
-/// Whether there are few enough large objects, as each leaf looks at all of them. With more, larger
-/// leaves cost less.
+/// Whether there are few enough large objects. Each is taken for as long as the world on half of the axes that planes
+/// are on.
 fn are_few(large: u64, leaves: u32, live: u32) -> bool {
-    large * u64::from(leaves) <= LARGE_PER_OBJECT * u64::from(live)
+    large << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * u64::from(live)
 }
 
 /// The members of a leaf of new planes, about; twice as many each time that there were too many ghosts.

@@ -3,9 +3,8 @@
 use super::enclose::expand_ancestors;
 use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
-use super::{Cell, Straddler, home_of};
+use super::{Cell, Straddler, home_of, large};
 use crate::access::Access;
-use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::prefetch::RELOCATED_AHEAD;
 use crate::memory::slab::Parts;
@@ -68,16 +67,12 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         classified = cell.classify(simd, keys);
     }
     if classified.is_large() {
+        let straddler = Straddler { bounds, slot: slot as u32, long: 0 };
         if home == I::LARGE {
-            let straddler = Straddler { bounds, slot: slot as u32, unused: 0 };
-            parts
-                .tree
-                .straddlers
-                .put(parts.state.tree.large_start as usize + parts.place.at(slot).at(), straddler);
-            return true;
+            return large::put(parts, parts.place.at(slot).at(), straddler);
         }
         withdraw(parts, slot);
-        return admit_large(parts, slot, &bounds);
+        return large::put(parts, parts.state.tree.large as usize, straddler);
     }
     if !stays {
         withdraw(parts, slot);
@@ -104,7 +99,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         bounds.include(&record);
     }
     let top = parts.tree.tops.at(whole) as usize;
-    expand_ancestors(parts.tree.boxes, parts.tree.parents, top, &bounds);
+    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
     true
 }
 
@@ -114,11 +109,7 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     parts.home.put(slot, I::NONE);
     let place = parts.place.at(slot).at();
     if home == I::LARGE {
-        parts.state.tree.large -= 1;
-        let start = parts.state.tree.large_start as usize;
-        let last = parts.tree.straddlers.at(start + parts.state.tree.large as usize);
-        parts.tree.straddlers.put(start + place, last);
-        parts.place.put(last.slot as usize, I::from_slot(place as u32));
+        large::take(parts, place);
     } else if home != I::NONE {
         let mut leaf = parts.tree.leaves.at(home.at());
         leaf.len -= 1;
@@ -127,19 +118,6 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
         parts.tree.records.put(leaf.start as usize + place, last);
         parts.place.put(last.slot() as usize, I::from_slot(place as u32));
     }
-}
-
-/// Adds an object to the large ones.
-fn admit_large<I: Index>(parts: &mut Parts<'_, I>, slot: usize, bounds: &KeyBox) -> bool {
-    let at = parts.state.tree.large_start as usize + parts.state.tree.large as usize;
-    if at >= parts.tree.straddlers.len() {
-        return false;
-    }
-    parts.tree.straddlers.put(at, Straddler { bounds: *bounds, slot: slot as u32, unused: 0 });
-    parts.home.put(slot, I::LARGE);
-    parts.place.put(slot, I::from_slot(parts.state.tree.large));
-    parts.state.tree.large += 1;
-    true
 }
 
 /// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed ones are

@@ -54,17 +54,39 @@ struct Waiting<W> {
     when: W,
 }
 
+/// Nodes to walk by, from the root, which has number one.
+pub(crate) trait Shape<'v>: Copy {
+    /// The boxes of all nodes.
+    fn boxes(&self) -> &'v [KeyBox];
+
+    /// The left child of a node, whose right one has the next number; or the leaf that the node is.
+    fn below(&self, node: u32) -> Result<u32, usize>;
+}
+
+impl<'v> Shape<'v> for Nodes<'v> {
+    #[inline(always)]
+    fn boxes(&self) -> &'v [KeyBox] {
+        self.boxes
+    }
+
+    #[inline(always)]
+    fn below(&self, node: u32) -> Result<u32, usize> {
+        let split = self.splits.at(node as usize);
+        split.as_leaf().map_or(Ok(split.below), Err)
+    }
+}
+
 /// The walk to the leaves that a probe meets. O(depth) for each leaf.
 ///
 /// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
-pub(crate) struct Visit<'v, P: Probe> {
-    nodes: Nodes<'v>,
+pub(crate) struct Visit<N, P: Probe> {
+    nodes: N,
     pub(crate) probe: P,
     /// Nodes that wait: at most one a level, and the leaf at the start.
     stack: ArrayVec<Waiting<P::When>, LEVELS>,
 }
 
-impl<'v, P: Probe> Visit<'v, P> {
+impl<'v, P: Probe> Visit<Nodes<'v>, P> {
     /// Starts at a leaf, which comes first; best at the one whose cell holds the probe's low corner, since little is
     /// left to visit then. From there the nodes beside the way up to the root are tested, which do not depend on each
     /// other; a way down from the root would wait for each test.
@@ -89,12 +111,22 @@ impl<'v, P: Probe> Visit<'v, P> {
         visit.push(Waiting { node: top, when: P::AT_ONCE });
         visit
     }
+}
+
+impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
+    /// Starts at the root.
+    #[inline(always)]
+    pub(crate) fn from_root(nodes: N, probe: P) -> Self {
+        let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
+        visit.push(Waiting { node: 1, when: P::AT_ONCE });
+        visit
+    }
 
     /// Lets a node wait if it is met.
     #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
         if self.probe.is_met(node.when) && self.stack.try_push(node).is_err() {
-            note_fault(self.nodes.boxes.as_ptr().addr());
+            note_fault(self.nodes.boxes().as_ptr().addr());
         }
     }
 
@@ -102,7 +134,8 @@ impl<'v, P: Probe> Visit<'v, P> {
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, pair: [u32; 2]) -> [Waiting<P::When>; 2] {
         let [a, b] = pair;
-        let nodes = [KeyBox::of(self.nodes.boxes, a as usize), KeyBox::of(self.nodes.boxes, b as usize)];
+        let boxes = self.nodes.boxes();
+        let nodes = [KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)];
         let [when, other] = self.probe.meet(simd, nodes);
         [Waiting { node: a, when }, Waiting { node: b, when: other }]
     }
@@ -112,11 +145,11 @@ impl<'v, P: Probe> Visit<'v, P> {
         while let Some(mut here) = self.stack.pop() {
             // Down to the leaf that is met first.
             while self.probe.is_met(here.when) {
-                let split = self.nodes.splits.at(here.node as usize);
-                if let Some(leaf) = split.as_leaf() {
-                    return Some(leaf);
-                }
-                let [left, right] = self.meet(simd, [split.below, split.below + 1]);
+                let below = match self.nodes.below(here.node) {
+                    Ok(below) => below,
+                    Err(leaf) => return Some(leaf),
+                };
+                let [left, right] = self.meet(simd, [below, below + 1]);
                 let swap = self.probe.is_right_first(left.when, right.when);
                 let (near, later) = if swap { (right, left) } else { (left, right) };
                 self.push(later);

@@ -4,6 +4,7 @@ use crate::config::Mode;
 use crate::memory::layout::Sizes;
 use crate::memory::state::{State, TreeState};
 use crate::snapshot::check::{Invalid, check};
+use crate::tree::large;
 
 /// Checks all numbers of a state before any of them is used in an index, but for those that a snapshot has, too.
 pub(crate) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
@@ -44,7 +45,7 @@ fn tree(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     )?;
     check(state.tree.filled == 0 || state.tree.count > 0, "filled leaves without planes", 0)?;
     check(
-        u64::from(state.tree.large_start) + u64::from(state.tree.large) <= sizes.straddlers as u64,
+        large::has_room(&state.tree, state.tree.large as usize, sizes.straddlers),
         "more large objects than there is room for",
         state.tree.large as usize,
     )

@@ -14,6 +14,7 @@ use crate::simd::kernels::{Kernels, run};
 use crate::simd::{Simd, limit};
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::first_of_eight;
+use crate::tree::large::Large;
 use crate::tree::visit::Visit;
 
 /// Checks all of it.
@@ -129,9 +130,8 @@ fn in_tree<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>) -> Sum {
                 }
             }
         }
-        for straddler in tree.straddlers.span(state.tree.large_start as usize, state.tree.large as usize) {
-            meet(straddler.slot as usize);
-        }
+        let large = Large::new(&state.tree, tree.straddlers);
+        large.each(simd, *bounds, |straddler| meet(straddler.slot as usize));
     }
     all
 }

@@ -8,6 +8,7 @@ use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::cells::{cell_of, divide};
+use crate::tree::large::Large;
 use crate::tree::{Record, SUB_LEAVES, axis_of, home_of, plane};
 
 /// Checks the planes and, if leaves are filled, all of them. O(slots + leaves log leaves).
@@ -117,8 +118,8 @@ fn member<I: Index>(parts: &Parts<'_, I>, leaf: usize, record: &Record) -> Resul
 /// Large objects stand in their list, with their boxes.
 fn large<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &parts.state.tree;
-    let large = parts.tree.straddlers.span(state.large_start as usize, state.large as usize);
-    for (place, straddler) in large.iter().enumerate() {
+    let large = Large::new(state, parts.tree.straddlers);
+    for (place, straddler) in large.list.iter().enumerate() {
         let slot = straddler.slot as usize;
         let is_there = slot < parts.state.objects.slots as usize
             && parts.home.at(slot) == I::LARGE
@@ -126,6 +127,9 @@ fn large<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(is_there, "a large object is not at its place, or not the only one", slot)?;
         let current = straddler.bounds == parts.boxes.swept().at(slot) && !straddler.bounds.is_empty();
         check(current || bits::test(parts.moved.words, slot), "a large object's box is not its own", slot)?;
+        let mut met = false;
+        large.each(Scalar, straddler.bounds, |other| met |= core::ptr::eq(other, straddler));
+        check(met, "the boxes of nodes do not hold a large object", slot)?;
     }
     Ok(())
 }

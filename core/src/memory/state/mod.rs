@@ -3,7 +3,7 @@
 mod owners;
 mod setup;
 
-pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState};
+pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState, large_nodes};
 pub(crate) use setup::Setup;
 
 use super::layout::is_small;

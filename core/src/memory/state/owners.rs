@@ -63,9 +63,12 @@ pub(crate) struct TreeState {
     pub(crate) moved_since_refit: u32,
     /// The next leaf whose box is made tight.
     pub(crate) refit: u32,
-    /// First large object among the straddlers, and how many there are.
+    /// Where the straddlers end and the nodes over the large objects start, and how many objects there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
+    /// The depth of their tree, and how many have changed since they were brought into order.
+    pub(crate) large_depth: u32,
+    pub(crate) large_changed: u32,
     /// Bounds of the minima.
     pub(super) low: [i32; 3],
     pub(super) high: [i32; 3],
@@ -97,6 +100,11 @@ impl TreeState {
         (self.count as usize).div_ceil(LEAVES_PER_BLOCK).max(1)
     }
 
+    /// Where the list of large objects starts.
+    pub(crate) const fn large_list(&self) -> usize {
+        self.large_start as usize + large_nodes(self.large_depth)
+    }
+
     /// How many levels the leaves are below `depth`: none while no leaf is divided.
     #[inline(always)]
     pub(crate) const fn sub_levels(&self) -> u32 {
@@ -115,6 +123,12 @@ impl TreeState {
     pub(crate) const fn set_extent(&mut self, extent: &Extent) {
         (self.low, self.high) = (extent.low, extent.high);
     }
+}
+
+/// How many straddlers are as long as the boxes of the nodes of a depth over the large objects. There are none over a
+/// single group.
+pub(crate) const fn large_nodes(depth: u32) -> usize {
+    if depth == 0 { 0 } else { 3usize.wrapping_shl(depth - 1) }
 }
 
 /// Where in the buffers the kinds of pairs are: of `pairs`.
