@@ -197,6 +197,8 @@ enum trisap_status
     TRISAP_STATUS_OTHER_CONFIG = 23,
     /// The world was made without `trisap_config::values`.
     TRISAP_STATUS_NO_VALUES = 24,
+    /// The world was made without `trisap_config::has_margin`.
+    TRISAP_STATUS_NO_MARGINS = 25,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -660,9 +662,9 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD trisap_status trisap_world_remove(struct trisap_world *world, trisap_id id) TRISAP_NOEXCEPT;
 
 /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
-/// once. In a world without margins this does nothing. O(1).
+/// once. O(1).
 ///
-/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_MARGINS`, `TRISAP_STATUS_BAD_MARGIN`.
 TRISAP_NODISCARD
 trisap_status trisap_world_set_margin(struct trisap_world *world,
                                       trisap_id id,

@@ -59,6 +59,8 @@ pub enum Error {
     NoFilters,
     /// The world was made without values: see [`Config::with_values`](crate::Config::with_values).
     NoValues,
+    /// The world was made without margins: see [`Config::with_margin`](crate::Config::with_margin).
+    NoMargins,
     /// A class is 32 or more. Nothing is done.
     BadClass {
         /// The class.
@@ -187,6 +189,7 @@ impl fmt::Display for Error {
             Self::StaleId { id } => write!(f, "{id} names no living object"),
             Self::NoFilters => f.write_str("the world was made without filters"),
             Self::NoValues => f.write_str("the world was made without values"),
+            Self::NoMargins => f.write_str("the world was made without margins"),
             Self::BadClass { class } => write!(f, "class {class} is not below 32"),
             Self::BadQuery { index } => {
                 write!(f, "query {index} has NaN, or an infinity or a negative length where none is allowed")

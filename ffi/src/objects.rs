@@ -84,9 +84,9 @@ pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisa
 }
 
 /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
-/// once. In a world without margins this does nothing. O(1).
+/// once. O(1).
 ///
-/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_MARGIN`.
+/// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_NO_MARGINS`, `TRISAP_STATUS_BAD_MARGIN`.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_set_margin(

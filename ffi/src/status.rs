@@ -65,6 +65,8 @@ pub enum trisap_status {
     OtherConfig = 23,
     /// The world was made without `trisap_config::values`.
     NoValues = 24,
+    /// The world was made without `trisap_config::has_margin`.
+    NoMargins = 25,
 }
 
 impl trisap_status {
@@ -72,7 +74,7 @@ impl trisap_status {
     pub(crate) fn of(number: i32) -> Self {
         // SAFETY: the statuses are the numbers from zero to the last one.
         let known = |number| unsafe { core::mem::transmute::<i32, Self>(number) };
-        if (0..=Self::NoValues as i32).contains(&number) { known(number) } else { Self::Other }
+        if (0..=Self::NoMargins as i32).contains(&number) { known(number) } else { Self::Other }
     }
 }
 
@@ -80,7 +82,7 @@ impl trisap_status {
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 25] = [
+    const TEXTS: [&core::ffi::CStr; 26] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -106,8 +108,9 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"refused",
         c"the configurations differ in what cannot change",
         c"the world was made without values",
+        c"the world was made without margins",
     ];
-    const _: () = assert!(TEXTS.len() == trisap_status::NoValues as usize + 1);
+    const _: () = assert!(TEXTS.len() == trisap_status::NoMargins as usize + 1);
     let text = usize::try_from(status).ok().and_then(|status| TEXTS.get(status));
     text.copied().unwrap_or(c"not a status").as_ptr()
 }
@@ -143,6 +146,7 @@ impl From<Error> for Refusal {
             Error::PairsFull { needed, .. } => (trisap_status::PairsFull, needed),
             Error::NoFilters => (trisap_status::NoFilters, 0),
             Error::NoValues => (trisap_status::NoValues, 0),
+            Error::NoMargins => (trisap_status::NoMargins, 0),
             Error::BadClass { class } => (trisap_status::BadClass, u64::from(class)),
             Error::BadQuery { index } => (trisap_status::BadQuery, u64::from(index)),
             Error::OutputFull { needed, .. } => (trisap_status::OutputFull, needed),

@@ -285,10 +285,10 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.as_world().margin(self.id(key)?)
     }
 
-    /// Sets that, in place of the world's margin. False if the key has no box. Does nothing without margins.
+    /// Sets that, in place of the world's margin. False if the key has no box.
     ///
     /// # Errors
-    /// [`Error::BadMargin`].
+    /// [`Error::NoMargins`] or [`Error::BadMargin`].
     pub fn set_margin(&mut self, key: &K, length: f32) -> Result<bool, KeyedError<K>> {
         self.at(key, |world, id| world.set_margin(id, length))
     }

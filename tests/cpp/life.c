@@ -29,8 +29,8 @@ static void versions(void) {
     snprintf(version, sizeof version, "%d.%d.%d", TRISAP_VERSION_MAJOR, TRISAP_VERSION_MINOR, TRISAP_VERSION_PATCH);
     CHECK(strcmp(version, trisap_version()) == 0);
     CHECK(strlen(trisap_instruction_set()) > 0 && strcmp(trisap_instruction_set(), "other") != 0);
-    for (int32_t status = -2; status <= TRISAP_STATUS_NO_VALUES + 2; status++) {
-        const bool known = status >= 0 && status <= TRISAP_STATUS_NO_VALUES;
+    for (int32_t status = -2; status <= TRISAP_STATUS_NO_MARGINS + 2; status++) {
+        const bool known = status >= 0 && status <= TRISAP_STATUS_NO_MARGINS;
         CHECK((strcmp(trisap_status_text(status), "not a status") != 0) == known);
     }
 }

@@ -146,7 +146,7 @@ static void views() {
     trisap::Aabb aabb = {};
     CHECK_OK(world.aabb(ids[1], aabb));
     CHECK(aabb.min[0] == 0.5f && world.id_at(1) == ids[1]);
-    CHECK_OK(world.set_margin(ids[1], 0.5f));
+    CHECK_STATUS(world.set_margin(ids[1], 0.5f), TRISAP_STATUS_NO_MARGINS);
     CHECK(world.stats().pairs == 3);
     CHECK_OK(world.remove(ids[0]));
     CHECK_OK(world.remove({ids + 1, 2}));

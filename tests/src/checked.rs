@@ -1,5 +1,6 @@
 //! A world that is compared with the model after everything that is done to it.
 
+use crate::doing::On as _;
 use crate::model::{Events, Model};
 use crate::worlds::Setup;
 use crate::{SlotPair, oracle, sorted};
@@ -123,7 +124,7 @@ impl<'m, I: Index> Checked<'m, I> {
         assert_eq!(self.world.is_empty(), self.model.is_empty());
         assert!(self.world.ids().eq(self.model.ids()), "the ids in order");
         assert!(self.world.iter().all(|(id, aabb)| self.model.boxes()[id.slot() as usize] == Some(aabb)));
-        if let Some(living) = self.model.living_pairs().filter(|_| self.config.events) {
+        if let Some(living) = self.model.living_pairs() {
             let mut pairs: Vec<[Id; 2]> = self.world.pair_ids().collect();
             pairs.sort_unstable_by_key(|pair| pair.map(Id::slot));
             assert_eq!(pairs, living, "the pairs whose objects live");
@@ -195,7 +196,8 @@ impl<'m, I: Index> Checked<'m, I> {
 
     /// Gives an object a margin of its own.
     pub fn set_margin(&mut self, id: Id, length: f32) {
-        self.world.set_margin(id, length).expect("a living object and a good margin");
+        let expected = if self.config.margin.is_some() { Ok(()) } else { Err(Error::NoMargins) };
+        assert_eq!(self.world.set_margin(id, length), expected);
         self.check_call();
     }
 
@@ -300,7 +302,6 @@ impl<'m, I: Index> Checked<'m, I> {
 
     fn advance(&mut self, bounds: Option<Boxes<'_>>, setup: Setup) -> Result<Outcome, Error> {
         let Self { world, model, .. } = self;
-        let Setup { kernels, jobs } = setup;
         // At the end of the step.
         let aabb = |slot: u32| {
             let known = model.boxes().get(slot as usize).copied().flatten();
@@ -322,7 +323,7 @@ impl<'m, I: Index> Checked<'m, I> {
             );
             model.agree(a, b)
         };
-        let mut stepper = world.set_kernels(kernels).on(&jobs);
+        let mut stepper = world.under(&setup);
         if model.has_rule() {
             stepper = stepper.with_rule(&rule);
         }

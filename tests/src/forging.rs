@@ -1,5 +1,6 @@
 //! Snapshots that are no snapshots: forged with a right checksum. And what is asked of a world that took one all the same.
 
+use crate::doing::On as _;
 use crate::checked::Outcome;
 use crate::lives::saved;
 use crate::scenes::{self, Rng, shifted};
@@ -125,7 +126,7 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
         if rng.once_in(3) && !ids.is_empty() {
             world.remove(ids.swap_remove(rng.below(ids.len()))).expect("a living object");
         }
-        let result = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| Outcome::of(&step));
+        let result = world.under(&setup).step().map(|step| Outcome::of(&step));
         valid(world);
         let boxes: Vec<Option<Aabb>> =
             (0..capacity).map(|slot| world.id_at(slot).and_then(|id| world.aabb(id))).collect();
@@ -150,7 +151,7 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
             assert!(!exact || pairs.iter().all(|pair| all.binary_search(pair).is_ok()), "{name}: no pair");
             ids.iter().for_each(|id| world.refilter(*id).expect("a living object"));
             let step =
-                world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("the same pairs have room");
+                world.under(&setup).step().expect("the same pairs have room");
             assert_eq!(pairs, sorted(&Outcome::of(&step).pairs), "{name}");
         } else if world.config().mode == Mode::Fat {
             assert!(all.iter().all(|pair| pairs.binary_search(pair).is_ok()), "{name}: a pair is missing");
@@ -165,7 +166,7 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
 fn ask<I: Index>(world: &mut World<'_, I>, boxes: &[Option<Aabb>], rng: &mut Rng, setup: Setup, name: &str) {
     let region = scenes::at(rng.point(0.0, 5.0), [3.0; 3]);
     let mut found = vec![None; boxes.len()];
-    let count = world.set_kernels(setup.kernels).overlaps(&Region::Aabb(region), &mut found).expect("room");
+    let count = world.with(setup).overlaps(&Region::Aabb(region), &mut found).expect("room");
     let slots: Vec<u32> = found[..count].iter().flatten().map(|id| id.slot()).collect();
     let meets = |slot: &u32| boxes[*slot as usize].is_some_and(|aabb| aabb.overlaps(&region));
     assert!(slots.iter().copied().eq((0..boxes.len() as u32).filter(meets)), "{name}: a query");

@@ -1,5 +1,6 @@
 //! One hash over everything that a run says, and the table of these hashes, which is the same on every target.
 
+use crate::doing::On as _;
 use crate::recordings::{self, Recording};
 use crate::worlds::{Setup, Slab, ample};
 use std::fmt::Write as _;
@@ -45,8 +46,7 @@ pub fn play<I: Index>(recording: &Recording, config: Config, setup: Setup, mut t
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     for frame in &recording.frames {
         let step = world
-            .set_kernels(setup.kernels)
-            .on(&setup.jobs)
+            .under(&setup)
             .step_over(Boxes::padded(frame))
             .expect("room for all");
         tell(step.pairs());

@@ -5,6 +5,7 @@
 
 pub mod checked;
 pub mod denormals;
+pub mod doing;
 pub mod forging;
 pub mod golden;
 pub mod jobs;

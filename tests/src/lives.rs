@@ -1,5 +1,6 @@
 //! Worlds in the middle of their lives, which are saved and loaded, and what may happen to them.
 
+use crate::doing::On as _;
 use crate::checked::Outcome;
 use crate::scenes::{self, Rng, shifted};
 use crate::worlds::{Setup, Slab, ample};
@@ -84,9 +85,9 @@ pub fn act<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup) -> R
         let place = |slot: usize| world.id_at(slot as u32).map_or(Aabb::default(), |id| aabb(world, id));
         let mut boxes: Vec<Aabb> = (0..last).map(place).collect();
         scenes::walk(&mut boxes, [5, 1000][rng.below(2)], 0.5, rng);
-        world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&boxes))
+        world.under(&setup).step_over(Boxes::new(&boxes))
     } else {
-        world.set_kernels(setup.kernels).on(&setup.jobs).step()
+        world.under(&setup).step()
     };
     step.map(|step| Outcome::of(&step))
 }
@@ -102,10 +103,10 @@ pub fn lived<'m, I: Index>(slab: &'m mut Slab, config: &Config, count: usize, ca
     let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
     let setup = Setup::REFERENCE;
     // Without room for all pairs it goes on all the same.
-    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
+    let _ = world.under(&setup).step();
     for at in 0..calm {
         world.set_aabb(ids[at], boxes[at + 1]).expect("alive");
-        let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step();
+        let _ = world.under(&setup).step();
     }
     world.set_resting(&ids[..count / 3]).expect("alive");
     if calm % 2 == 1 {

@@ -1,6 +1,7 @@
 //! What queries must answer, by definition: every box is asked, in `f64`, without a tree. And the comparison of a world's
 //! answers with that.
 
+use crate::doing::On as _;
 use crate::model::Model;
 use crate::scenes::Rng;
 use crate::worlds::Setup;
@@ -108,7 +109,7 @@ fn slots(ids: &[Option<Id>]) -> Vec<u32> {
 /// # Panics
 /// If an answer is wrong.
 pub fn ask_region<I: Index>(world: &mut World<'_, I>, model: &Model, region: &Region, setup: Setup) {
-    let world = &*world.set_kernels(setup.kernels);
+    let world = &*world.with(setup);
     let expected = overlapping(model.boxes(), region);
     let mut out = vec![None; expected.len()];
     let count = world.overlaps(region, &mut out);
@@ -148,7 +149,7 @@ pub fn ask_nearest<I: Index>(
     count: usize,
     setup: Setup,
 ) {
-    let world = &*world.set_kernels(setup.kernels);
+    let world = &*world.with(setup);
     let expected = nearest(model.boxes(), point, count);
     // What stands there before does not matter.
     let stale = model.ids().first().map(|&id| Hit { id, distance: -1.0 });
@@ -204,7 +205,7 @@ fn visit_nearest<I: Index>(world: &World<'_, I>, all: &[Near], point: [f32; 3], 
 /// # Panics
 /// If an answer is wrong.
 pub fn ask_cast<I: Index>(world: &mut World<'_, I>, model: &Model, cast: &Cast, setup: Setup) {
-    let world = &*world.set_kernels(setup.kernels);
+    let world = &*world.with(setup);
     let met = met(model.boxes(), cast);
     let mut out = vec![None; met.sure.len() + met.grazed.len()];
     let count = world.hits(cast, &mut out).unwrap_or_else(|error| panic!("{error}: {cast:?}"));

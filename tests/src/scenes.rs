@@ -1,6 +1,7 @@
 //! Seeded scenes. The same seed gives the same boxes on every machine: only integers, comparisons and single
 //! float operations are used.
 
+use crate::doing;
 use trisap_core::Aabb;
 
 /// A small random number generator (SplitMix64), so that scenes do not depend on a crate's version.
@@ -10,7 +11,8 @@ pub struct Rng(u64);
 impl Rng {
     /// A generator of its own sequence for every seed.
     #[must_use]
-    pub const fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
+        doing::drew(seed);
         Self(seed)
     }
 

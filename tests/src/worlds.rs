@@ -1,5 +1,6 @@
 //! Memory for worlds, and the kernels and job systems that each test runs on.
 
+use crate::doing;
 use crate::jobs::Jobs;
 use bytemuck::{Pod, Zeroable};
 use trisap_core::{Capacity, Config, Index, Kernels, World, layout};
@@ -42,6 +43,7 @@ impl Slab {
 
     /// A fresh world in this memory.
     pub fn world<I: Index>(&mut self, config: &Config) -> World<'_, I> {
+        doing::made::<I>();
         World::new_in(self.bytes_mut(), config).expect("a world in memory that was made for it")
     }
 }

@@ -74,7 +74,7 @@ fn live(config: Config, count: usize, kernels: Kernels, workers: u32) {
         world.set_kernels(kernels).on(&counted).step().expect("room");
         let last = world.insert(frames[0][0]).expect("room");
         world.set_aabb(last, frames[0][1]).expect("a living object");
-        world.set_margin(last, 0.5).expect("a living object");
+        assert_eq!(world.set_margin(last, 0.5).is_ok(), config.margin.is_some());
         world.set_kernels(kernels).on(&counted).step().expect("room");
         world.remove(last).expect("a living object");
         world.remove_many(&known[..count / 2]).expect("living objects");

@@ -1,6 +1,7 @@
 //! Queries among some of the objects: as if the others were not there.
 
 use trisap_core::{Aabb, Boxes, Cast, Config, Filter, Id, Region};
+use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::queries::{nearest, overlapping};
 use trisap_tests::scenes::{self, Rng};
@@ -37,7 +38,7 @@ fn others_are_as_if_they_were_not_there() {
             let mut classes = [u32::MAX; 32];
             classes[1] &= !(1 << 2);
             world.set_classes(&classes).expect("filters");
-            world.set_kernels(setup.kernels).step().expect("room");
+            world.with(setup).step().expect("room");
             for _ in 0..40 {
                 let (own, asks) = (ids[rng.below(count)], filter(rng));
                 let others: Vec<Option<Aabb>> = (0..count)

@@ -350,6 +350,11 @@ fn bad_margins_are_refused() {
     }
     checked.set_margin(id, 0.0);
     checked.set_margin(id, f32::MAX);
+    let plain = config(4, 4);
+    let mut slab = Slab::new::<u32>(&plain);
+    let mut without = slab.world::<u32>(&plain);
+    let id = without.insert(cube(0.0, 0.0, 0.0)).expect("room");
+    assert_eq!(without.set_margin(id, 1.0), Err(Error::NoMargins));
     checked.step(Setup::REFERENCE);
 }
 

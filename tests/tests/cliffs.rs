@@ -3,7 +3,7 @@
 //! largest worlds are checked against brute force.
 
 use std::collections::VecDeque;
-use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Stats, World};
+use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Reason, Stats, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
@@ -424,6 +424,45 @@ fn large_windows_that_walk_have_no_cliffs() {
             walks(chunk, 1000, shifts, 50);
         }
     }
+}
+
+/// Boxes that become long have many ghosts under the planes that cubes had: after some steps there are new planes, once.
+#[test]
+fn planes_that_no_longer_fit_are_made_anew() {
+    const COUNT: usize = 4000;
+    let cubes = uniform(COUNT, 31);
+    let config = Config::new(ample(COUNT, 40 * COUNT)).with_movers_only(Choice::Never);
+    let mut slab = Slab::new::<u32>(&config);
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    checked.insert_many(&cubes);
+    for _ in 0..3 {
+        checked.step(SETUP);
+    }
+    let long: Vec<Aabb> = cubes.iter().map(|b| Aabb::new(b.min, [b.max[0], b.max[1], b.min[2] + 5.0])).collect();
+    let reasons: Vec<Reason> = (0..20).map(|_| checked.step_over(&long, SETUP).stats.reason).collect();
+    let anew: Vec<usize> = (0..20).filter(|at| reasons[*at] == Reason::OutOfBalance).collect();
+    assert_eq!(anew.len(), 1, "{reasons:?}");
+    assert!((2..6).contains(&anew[0]), "{reasons:?}");
+}
+
+/// A crowd that goes on and leaves one behind at each place: there is a level for each of them, until there are no more levels, or
+/// leaves, and the whole tree is made anew.
+#[test]
+fn trees_that_have_grown_too_deep_are_made_anew() {
+    const COUNT: usize = 2000;
+    let config = Config::new(ample(COUNT, 40 * COUNT)).with_movers_only(Choice::Never);
+    let mut slab = Slab::new::<u32>(&config);
+    let mut checked = Checked::<u32>::new(slab.world(&config));
+    let mut boxes = uniform(COUNT, 33);
+    checked.insert_many(&boxes);
+    checked.step(SETUP);
+    let mut reasons = Vec::new();
+    for frame in 0..150 {
+        boxes[frame + 1..].iter_mut().for_each(|b| *b = shifted(b, [100.0, 0.0, 0.0]));
+        reasons.push(checked.step_over(&boxes, SETUP).stats.reason);
+    }
+    let outgrown = reasons.iter().filter(|reason| **reason == Reason::Outgrown).count();
+    assert!((1..=15).contains(&outgrown), "{outgrown} times: {reasons:?}");
 }
 
 /// Another object is large in each of many steps with few movers: none is taken for large afterwards.

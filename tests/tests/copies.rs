@@ -2,6 +2,7 @@
 //! worlds of other room and another past.
 
 use trisap_core::{Boxes, Config, Error, Field, Filter, Id, Index, InlineWorld, Margin, World, layout};
+use trisap_tests::doing::On as _;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::{Rng, at, cube, shifted, uniform};
 use trisap_tests::sorted;
@@ -176,7 +177,7 @@ fn play(world: &mut World<'_, u32>, rng: &mut Rng, movers: usize) {
         }
     }
     let setup = Setup::REFERENCE;
-    world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room");
+    world.under(&setup).step().expect("room");
 }
 
 #[test]

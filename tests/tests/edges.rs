@@ -2,6 +2,7 @@
 //! the change to the core that nothing else noticed.
 
 use trisap_core::{Aabb, Choice, Config, Error, Id, Index, Path, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::Checked;
 use trisap_tests::forging::{FRONT, get, put, seal};
 use trisap_tests::jobs::Jobs;
@@ -178,7 +179,7 @@ fn generations_begin_again_at_one() {
             let setup = Setup::REFERENCE;
             let id = aged(&mut world, generation);
             assert_eq!(
-                world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room").pairs(),
+                world.under(&setup).step().expect("room").pairs(),
                 [[0, 1]]
             );
             if in_batch {
@@ -191,7 +192,7 @@ fn generations_begin_again_at_one() {
             assert_eq!((born.slot(), born.generation()), (0, next), "after {generation}");
             assert_eq!(world.remove(id), Err(Error::StaleId { id }), "the id before it is stale");
             world.validate().expect("a valid world");
-            let step = world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room");
+            let step = world.under(&setup).step().expect("room");
             assert_eq!(step.found(), [[0, 1]], "another object in the slot, another pair");
             assert_eq!(step.lost(), [[0, 1]]);
         }

@@ -1,6 +1,7 @@
 //! Found and lost pairs where steps of one kind follow those of another: each step of these worlds is compared with brute force.
 
 use trisap_core::{Choice, Config, Error, Filter, Id, Margin, Mode, Path, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;
@@ -158,7 +159,7 @@ fn script(world: &mut World<'_>, setup: Setup) -> Vec<Result<Outcome, Error>> {
     for round in 0..9 {
         let boxes = if round == 5 { &crowd[..] } else { scene.advance() };
         let boxes = trisap_core::Boxes::new(if round == 3 { &boxes[..40] } else { boxes });
-        let step = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(boxes);
+        let step = world.under(&setup).step_over(boxes);
         told.push(step.map(|step| Outcome::of(&step)));
     }
     told

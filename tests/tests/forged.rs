@@ -2,6 +2,7 @@
 //! force from then on.
 
 use trisap_core::{Config, Error, Id, Index, Kernels, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::effort;
 use trisap_tests::forging::{FRONT, HEADER, forge, get, go_on, places_of, places_of_change, put, seal};
 use trisap_tests::jobs::Jobs;
@@ -84,7 +85,8 @@ impl Places {
         let moved = generations + 4 * slots;
         let resting = moved + 4 * slots.div_ceil(32);
         let boxes = resting + 4 * slots.div_ceil(32);
-        let pairs = boxes + 24 * slots;
+        // Behind the boxes the slots that have gone to others.
+        let pairs = boxes + 24 * slots + 4 * slots.div_ceil(32);
         assert_eq!(pairs + 8 * pair_count, snapshot.len(), "all sections");
         Self { slots, boxes, generations, moved, resting, pairs, pair_count }
     }
@@ -293,7 +295,7 @@ fn forge_at_random<I: Index>(config: Config, count: usize, calm: usize, times: u
             good += 1;
             let questions = Questions::about(&Model::default(), 1, rng);
             for cast in &questions.casts {
-                let _ = world.set_kernels(setup.kernels).hits(cast, &mut [None; 8]);
+                let _ = world.with(setup).hits(cast, &mut [None; 8]);
             }
             let _ = world.leaves().count() + world.planes().count() + world.large().count();
             go_on(&mut world, rng, setup, &format!("round {round}"));

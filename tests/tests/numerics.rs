@@ -3,6 +3,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use trisap_core::{Aabb, Boxes, Config, Error, Id, Margin, Mode, Rejected, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::{Checked, Outcome, expected};
 use trisap_tests::denormals::flushed;
 use trisap_tests::jobs::Jobs;
@@ -51,7 +52,7 @@ fn transcript(config: Config, frames: &[Vec<Aabb>], setup: Setup) -> Vec<Result<
     let mut world: World<'_> = slab.world(&config);
     world.insert_many(Boxes::new(&frames[0])).expect("room for all");
     let mut step = |frame: &Vec<Aabb>| {
-        let step = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(frame))?;
+        let step = world.under(&setup).step_over(Boxes::new(frame))?;
         Ok(Outcome::of(&step))
     };
     frames.iter().map(&mut step).collect()
@@ -605,7 +606,7 @@ fn everything_overlaps() {
         let mut world: World<'_> = slab.world(&config);
         let boxes = scenes::identical(count);
         world.insert_many(Boxes::new(&boxes)).expect("room for all");
-        let error = world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.pairs().len());
+        let error = world.under(&setup).step().map(|step| step.pairs().len());
         let count = count as u64;
         let full = Error::PairsFull { needed: count * (count - 1) / 2, room: 1000 };
         assert_eq!(error, Err(full), "{setup:?}");
@@ -804,12 +805,12 @@ fn p2_no_input_panics() {
                         let _ = world.set_aabb(Id::from_bits((1 << 32) + i as u64).expect("an id"), any());
                     }
                     let bounds: Vec<Aabb> = (0..count + 10).map(|_| any()).collect();
-                    let _ = world.set_kernels(setup.kernels).on(&setup.jobs).step_over(Boxes::new(&bounds));
+                    let _ = world.under(&setup).step_over(Boxes::new(&bounds));
                     for slot in 0..count as u32 / 2 {
                         let _ = world.id_at(slot * 2).map(|id| world.remove(id));
                     }
                     let _ =
-                        world.set_kernels(setup.kernels).on(&setup.jobs).step().map(|step| step.surplus());
+                        world.under(&setup).step().map(|step| step.surplus());
                     world.validate().expect("a valid world");
                 }
             }));

@@ -1,6 +1,7 @@
 //! Queries in every state that a world can be in: the answers are those of the boxes as they are at that moment.
 
 use trisap_core::{Aabb, Boxes, Cast, Config, Error, Hit, Index, Margin, Mode, Region, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
@@ -47,8 +48,8 @@ fn ask_twin<I: Index>(world: &mut World<'_, I>, model: &Model, questions: &Quest
     for cast in &questions.casts {
         let mut one = vec![None; boxes.len()];
         let mut other = one.clone();
-        let told: Result<usize, Error> = world.set_kernels(setup.kernels).hits(cast, &mut one);
-        assert_eq!(told, twin.set_kernels(setup.kernels).hits(cast, &mut other), "{setup:?} {cast:?}");
+        let told: Result<usize, Error> = world.with(setup).hits(cast, &mut one);
+        assert_eq!(told, twin.with(setup).hits(cast, &mut other), "{setup:?} {cast:?}");
         let one: Vec<Near> = one.iter().flatten().map(near).collect();
         let other: Vec<Near> = other.iter().flatten().map(near).collect();
         assert_eq!(one, other, "{setup:?} {cast:?}");
@@ -196,7 +197,7 @@ fn touching_counts() {
             let mut count = |region: Region| {
                 ask_region(asked, model, &region, setup);
                 let mut out = vec![None; 1000];
-                asked.set_kernels(setup.kernels).overlaps(&region, &mut out).expect("room for all")
+                asked.with(setup).overlaps(&region, &mut out).expect("room for all")
             };
             assert_eq!(count(Region::Point([5.0; 3])), 8);
             assert_eq!(count(Region::Point([5.5, 5.0, 5.5])), 2);
@@ -209,7 +210,7 @@ fn touching_counts() {
             let mut hits = |cast: Cast| {
                 ask_cast(asked, model, &cast, setup);
                 let mut out = vec![None; 1000];
-                asked.set_kernels(setup.kernels).hits(&cast, &mut out).expect("room for all")
+                asked.with(setup).hits(&cast, &mut out).expect("room for all")
             };
             let along = [[1.0, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, -1e-3]];
             for direction in along {
@@ -305,7 +306,7 @@ fn casts_visit_nearer_leaves_first() {
     assert!(ends.len() >= 8 && ends.is_sorted(), "leaves side by side");
     let leaf_of = |slot: u32| ends.partition_point(|end| *end <= boxes[slot as usize].min[0]);
     for setup in Setup::each(&[Jobs::Serial]) {
-        let world = &*world.set_kernels(setup.kernels);
+        let world = &*world.with(setup);
         for start in [-10.0, 1000.5, 8000.5, 15_000.5, 16_010.0] {
             for direction in [1.0, -1.0] {
                 let cast = Cast::ray([start, 0.5, 0.5], [direction, 0.0, 0.0], f32::INFINITY);
@@ -346,7 +347,7 @@ fn rays_come_from_far_away() {
                     (0..3).all(|k| k == axis || aabb.min[k] <= start[k] && start[k] <= aabb.max[k])
                 };
                 let ray = Cast::ray(start, direction, f32::INFINITY);
-                let met = world.set_kernels(setup.kernels).hits(&ray, &mut [None; 900]);
+                let met = world.with(setup).hits(&ray, &mut [None; 900]);
                 assert_eq!(met, Ok(boxes.iter().filter(meets).count()), "{setup:?} {ray:?}");
             }
         }

@@ -3,6 +3,7 @@
 //! `TRISAP_RECORDINGS` names a folder of more recordings, which are tested in the same way.
 
 use trisap_core::{Boxes, Config, Margin, Mode, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::Outcome;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
@@ -26,8 +27,7 @@ fn outcomes(recording: &Recording, config: Config, setup: Setup) -> (Vec<Outcome
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     let mut step = |frame: &Vec<[f32; 8]>| {
         let step = world
-            .set_kernels(setup.kernels)
-            .on(&setup.jobs)
+            .under(&setup)
             .step_over(Boxes::padded(frame))
             .expect("room for all");
         let outcome = Outcome::of(&step);

@@ -123,7 +123,7 @@ fn mixture<I: Index>(config: Config, count: usize, rounds: usize, setup: Setup) 
                 world.insert(boxes[ids[any(rng)].slot() as usize]);
             }
             3 => world.set_resting(&ids[..1]),
-            // Does nothing without margins.
+            // Refused without margins.
             4 => world.set_margin(ids[any(rng)], [0.0, 0.1, 0.5][rng.below(3)]),
             _ => {}
         }

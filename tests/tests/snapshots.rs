@@ -2,6 +2,7 @@
 //! no snapshot are refused. What is forged with care is in `forged`.
 
 use trisap_core::{Aabb, Boxes, Capacity, Choice, Config, Error, Field, Index, Margin, Mode, World};
+use trisap_tests::doing::On as _;
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
@@ -253,7 +254,7 @@ fn the_first_step_after_a_load_is_one_that_finds_all_pairs() {
         world.load(&saved(&world)).expect("a good snapshot");
         let [loaded, made] = [&mut world, &mut fresh].map(|world| {
             let setup = Setup::REFERENCE;
-            world.set_kernels(setup.kernels).on(&setup.jobs).step().expect("room").stats()
+            world.under(&setup).step().expect("room").stats()
         });
         assert_eq!((loaded.path, loaded.rebalanced), (made.path, made.rebalanced));
         // Fat boxes may have grown apart.

@@ -196,3 +196,30 @@ fn a_world_without_values_says_so() {
     assert_eq!((step.lost().len(), step.lost_values().count()), (1, 0));
     assert_eq!(Error::NoValues.to_string(), "the world was made without values");
 }
+
+/// A slot that went to another object after the step has no pair of that object, with and without events.
+#[test]
+fn newcomers_have_no_pairs_of_the_last_step() {
+    for config in [Config::new(ample(3, 3)), Config::new(ample(3, 3)).with_events()] {
+        let mut slab = Slab::new::<u32>(&config.with_values());
+        let mut world = slab.world::<u32>(&config.with_values());
+        let [a, b] = [1, 2].map(|value| {
+            let id = world.insert(scenes::cube(0.0, 0.0, 0.0)).expect("room");
+            world.set_value(id, value).expect("values");
+            id
+        });
+        world.step().expect("room");
+        assert!(world.pair_ids().eq([[a, b]]) && world.pair_values().eq([[1, 2]]));
+        world.remove(b).expect("alive");
+        let newcomer = world.insert(scenes::cube(9.0, 0.0, 0.0)).expect("room");
+        assert_eq!(newcomer.slot(), b.slot());
+        let saved = saved(&world);
+        for _ in 0..2 {
+            assert_eq!((world.pair_ids().count(), world.pair_values().count()), (0, 0));
+            world.load(&saved).expect("a snapshot");
+        }
+        world.set_aabb(newcomer, scenes::cube(0.0, 0.0, 0.0)).expect("alive");
+        world.step().expect("room");
+        assert!(world.pair_ids().eq([[a, newcomer]]));
+    }
+}

@@ -69,13 +69,13 @@ macro_rules! sections {
                 former: &'m mut [u64] = [u64; s.former_values], used state.objects.slots as usize;
             }
 
-            /// With events: who had the slots that new objects have got since the complete step before, so that lost
-            /// pairs can be named.
+            /// Which slots new objects have got since the complete step before; with events also who had them, so that
+            /// lost pairs can be named.
             former: FormerParts ['m] {
-                /// Of these slots: the generation of the former object.
+                /// With events, of these slots: the generation of the former object.
                 generations: &'m mut [u32] = [u32; s.before], used state.objects.slots as usize;
                 /// These slots.
-                reused: SlotSet<'m> = [u32; SlotSet::len(s.before)], new 0, saved reused [n.event_words];
+                reused: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved reused [n.words];
             }
 
             /// The KD-tree.

@@ -225,7 +225,7 @@ impl TreeParts<'_> {
 
 impl FormerParts<'_> {
     /// A slot goes to a new object. `is_first`: no other object has come since the last complete step. Returns
-    /// whether the former object of the slot is kept from now on.
+    /// whether the former object of the slot is kept from now on, with events.
     pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) -> bool {
         if is_first {
             self.reused.clear();
@@ -233,7 +233,9 @@ impl FormerParts<'_> {
         let is_new = generation != 0 && !bits::test(self.reused.words, slot);
         if is_new {
             self.reused.set(slot);
-            self.generations.put(slot, generation);
+            if let Some(former) = self.generations.get_mut(slot) {
+                *former = generation;
+            }
         }
         is_new
     }

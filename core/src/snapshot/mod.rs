@@ -31,7 +31,7 @@ struct Header {
 }
 
 /// The version; it also tells the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_000b;
+const MAGIC: u64 = 0x7472_6973_6170_000c;
 
 /// Snapshots: plain bytes, for files, for those who join late, and to go back.
 ///

@@ -178,8 +178,8 @@ macro_rules! stored {
                 };
                 let reused = stored.reused.count();
                 stored.before = Packed::cut(bytes, stored.changed.count())?;
-                stored.former = Packed::cut(bytes, reused)?;
-                stored.former_values = Packed::cut(bytes, if config.values { reused } else { 0 })?;
+                stored.former = Packed::cut(bytes, if config.events { reused } else { 0 })?;
+                stored.former_values = Packed::cut(bytes, if config.values && config.events { reused } else { 0 })?;
                 bytes.is_empty().then_some(stored)
             }
 

@@ -23,8 +23,8 @@ use crate::id::{Id, Index, Pair};
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step; with events
-    /// also where another object has got the slot since.
+    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step, also where another
+    /// object has got the slot since.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }

@@ -58,19 +58,17 @@ impl<'m, I: Index> World<'m, I> {
     }
 
     /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
-    /// once. In a world without margins this does nothing. O(1).
+    /// once. O(1).
     ///
     /// # Errors
-    /// [`Error::StaleId`], or [`Error::BadMargin`] where `length` is negative or not finite.
+    /// [`Error::StaleId`], [`Error::NoMargins`], or [`Error::BadMargin`] where `length` is negative or not finite.
     pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         crate::Margin::length(length).check()?;
-        if let Some(margin) = self.parts.boxes.margins.get_mut(slot) {
-            *margin = length;
-            let bounds = self.parts.boxes.now.at(slot);
-            self.parts.objects().anchor(slot, bounds);
-            self.parts.state.objects.dirty = 1;
-        }
+        *self.parts.boxes.margins.get_mut(slot).ok_or(Error::NoMargins)? = length;
+        let bounds = self.parts.boxes.now.at(slot);
+        self.parts.objects().anchor(slot, bounds);
+        self.parts.state.objects.dirty = 1;
         Ok(())
     }
 
@@ -177,11 +175,7 @@ impl<'m, I: Index> World<'m, I> {
         if let Some(filter) = parts.filters.of.get_mut(at) {
             *filter = Filter::ALL;
         }
-        let mut is_kept = false;
-        if !parts.boxes.before.is_empty() {
-            let is_first = parts.state.objects.has_inserted == 0;
-            is_kept = parts.former.note(at, former, is_first);
-        }
+        let is_kept = parts.former.note(at, former, parts.state.objects.has_inserted == 0);
         if VALUES {
             parts.values.insert(at, is_kept);
         }

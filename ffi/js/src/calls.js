@@ -8,7 +8,7 @@ import { Memory } from "./memory.js";
 /** Numbers of `trisap_status`. */
 export const STATUS = {
   OK: 0, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17,
-  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24,
+  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24, NO_MARGINS: 25,
 };
 /** Floats of a box. */
 export const BOX = 6;
@@ -224,6 +224,8 @@ export class Calls {
         throw new errors.NoFiltersError();
       case STATUS.NO_VALUES:
         throw new errors.NoValuesError();
+      case STATUS.NO_MARGINS:
+        throw new errors.NoMarginsError();
       case STATUS.BAD_CLASS:
         throw new errors.BadClassError(Number(detail));
       case STATUS.BAD_QUERY:

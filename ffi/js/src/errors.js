@@ -73,6 +73,13 @@ export class NoValuesError extends TrisapError {
   }
 }
 
+/** The world was made without a margin. */
+export class NoMarginsError extends TrisapError {
+  constructor() {
+    super("the world was made without margins");
+  }
+}
+
 /** A class is 32 or more. */
 export class BadClassError extends TrisapError {
   constructor(objectClass) {

@@ -179,7 +179,7 @@ export class World {
   setFilters(ids: ArrayLike<Id>, filters: readonly Filter[] | Filter): void;
   /** Which classes meet: bit `b` of number `a`, and bit `a` of number `b`. 32 numbers. */
   setClasses(meets: ArrayLike<number>): void;
-  /** Sets how far an object may move before it counts as moved. Nothing in a world without margins. */
+  /** Sets how far an object may move before it counts as moved. */
   setMargin(id: Id, length: number): void;
   /** Gives an object a value. A new one has 0. */
   setValue(id: Id, value: bigint): void;
@@ -324,6 +324,8 @@ export class PairsFullError extends TrisapError {
 export class NoFiltersError extends TrisapError {}
 /** The world was made without `values`. */
 export class NoValuesError extends TrisapError {}
+/** The world was made without a margin. */
+export class NoMarginsError extends TrisapError {}
 /** A class is 32 or more. */
 export class BadClassError extends TrisapError {
   readonly objectClass: number;

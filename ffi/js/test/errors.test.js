@@ -103,6 +103,7 @@ test("filters, queries and snapshots", async () => {
   const world = await createWorld({ objects: 4 });
   const id = world.insert([0, 0, 0, 1, 1, 1]);
   refused(() => world.setFilter(id, {}), trisap.NoFiltersError);
+  refused(() => world.setMargin(id, 1), trisap.NoMarginsError);
   const filtered = await createWorld({ objects: 4, filters: true });
   const other = filtered.insert([0, 0, 0, 1, 1, 1]);
   refused(() => filtered.setFilter(other, { objectClass: 32 }), trisap.BadClassError, { objectClass: 32 });

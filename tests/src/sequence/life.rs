@@ -322,12 +322,15 @@ impl<'m, I: Index> Life<'m, '_, I> {
     fn set_margin(&mut self, op: &mut Operation) {
         let Some(id) = self.any(op) else { return };
         let length = [0.0, 0.125, 0.5, -1.0][op.argument % 4];
-        let good = if length < 0.0 { Err(Error::BadMargin) } else { Ok(()) };
+        let good = match self.past.config.margin {
+            _ if length < 0.0 => Err(Error::BadMargin),
+            None => Err(Error::NoMargins),
+            Some(_) => Ok(()),
+        };
         let expected = self.stale(id).and(good);
         assert_eq!(self.both(|world| world.set_margin(id, length)), expected);
         if expected.is_ok() {
-            let margin = self.past.config.margin.map(|_| length);
-            assert_eq!(self.checked.world().margin(id), margin, "the margin of {id}");
+            assert_eq!(self.checked.world().margin(id), Some(length), "the margin of {id}");
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::format::Operation;
 use super::life::Life;
+use crate::doing::On as _;
 use crate::checked::Outcome;
 use crate::forging::{forge, go_on};
 use crate::lives::saved;
@@ -74,7 +75,7 @@ impl<I: Index> Life<'_, '_, I> {
         let setup = Setup::REFERENCE;
         let (world, model) = self.checked.parts_mut();
         let rule = |a, b| model.agree(a, b);
-        let stepper = world.set_kernels(setup.kernels).on(&setup.jobs);
+        let stepper = world.under(&setup);
         let step = if model.has_rule() { stepper.with_rule(&rule).step() } else { stepper.step() };
         let said = step.map(|step| Outcome::of(&step));
         let told = self.twin_step(op, None);

@@ -3,6 +3,7 @@
 use super::format::Operation;
 use super::life::Life;
 use crate::checked::{Outcome, slots};
+use crate::doing::On as _;
 use crate::jobs::Jobs;
 use crate::worlds::Setup;
 use trisap_core::{Aabb, Boxes, Error, Index};
@@ -56,10 +57,10 @@ impl<I: Index> Life<'_, '_, I> {
     }
 
     pub(super) fn twin_step(&mut self, op: &Operation, boxes: Option<&[Aabb]>) -> Result<Outcome, Error> {
-        let Setup { kernels, jobs } = self.setup(op);
+        let setup = self.setup(op);
         let model = self.checked.model();
         let rule = |a, b| model.agree(a, b);
-        let mut stepper = self.twin.set_kernels(kernels).on(&jobs);
+        let mut stepper = self.twin.under(&setup);
         if model.has_rule() {
             stepper = stepper.with_rule(&rule);
         }

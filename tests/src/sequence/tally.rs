@@ -215,6 +215,7 @@ fn status(error: &Error) -> u64 {
         Error::NoRoom { .. } => 14,
         Error::OtherConfig { .. } => 23,
         Error::NoValues => 24,
+        Error::NoMargins => 25,
         other => panic!("{other} is no answer to what a sequence does"),
     }
 }
