@@ -32,7 +32,9 @@ fn note(change: impl FnOnce(&mut Doing)) {
                 let Doing { width, setup, steps, seeds } = doing;
                 if *width > 0 || !seeds.is_empty() {
                     let setup = setup.map_or_else(|| "no setup".to_owned(), |setup| format!("{setup:?}"));
-                    eprintln!("at step {steps} of a world with slots of {width} bits, {setup}, seeds {seeds:?}");
+                    eprintln!(
+                        "at step {steps} of a world with slots of {width} bits, {setup}, seeds {seeds:?}"
+                    );
                 }
             });
         }));

@@ -1,7 +1,7 @@
 //! Snapshots that are no snapshots: forged with a right checksum. And what is asked of a world that took one all the same.
 
-use crate::doing::On as _;
 use crate::checked::Outcome;
+use crate::doing::On as _;
 use crate::lives::saved;
 use crate::scenes::{self, Rng, shifted};
 use crate::worlds::{Setup, Slab, ample};
@@ -150,8 +150,7 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
             let exact = world.config().mode == Mode::Exact;
             assert!(!exact || pairs.iter().all(|pair| all.binary_search(pair).is_ok()), "{name}: no pair");
             ids.iter().for_each(|id| world.refilter(*id).expect("a living object"));
-            let step =
-                world.under(&setup).step().expect("the same pairs have room");
+            let step = world.under(&setup).step().expect("the same pairs have room");
             assert_eq!(pairs, sorted(&Outcome::of(&step).pairs), "{name}");
         } else if world.config().mode == Mode::Fat {
             assert!(all.iter().all(|pair| pairs.binary_search(pair).is_ok()), "{name}: a pair is missing");

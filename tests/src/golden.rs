@@ -45,10 +45,7 @@ pub fn play<I: Index>(recording: &Recording, config: Config, setup: Setup, mut t
     let mut world: World<'_, I> = slab.world(&config);
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     for frame in &recording.frames {
-        let step = world
-            .under(&setup)
-            .step_over(Boxes::padded(frame))
-            .expect("room for all");
+        let step = world.under(&setup).step_over(Boxes::padded(frame)).expect("room for all");
         tell(step.pairs());
         tell(step.found());
         tell(step.lost());

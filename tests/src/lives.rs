@@ -1,7 +1,7 @@
 //! Worlds in the middle of their lives, which are saved and loaded, and what may happen to them.
 
-use crate::doing::On as _;
 use crate::checked::Outcome;
+use crate::doing::On as _;
 use crate::scenes::{self, Rng, shifted};
 use crate::worlds::{Setup, Slab, ample};
 use trisap_core::{Aabb, Boxes, Config, Error, Filter, Id, Index, Margin, Mode, World};

@@ -438,7 +438,8 @@ fn planes_that_no_longer_fit_are_made_anew() {
     for _ in 0..3 {
         checked.step(SETUP);
     }
-    let long: Vec<Aabb> = cubes.iter().map(|b| Aabb::new(b.min, [b.max[0], b.max[1], b.min[2] + 5.0])).collect();
+    let long: Vec<Aabb> =
+        cubes.iter().map(|b| Aabb::new(b.min, [b.max[0], b.max[1], b.min[2] + 5.0])).collect();
     let reasons: Vec<Reason> = (0..20).map(|_| checked.step_over(&long, SETUP).stats.reason).collect();
     let anew: Vec<usize> = (0..20).filter(|at| reasons[*at] == Reason::OutOfBalance).collect();
     assert_eq!(anew.len(), 1, "{reasons:?}");

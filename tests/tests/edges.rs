@@ -2,8 +2,8 @@
 //! the change to the core that nothing else noticed.
 
 use trisap_core::{Aabb, Choice, Config, Error, Id, Index, Path, World};
-use trisap_tests::doing::On as _;
 use trisap_tests::checked::Checked;
+use trisap_tests::doing::On as _;
 use trisap_tests::forging::{FRONT, get, put, seal};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;
@@ -178,10 +178,7 @@ fn generations_begin_again_at_one() {
             let ids = [0.0, 0.5, 9.0].map(|x| world.insert(cube(x, 0.0, 0.0)).expect("room"));
             let setup = Setup::REFERENCE;
             let id = aged(&mut world, generation);
-            assert_eq!(
-                world.under(&setup).step().expect("room").pairs(),
-                [[0, 1]]
-            );
+            assert_eq!(world.under(&setup).step().expect("room").pairs(), [[0, 1]]);
             if in_batch {
                 assert_eq!(world.remove_many(&[id, id]), Err(Error::StaleId { id }), "twice");
                 world.remove_many(&[ids[2], id]).expect("both are alive");

@@ -3,9 +3,9 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use trisap_core::{Aabb, Boxes, Config, Error, Id, Margin, Mode, Rejected, World};
-use trisap_tests::doing::On as _;
 use trisap_tests::checked::{Checked, Outcome, expected};
 use trisap_tests::denormals::flushed;
+use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::play::{on_every_setup, play, play_alone, play_among_fillers};
 use trisap_tests::scenes::{self, Brownian, Rng, at, cube, on_x, shifted};
@@ -809,8 +809,7 @@ fn p2_no_input_panics() {
                     for slot in 0..count as u32 / 2 {
                         let _ = world.id_at(slot * 2).map(|id| world.remove(id));
                     }
-                    let _ =
-                        world.under(&setup).step().map(|step| step.surplus());
+                    let _ = world.under(&setup).step().map(|step| step.surplus());
                     world.validate().expect("a valid world");
                 }
             }));

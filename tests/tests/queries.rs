@@ -1,8 +1,8 @@
 //! Queries in every state that a world can be in: the answers are those of the boxes as they are at that moment.
 
 use trisap_core::{Aabb, Boxes, Cast, Config, Error, Hit, Index, Margin, Mode, Region, World};
-use trisap_tests::doing::On as _;
 use trisap_tests::checked::Checked;
+use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
 use trisap_tests::queries::{Near, Questions, ask_cast, ask_nearest, ask_region};

@@ -3,8 +3,8 @@
 //! `TRISAP_RECORDINGS` names a folder of more recordings, which are tested in the same way.
 
 use trisap_core::{Boxes, Config, Margin, Mode, World};
-use trisap_tests::doing::On as _;
 use trisap_tests::checked::Outcome;
+use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
 use trisap_tests::recordings::{self, Recording};
@@ -26,10 +26,7 @@ fn outcomes(recording: &Recording, config: Config, setup: Setup) -> (Vec<Outcome
     let mut world: World<'_, u16> = slab.world(&config);
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     let mut step = |frame: &Vec<[f32; 8]>| {
-        let step = world
-            .under(&setup)
-            .step_over(Boxes::padded(frame))
-            .expect("room for all");
+        let step = world.under(&setup).step_over(Boxes::padded(frame)).expect("room for all");
         let outcome = Outcome::of(&step);
         world.validate().unwrap_or_else(|invalid| panic!("{} {setup:?}: {invalid}", recording.name));
         outcome

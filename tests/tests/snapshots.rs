@@ -2,8 +2,8 @@
 //! no snapshot are refused. What is forged with care is in `forged`.
 
 use trisap_core::{Aabb, Boxes, Capacity, Choice, Config, Error, Field, Index, Margin, Mode, World};
-use trisap_tests::doing::On as _;
 use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::{self, Brownian, Rng, shifted, uniform};

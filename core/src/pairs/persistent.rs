@@ -135,10 +135,13 @@ fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
     // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not before,
     // or no longer.
     let stirring = if changed.words.is_empty() { moved } else { changed };
-    let (mut words, mut woken) = (0, 0);
+    let (mut words, mut woken, mut paired) = (0, 0, 0);
     stirring.for_each_word(|index, word| {
         words += u32::from(word != 0);
-        woken |= word & !active.at(index);
+        let new = u64::from(word & !active.at(index));
+        woken |= new;
+        // Objects in slots that were never used before have no pairs.
+        paired |= new & ((1 << (state.tree.known as usize).saturating_sub(32 * index).min(32)) - 1);
     });
     let mut division = Division::of(state, output.pairs);
     if woken != 0 {
@@ -146,7 +149,9 @@ fn keep_parked<I: Index>(parts: &mut Parts<'_, I>) {
             state.pairs.active = state.pairs.active.saturating_add((stirring & !*active).count_ones());
             *active |= stirring;
         }
-        division.unpark(active);
+        if paired != 0 {
+            division.unpark(active);
+        }
     }
     // Each word has at least one object, which is mostly enough to decide.
     let too_many = |count: u32| state.pairs.active > ACTIVE_FOR_EACH.saturating_mul(count);

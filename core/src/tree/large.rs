@@ -24,13 +24,13 @@ const STRANGER: u32 = 16;
 /// The list is ordered anew after so many changes for each of its objects.
 const CHANGES: u32 = 4;
 /// More levels than there can be.
-const DEEPEST: u32 = 28;
+const DEEPEST: u8 = 28;
 /// A side counts as long if it is at least one in so many of the longest one.
 const LONG: f32 = 8.0;
 
 /// The depth of the tree: there is room for some more objects.
-fn depth_for(large: u32) -> u32 {
-    ((large + large / 8) / GROUP as u32 + 1).next_power_of_two().trailing_zeros()
+fn depth_for(large: u32) -> u8 {
+    ((large + large / 8) / GROUP as u32 + 1).next_power_of_two().trailing_zeros() as u8
 }
 
 /// Whether the large objects and the boxes of their nodes fit behind the straddlers.

@@ -156,6 +156,7 @@ impl<I: Index> World<'_, I> {
             return Err(Error::PairsFull { needed, room: parts.output.pairs.len() as u32 });
         }
         parts.state.pairs.complete = 1;
+        parts.state.tree.known = parts.state.objects.slots;
         parts.changed.move_to(&mut parts.outdated);
         parts.moved.clear();
         parts.state.objects.moved_inside_margin = 0;

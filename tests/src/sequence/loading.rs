@@ -2,8 +2,8 @@
 
 use super::format::Operation;
 use super::life::Life;
-use crate::doing::On as _;
 use crate::checked::Outcome;
+use crate::doing::On as _;
 use crate::forging::{forge, go_on};
 use crate::lives::saved;
 use crate::worlds::Setup;

@@ -66,9 +66,10 @@ pub(crate) struct TreeState {
     /// Where the straddlers end and the nodes over the large objects start, and how many objects there are.
     pub(crate) large_start: u32,
     pub(crate) large: u32,
-    /// The depth of their tree, and how many have changed since they were brought into order.
-    pub(crate) large_depth: u32,
+    /// How many have changed since they were brought into order.
     pub(crate) large_changed: u32,
+    /// Slots in use at the last complete step. An object in another one has no pairs yet.
+    pub(crate) known: u32,
     /// Bounds of the minima.
     pub(super) low: [i32; 3],
     pub(super) high: [i32; 3],
@@ -86,7 +87,9 @@ pub(crate) struct TreeState {
     pub(crate) waits: u8,
     /// Heavy sweeps in a row: see [`HEAVY`](crate::tree::limits::HEAVY).
     pub(crate) heavy: u8,
-    pub(crate) unused: [u8; 2],
+    /// The depth of the tree of large objects.
+    pub(crate) large_depth: u8,
+    pub(crate) unused: u8,
 }
 
 impl TreeState {
@@ -127,8 +130,8 @@ impl TreeState {
 
 /// How many straddlers are as long as the boxes of the nodes of a depth over the large objects. There are none over a
 /// single group.
-pub(crate) const fn large_nodes(depth: u32) -> usize {
-    if depth == 0 { 0 } else { 3usize.wrapping_shl(depth - 1) }
+pub(crate) const fn large_nodes(depth: u8) -> usize {
+    if depth == 0 { 0 } else { 3usize.wrapping_shl(depth as u32 - 1) }
 }
 
 /// Where in the buffers the kinds of pairs are: of `pairs`.
