@@ -56,14 +56,14 @@ public:
             return;
         }
         expect(world_.remove(id));
-        mark(trisap::slot(id), moved);
         proxies_[trisap::slot(id)].reset();
     }
 
-    void setAabb(btBroadphaseProxy *proxy, const btVector3 &min, const btVector3 &max, btDispatcher *) override {
-        const trisap::Id id = static_cast<Proxy *>(proxy)->id;
+    void setAabb(btBroadphaseProxy *proxy, const btVector3 &written_min, const btVector3 &written_max, btDispatcher *) override {
+        const btVector3 min = read(written_min), max = read(written_max);
+        Proxy &its = *static_cast<Proxy *>(proxy);
         const trisap::Aabb aabb = box(min, max);
-        if (id == trisap::null_id) {
+        if (its.id == trisap::null_id) {
             proxy->m_aabbMin = min;
             proxy->m_aabbMax = max;
             admit(place_without_box(proxy), aabb);
@@ -72,21 +72,22 @@ public:
         if (!is_box(aabb)) {
             refused_boxes_++;
             // For the report.
-            static_cast<void>(world_.update(id, aabb));
+            static_cast<void>(world_.update(its.id, aabb));
             return;
         }
-        proxy->m_aabbMin = min;
-        proxy->m_aabbMax = max;
-        const std::uint32_t slot = trisap::slot(id);
-        if (!same(boxes_[slot], aabb)) {
-            boxes_[slot] = aabb;
-            mark(slot, moved | unknown);
+        // What Bullet sets is in the proxy's lines of the cache: nothing else is read for a body.
+        if (!same(proxy->m_aabbMin, min) || !same(proxy->m_aabbMax, max)) {
+            proxy->m_aabbMin = min;
+            proxy->m_aabbMax = max;
+            boxes_[its.slot] = aabb;
+            its.moved_at = steps_;
+            unknown_slots_.push_back(its.slot);
             has_unknown_.store(true, std::memory_order_release);
-        } else if (steps_ - states_[slot].set_at >= 2) {
+        } else if (steps_ - its.set_at >= 2) {
             // DBVT takes a body for a resting one by then, and looks for its pairs when it wakes.
-            mark(slot, moved);
+            its.moved_at = steps_;
         }
-        states_[slot].set_at = steps_;
+        its.set_at = steps_;
     }
 
     void getAabb(btBroadphaseProxy *proxy, btVector3 &min, btVector3 &max) const override {
@@ -110,10 +111,7 @@ public:
         if (static_cast<std::size_t>(pairs_.getNumOverlappingPairs()) + not_taken_.size() != step.pairs.size()) {
             look_for_removed(step.pairs);
         }
-        for (const std::uint32_t slot : marked_slots_) {
-            states_[slot].marks = 0;
-        }
-        marked_slots_.clear();
+        unknown_slots_.clear();
         has_unknown_.store(false, std::memory_order_relaxed);
         steps_++;
     }
@@ -194,7 +192,17 @@ private:
             : btBroadphaseProxy(min, max, object, group, mask) {}
         /// Null until it has a box.
         trisap::Id id = trisap::null_id;
+        std::uint32_t slot = 0;
+        // How many steps there were when it came, when its box was set last, and when it was set to another one.
+        std::uint32_t came_at = 0, set_at = 0, moved_at = 0;
     };
+
+    /// Number by number, as Bullet has just written it: a wider load would wait until all of it has reached the cache.
+    static btVector3 read(const btVector3 &corner) {
+        const volatile btScalar *numbers = corner.m_floats;
+        const btScalar x = numbers[0], y = numbers[1], z = numbers[2];
+        return {x, y, z};
+    }
 
     static trisap::Aabb box(const btVector3 &min, const btVector3 &max) {
         if constexpr (sizeof(btScalar) > sizeof(float)) {
@@ -206,10 +214,7 @@ private:
         }
     }
 
-    static bool same(const trisap::Aabb &a, const trisap::Aabb &b) {
-        return a.min[0] == b.min[0] && a.min[1] == b.min[1] && a.min[2] == b.min[2] && a.max[0] == b.max[0] &&
-               a.max[1] == b.max[1] && a.max[2] == b.max[2];
-    }
+    static bool same(const btVector3 &a, const btVector3 &b) { return a.x() == b.x() && a.y() == b.y() && a.z() == b.z(); }
 
     static bool is_box(const trisap::Aabb &aabb) {
         return aabb.min[0] <= aabb.max[0] && aabb.min[1] <= aabb.max[1] && aabb.min[2] <= aabb.max[2];
@@ -234,21 +239,13 @@ private:
         if (slot >= proxies_.size()) {
             boxes_.resize(slot + 1);
             proxies_.resize(slot + 1);
-            states_.resize(slot + 1);
         }
         proxies_[slot] = std::move(without_box_[place]);
         without_box_.erase(without_box_.begin() + static_cast<std::ptrdiff_t>(place));
         boxes_[slot] = aabb;
-        states_[slot].set_at = steps_;
-        mark(slot, is_new);
+        proxy->slot = slot;
+        proxy->came_at = proxy->set_at = proxy->moved_at = steps_;
         return proxy;
-    }
-
-    void mark(std::uint32_t slot, std::uint32_t what) {
-        if (states_[slot].marks == 0) {
-            marked_slots_.push_back(slot);
-        }
-        states_[slot].marks |= what;
     }
 
     /// Questions are answered for the boxes as they are now, steps or not: the first one after a change tells the world.
@@ -258,13 +255,13 @@ private:
         }
         const std::lock_guard<std::mutex> lock(telling_);
         if (has_unknown_.load(std::memory_order_relaxed)) {
-            for (const std::uint32_t slot : marked_slots_) {
-                const bool is_told = (states_[slot].marks & unknown) == 0 || proxies_[slot] == nullptr;
+            while (!unknown_slots_.empty()) {
+                const std::uint32_t slot = unknown_slots_.back();
                 // Busy inside of a callback that has set boxes: these are for the next question.
-                if (!is_told && world_.update(proxies_[slot]->id, boxes_[slot]) != TRISAP_STATUS_OK) {
+                if (proxies_[slot] != nullptr && world_.update(proxies_[slot]->id, boxes_[slot]) != TRISAP_STATUS_OK) {
                     return;
                 }
-                states_[slot].marks &= ~unknown;
+                unknown_slots_.pop_back();
             }
             has_unknown_.store(false, std::memory_order_release);
         }
@@ -280,13 +277,12 @@ private:
     /// Offers what the cache does not have once more where one of the two has moved, as DBVT does: what it goes by may have changed.
     void offer_again() {
         const auto is_done = [&](const trisap::IdPair &pair) {
-            const std::uint32_t a = trisap::slot(pair.a), b = trisap::slot(pair.b);
-            if ((states_[a].marks | states_[b].marks) == 0) {
-                return false;
+            Proxy *a = proxies_[trisap::slot(pair.a)].get(), *b = proxies_[trisap::slot(pair.b)].get();
+            if (a == nullptr || b == nullptr || a->id != pair.a || b->id != pair.b) {
+                return true;
             }
-            const bool lives = proxies_[a] != nullptr && proxies_[b] != nullptr && proxies_[a]->id == pair.a && proxies_[b]->id == pair.b;
-            return !lives || !overlap(boxes_[a], boxes_[b]) ||
-                   pairs_.addOverlappingPair(proxies_[a].get(), proxies_[b].get()) != nullptr;
+            return has_moved(a->slot, b->slot) &&
+                   (!overlap(boxes_[a->slot], boxes_[b->slot]) || pairs_.addOverlappingPair(a, b) != nullptr);
         };
         not_taken_.erase(std::remove_if(not_taken_.begin(), not_taken_.end(), is_done), not_taken_.end());
     }
@@ -298,7 +294,7 @@ private:
             if (pairs_.findPair(proxies_[a].get(), proxies_[b].get()) != nullptr) {
                 continue;
             }
-            if ((states_[a].marks | states_[b].marks) != 0) {
+            if (has_moved(a, b)) {
                 offer(a, b);
             } else {
                 not_taken_.push_back({proxies_[a]->id, proxies_[b]->id});
@@ -316,24 +312,19 @@ private:
 
     btBroadphaseProxy *proxy(trisap::Id id) const { return proxies_[trisap::slot(id)].get(); }
 
-    bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && (states_[slot].marks & is_new) == 0; }
+    bool stayed(std::uint32_t slot) const { return proxies_[slot] != nullptr && proxies_[slot]->came_at != steps_; }
+
+    bool has_moved(std::uint32_t a, std::uint32_t b) const { return proxies_[a]->moved_at == steps_ || proxies_[b]->moved_at == steps_; }
 
     trisap::Config config_;
     trisap::World world_;
     btHashedOverlappingPairCache own_pairs_;
     btOverlappingPairCache &pairs_;
-    // What happened to a body since the last step: it came, it moved or went, the world does not know its box yet.
-    static constexpr std::uint32_t is_new = 1, moved = 2, unknown = 4;
-    struct State {
-        std::uint32_t marks = 0;
-        // How many steps there were when Bullet set its box last.
-        std::uint32_t set_at = 0;
-    };
     // By slot.
     std::vector<trisap::Aabb> boxes_;
     std::vector<std::unique_ptr<Proxy>> proxies_;
-    std::vector<State> states_;
-    std::vector<std::uint32_t> marked_slots_;
+    // Those whose boxes the world does not know yet.
+    std::vector<std::uint32_t> unknown_slots_;
     std::atomic<bool> has_unknown_{false};
     std::mutex telling_;
     // Bodies whose boxes were refused when they came.
