@@ -199,6 +199,8 @@ enum trisap_status
     TRISAP_STATUS_NO_VALUES = 24,
     /// The world was made without `trisap_config::has_margin`.
     TRISAP_STATUS_NO_MARGINS = 25,
+    /// The slot already has an object. The detail is its id.
+    TRISAP_STATUS_SLOT_TAKEN = 26,
 };
 #ifndef __cplusplus
 typedef int32_t trisap_status;
@@ -645,6 +647,18 @@ TRISAP_NODISCARD
 trisap_status trisap_world_insert(struct trisap_world *world,
                                   const struct trisap_aabb *aabb,
                                   trisap_id *id)
+TRISAP_NOEXCEPT;
+
+/// Adds an object in a slot that the caller names, so that worlds agree on slots, as those of a server and its clients.
+/// O(free slots), and O(slots below) where it is the highest so far.
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_SLOT_TAKEN`, `TRISAP_STATUS_OBJECTS_FULL`. The last one where there is
+/// no such slot.
+TRISAP_NODISCARD
+trisap_status trisap_world_insert_at(struct trisap_world *world,
+                                     uint32_t slot,
+                                     const struct trisap_aabb *aabb,
+                                     trisap_id *id)
 TRISAP_NOEXCEPT;
 
 /// Gives an object another box. O(1).

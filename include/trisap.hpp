@@ -554,6 +554,16 @@ public:
         return id;
     }
 
+    /// The same in a slot that the caller names, which has to be free.
+    [[nodiscard]] Id insert_at(std::uint32_t slot, const Aabb &aabb, Status *status = nullptr) noexcept {
+        Id id = null_id;
+        const Status outcome = grow_and([&] { return trisap_world_insert_at(world_, slot, &aabb, &id); });
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return id;
+    }
+
     /// The same with a filter, for which the world needs `Config::filters`.
     [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, Status *status = nullptr) noexcept {
         return insert_with(aabb, &filter, nullptr, status);

@@ -55,6 +55,11 @@ pub enum Error {
         /// The id.
         id: Id,
     },
+    /// The slot already has an object.
+    SlotTaken {
+        /// The object.
+        id: Id,
+    },
     /// The world was made without filters: see [`Config::with_filters`](crate::Config::with_filters).
     NoFilters,
     /// The world was made without values: see [`Config::with_values`](crate::Config::with_values).
@@ -187,6 +192,7 @@ impl fmt::Display for Error {
             }
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),
+            Self::SlotTaken { id } => write!(f, "slot {} has the object {id}", id.slot()),
             Self::NoFilters => f.write_str("the world was made without filters"),
             Self::NoValues => f.write_str("the world was made without values"),
             Self::NoMargins => f.write_str("the world was made without margins"),

@@ -1,5 +1,6 @@
 //! Steps against brute force, in one program: `cargo test -p trisap-core shift::` runs one file.
 
 mod shift;
+mod slots;
 mod snapshot;
 mod step;

@@ -53,6 +53,33 @@ pub unsafe extern "C" fn trisap_world_insert(
     unsafe { with(world, insert) }
 }
 
+/// Adds an object in a slot that the caller names, so that worlds agree on slots, as those of a server and its clients.
+/// O(free slots), and O(slots below) where it is the highest so far.
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, `TRISAP_STATUS_SLOT_TAKEN`, `TRISAP_STATUS_OBJECTS_FULL`. The last one where there is
+/// no such slot.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_insert_at(
+    world: *mut trisap_world,
+    slot: u32,
+    aabb: *const trisap_aabb,
+    id: *mut trisap_id,
+) -> trisap_status {
+    let insert = |call: &mut Call| {
+        border::check(aabb)?;
+        border::span(id, 1, &call.range())?;
+        // SAFETY: aligned, not null, and initialised by the caller's promise.
+        let aabb = unsafe { aabb.read() };
+        let new = call.world()?.insert_at(slot, aabb.into())?;
+        // SAFETY: aligned, not null, and outside of the world.
+        unsafe { id.write(new.to_bits()) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, insert) }
+}
+
 /// Gives an object another box. O(1).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`, `TRISAP_STATUS_BAD_BOX`. The object keeps its box then.

@@ -67,6 +67,8 @@ pub enum trisap_status {
     NoValues = 24,
     /// The world was made without `trisap_config::has_margin`.
     NoMargins = 25,
+    /// The slot already has an object. The detail is its id.
+    SlotTaken = 26,
 }
 
 impl trisap_status {
@@ -74,7 +76,7 @@ impl trisap_status {
     pub(crate) fn of(number: i32) -> Self {
         // SAFETY: the statuses are the numbers from zero to the last one.
         let known = |number| unsafe { core::mem::transmute::<i32, Self>(number) };
-        if (0..=Self::NoMargins as i32).contains(&number) { known(number) } else { Self::Other }
+        if (0..=Self::SlotTaken as i32).contains(&number) { known(number) } else { Self::Other }
     }
 }
 
@@ -82,7 +84,7 @@ impl trisap_status {
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
-    const TEXTS: [&core::ffi::CStr; 26] = [
+    const TEXTS: [&core::ffi::CStr; 27] = [
         c"done",
         c"a pointer is null",
         c"a pointer is misaligned",
@@ -109,8 +111,9 @@ pub extern "C" fn trisap_status_text(status: i32) -> *const c_char {
         c"the configurations differ in what cannot change",
         c"the world was made without values",
         c"the world was made without margins",
+        c"the slot already has an object",
     ];
-    const _: () = assert!(TEXTS.len() == trisap_status::NoMargins as usize + 1);
+    const _: () = assert!(TEXTS.len() == trisap_status::SlotTaken as usize + 1);
     let text = usize::try_from(status).ok().and_then(|status| TEXTS.get(status));
     text.copied().unwrap_or(c"not a status").as_ptr()
 }
@@ -141,6 +144,7 @@ impl From<Error> for Refusal {
             Error::ObjectsFull { needed, .. } => (trisap_status::ObjectsFull, needed),
             Error::BadBox { index } => (trisap_status::BadBox, u64::from(index)),
             Error::StaleId { id } => (trisap_status::StaleId, id.to_bits()),
+            Error::SlotTaken { id } => (trisap_status::SlotTaken, id.to_bits()),
             Error::LengthMismatch { needed, .. } => (trisap_status::InvalidArgument, needed as u64),
             Error::InvariantBroken => (trisap_status::Corrupt, 0),
             Error::PairsFull { needed, .. } => (trisap_status::PairsFull, needed),

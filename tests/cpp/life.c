@@ -29,8 +29,8 @@ static void versions(void) {
     snprintf(version, sizeof version, "%d.%d.%d", TRISAP_VERSION_MAJOR, TRISAP_VERSION_MINOR, TRISAP_VERSION_PATCH);
     CHECK(strcmp(version, trisap_version()) == 0);
     CHECK(strlen(trisap_instruction_set()) > 0 && strcmp(trisap_instruction_set(), "other") != 0);
-    for (int32_t status = -2; status <= TRISAP_STATUS_NO_MARGINS + 2; status++) {
-        const bool known = status >= 0 && status <= TRISAP_STATUS_NO_MARGINS;
+    for (int32_t status = -2; status <= TRISAP_STATUS_SLOT_TAKEN + 2; status++) {
+        const bool known = status >= 0 && status <= TRISAP_STATUS_SLOT_TAKEN;
         CHECK((strcmp(trisap_status_text(status), "not a status") != 0) == known);
     }
 }
@@ -101,6 +101,15 @@ static void singles(void) {
     trisap_id next = TRISAP_NULL_ID;
     CHECK_OK(trisap_world_insert(world, &aabb, &next));
     CHECK(trisap_id_slot(next) == 0 && next != left);
+    // Or a slot that is named.
+    trisap_id at = TRISAP_NULL_ID;
+    CHECK_STATUS(trisap_world_insert_at(world, 0, &aabb, &at), TRISAP_STATUS_SLOT_TAKEN);
+    CHECK(trisap_world_error_detail(world) == next && at == TRISAP_NULL_ID);
+    CHECK_STATUS(trisap_world_insert_at(world, config.objects, &aabb, &at), TRISAP_STATUS_OBJECTS_FULL);
+    CHECK_STATUS(trisap_world_insert_at(world, 3, &aabb, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK_OK(trisap_world_insert_at(world, 3, &aabb, &at));
+    CHECK(trisap_id_slot(at) == 3 && trisap_world_len(world) == 3);
+    CHECK_OK(trisap_world_validate(world));
     free(world);
 }
 

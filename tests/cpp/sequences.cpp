@@ -69,7 +69,10 @@ private:
                                   : op.argument < 240 ? header_.from_fixed(op.rng)
                                                       : Header::bad_box(op.rng);
         trisap::Id id = trisap::null_id;
-        if (say_status(trisap_world_insert(world_, &aabb, &id))) {
+        // In some cases at a slot, which there may not be.
+        const bool at = op.argument % 4 == 3;
+        const std::uint32_t slot = at ? op.rng.below(objects_ + 1) : 0;
+        if (say_status(at ? trisap_world_insert_at(world_, slot, &aabb, &id) : trisap_world_insert(world_, &aabb, &id))) {
             born(id);
         }
     }

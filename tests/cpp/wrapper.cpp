@@ -89,6 +89,8 @@ static void refusals() {
     CHECK_OK(world.init(trisap::config(2)));
     trisap::Status why = TRISAP_STATUS_OK;
     CHECK(world.insert(cube(std::nanf("")), &why) == trisap::null_id && why == TRISAP_STATUS_BAD_BOX);
+    trisap::Status full = TRISAP_STATUS_OK;
+    CHECK(world.insert_at(2, cube(0.0f), &full) == trisap::null_id && full == TRISAP_STATUS_OBJECTS_FULL);
     const std::array<trisap::Aabb, 2> two = {cube(0.0f), cube(1.0f)};
     std::array<trisap::Id, 1> one = {};
     CHECK_STATUS(world.insert(trisap::boxes(two), one), TRISAP_STATUS_INVALID_ARGUMENT);

@@ -53,7 +53,9 @@ impl Model {
         let slot = id.slot() as usize;
         if slot >= self.boxes.len() {
             self.boxes.resize(slot + 1, None);
-            self.generations.resize(slot + 1, 0);
+            // The slots between are as if somebody had come and gone.
+            self.generations.resize(slot, 1);
+            self.generations.push(0);
             self.filters.resize(slot + 1, Filter::ALL);
             self.resting.resize(slot + 1, false);
         }

@@ -10,6 +10,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
 use crate::lists::links;
 use crate::memory::layout::VALUES;
+use crate::memory::slab::Parts;
 use crate::objects::margins::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
@@ -43,6 +44,31 @@ impl<'m, I: Index> World<'m, I> {
     pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
         let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
         self.insert_box(bounds)
+    }
+
+    /// Adds an object in a slot that the caller names, so that worlds agree on slots, as those of a server and its clients. The
+    /// generation is that of this world. O(free slots), and O(slots below) where it is the highest so far.
+    ///
+    /// # Errors
+    /// [`Error::BadBox`]; [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot.
+    pub fn insert_at(&mut self, slot: u32, aabb: Aabb) -> Result<Id, Error> {
+        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+        if let Some(id) = self.id_at(slot) {
+            return Err(Error::SlotTaken { id });
+        }
+        self.check_room(slot)?;
+        let first = self.parts.state.objects.slots;
+        if slot < first {
+            self.unchain(slot);
+        }
+        // The slots below are as if objects had come and gone there, the lowest one last.
+        for below in first..slot {
+            self.parts.state.objects.slots += 1;
+            self.fill_slot(below, bounds)?;
+        }
+        (first..slot).rev().for_each(|below| self.remove_slot(below as usize));
+        self.parts.state.objects.slots = self.parts.state.objects.slots.max(slot + 1);
+        self.fill_slot(slot, bounds)
     }
 
     /// Gives an object another box. O(1).
@@ -152,16 +178,43 @@ impl<'m, I: Index> World<'m, I> {
         let parts = &mut self.parts;
         let free = parts.state.objects.free;
         let slot = if free > 0 { free - 1 } else { parts.state.objects.slots };
-        if slot as usize >= parts.sizes.objects {
-            let needed = u64::from(parts.state.objects.live) + 1;
-            return Err(Error::ObjectsFull { needed, room: parts.sizes.objects as u32 });
-        }
-        let at = slot as usize;
         if free > 0 {
-            parts.state.objects.free = parts.boxes.now.at(at).next_free();
+            parts.state.objects.free = parts.boxes.now.at(slot as usize).next_free();
         } else {
-            parts.state.objects.slots += 1;
+            self.check_room(slot)?;
+            self.parts.state.objects.slots += 1;
         }
+        self.fill_slot(slot, bounds)
+    }
+
+    fn check_room(&self, slot: u32) -> Result<(), Error> {
+        let room = self.parts.sizes.objects as u32;
+        if slot < room { Ok(()) } else { Err(Error::ObjectsFull { needed: u64::from(slot) + 1, room }) }
+    }
+
+    /// Takes a slot out of the chain of free ones.
+    fn unchain(&mut self, slot: u32) {
+        let Parts { state, boxes, .. } = &mut self.parts;
+        let next = boxes.now.at(slot as usize).next_free();
+        let mut at = state.objects.free;
+        if at == slot + 1 {
+            state.objects.free = next;
+            return;
+        }
+        // As many as there can be.
+        for _ in 0..state.objects.slots {
+            let before = (at as usize).wrapping_sub(1);
+            at = boxes.now.at(before).next_free();
+            if at == slot + 1 {
+                // The link stands in the box, which counts as another one.
+                return self.parts.objects().remove(before, next);
+            }
+        }
+    }
+
+    /// A new object in a slot that is free, and in no chain.
+    fn fill_slot(&mut self, slot: u32, bounds: KeyBox) -> Result<Id, Error> {
+        let (parts, at) = (&mut self.parts, slot as usize);
         parts.state.objects.live += 1;
         // After four billion objects in one slot an old id could match again. Zero is left out, so ids are never
         // zero.

@@ -8,7 +8,7 @@ import { Memory } from "./memory.js";
 /** Numbers of `trisap_status`. */
 export const STATUS = {
   OK: 0, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17,
-  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24, NO_MARGINS: 25,
+  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24, NO_MARGINS: 25, SLOT_TAKEN: 26,
 };
 /** Floats of a box. */
 export const BOX = 6;
@@ -216,6 +216,8 @@ export class Calls {
         });
       case STATUS.STALE_ID:
         throw new errors.StaleIdError(id ?? detail);
+      case STATUS.SLOT_TAKEN:
+        throw new errors.SlotTakenError(detail);
       case STATUS.OBJECTS_FULL:
         throw new errors.ObjectsFullError(Number(detail), this.capacity.objects);
       case STATUS.PAIRS_FULL:

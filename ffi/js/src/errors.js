@@ -41,6 +41,15 @@ export class StaleIdError extends TrisapError {
   }
 }
 
+/** The slot has an object. */
+export class SlotTakenError extends TrisapError {
+  constructor(id) {
+    super(`slot ${slotOf(id)} has the object ${id}`);
+    this.id = id;
+    this.slot = slotOf(id);
+  }
+}
+
 /** More objects than the capacity. */
 export class ObjectsFullError extends TrisapError {
   constructor(needed, capacity) {

@@ -142,6 +142,8 @@ export class World {
 
   /** Adds an object. In a world that has not lost any, slots are given out from 0 upwards. */
   insert(box: Box): Id;
+  /** The same in a slot that you name, which has to be free: so worlds agree on slots, as those of a server and its clients. */
+  insertAt(slot: number, box: Box): Id;
   /** Adds objects, all or none. Ids in the order of the boxes. */
   insertMany(boxes: Float32Array): BigUint64Array;
   /** Gives an object another box, checked at once. */
@@ -304,6 +306,11 @@ export class BadBoxError extends TrisapError {
   readonly slot: number | null;
   /** How many boxes were refused. */
   readonly count: number;
+}
+/** The slot has an object. */
+export class SlotTakenError extends TrisapError {
+  readonly id: Id;
+  readonly slot: number;
 }
 /** An id names no living object, or comes twice in a batch. */
 export class StaleIdError extends TrisapError {

@@ -94,10 +94,24 @@ export class World {
 
   insert(box) {
     const calls = this.#calls;
-    const ask = () => this.#module.trisap_world_insert(this.#world, calls.box(box, "insert"), calls.out);
+    const insert = this.#module.trisap_world_insert;
+    return this.#insert(box, () => insert(this.#world, calls.box(box, "insert"), calls.out), 2 * this.config.objects);
+  }
+
+  insertAt(slot, box) {
+    const calls = this.#calls;
+    if (slot >>> 0 !== slot) {
+      throw new errors.InvalidArgumentError("slot", "must be a whole number from 0 on");
+    }
+    const insert = this.#module.trisap_world_insert_at;
+    return this.#insert(box, () => insert(this.#world, slot, calls.box(box, "insertAt"), calls.out), slot + 1);
+  }
+
+  #insert(box, ask, room) {
+    const calls = this.#calls;
     let status = ask();
     if (status === STATUS.OBJECTS_FULL && this.config.grows) {
-      this.#grow(Math.max(FIRST, 2 * this.config.objects), 0);
+      this.#grow(Math.max(FIRST, room, 2 * this.config.objects), 0);
       status = ask();
     }
     calls.check(status, "insert");

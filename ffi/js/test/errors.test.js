@@ -72,6 +72,19 @@ test("ids of objects that are gone", async () => {
   assert.equal(world.idAt(1), null);
 });
 
+test("slots that are named", async () => {
+  const world = await createWorld({ objects: 4 });
+  const id = world.insertAt(2, [0, 0, 0, 1, 1, 1]);
+  assert.deepEqual([slotOf(id), world.idAt(2), world.size], [2, id, 1]);
+  assert.equal(slotOf(world.insert([0, 0, 0, 1, 1, 1])), 0);
+  refused(() => world.insertAt(2, [0, 0, 0, 1, 1, 1]), trisap.SlotTakenError, { id, slot: 2 });
+  refused(() => world.insertAt(9, [0, 0, 0, 1, 1, 1]), trisap.ObjectsFullError, { needed: 10, capacity: 4 });
+  refused(() => world.insertAt(-1, [0, 0, 0, 1, 1, 1]), trisap.InvalidArgumentError, { field: "slot" });
+  assert.equal(world.step().pairs.length, 2);
+  const growing = await createWorld({ objects: 4, grows: true });
+  assert.equal(slotOf(growing.insertAt(900, [0, 0, 0, 1, 1, 1])), 900);
+});
+
 test("capacities", async () => {
   const world = await createWorld({ objects: 8, pairs: 5 });
   world.insertMany(scatter(8, random(1), 0));

@@ -99,7 +99,10 @@ impl<'m, I: Index> Life<'m, '_, I> {
                     224..240 => draw::from_fixed(&self.header, &mut op.rng),
                     _ => draw::bad_box(&mut op.rng),
                 };
-                self.insert(aabb);
+                // In some cases at a slot, which there may not be.
+                let slot = op.argument % 4 == 3;
+                let slot = slot.then(|| op.rng.below(self.objects() as usize + 1) as u32);
+                self.insert(aabb, slot);
             }
             Kind::InsertMany => {
                 let mut boxes: Vec<Aabb> =
@@ -214,20 +217,24 @@ impl<'m, I: Index> Life<'m, '_, I> {
         self.checked.model_mut()
     }
 
-    fn insert(&mut self, aabb: Aabb) {
-        let live = self.checked.model().len() as u64;
-        let full = live == u64::from(self.objects());
-        let said = self.both(|world| world.insert(aabb));
-        match said {
-            Ok(id) => {
-                assert!(!full && aabb.is_valid());
-                self.born(id, aabb);
-            }
-            Err(error) if aabb.is_valid() => {
-                assert!(full);
-                assert_eq!(error, Error::ObjectsFull { needed: live + 1, room: self.objects() });
-            }
-            Err(error) => assert_eq!(error, Error::BadBox { index: 0 }),
+    fn insert(&mut self, aabb: Aabb, slot: Option<u32>) {
+        let (live, room) = (self.checked.model().len() as u64, self.objects());
+        let needed = slot.map_or(live, u64::from) + 1;
+        let expected = if !aabb.is_valid() {
+            Some(Error::BadBox { index: 0 })
+        } else if let Some(id) = slot.and_then(|slot| self.checked.model().id_at(slot)) {
+            Some(Error::SlotTaken { id })
+        } else {
+            (needed > u64::from(room)).then_some(Error::ObjectsFull { needed, room })
+        };
+        let said = self.both(|world| match slot {
+            Some(slot) => world.insert_at(slot, aabb),
+            None => world.insert(aabb),
+        });
+        assert_eq!(said.err(), expected);
+        if let Ok(id) = said {
+            assert!(slot.is_none_or(|slot| slot == id.slot()), "another slot");
+            self.born(id, aabb);
         }
     }
 

@@ -216,6 +216,7 @@ fn status(error: &Error) -> u64 {
         Error::OtherConfig { .. } => 23,
         Error::NoValues => 24,
         Error::NoMargins => 25,
+        Error::SlotTaken { .. } => 26,
         other => panic!("{other} is no answer to what a sequence does"),
     }
 }
@@ -227,7 +228,7 @@ fn detail(error: &Error) -> u64 {
         | Error::PairsFull { needed, .. }
         | Error::OutputFull { needed, .. } => needed,
         Error::BadBox { index } | Error::BadQuery { index } => u64::from(index),
-        Error::StaleId { id } => id.to_bits(),
+        Error::StaleId { id } | Error::SlotTaken { id } => id.to_bits(),
         Error::BadClass { class } => u64::from(class),
         Error::NoRoom { needed, .. } => u64::from(needed),
         Error::OtherConfig { field: Field::Mode } => 1,
