@@ -23,18 +23,35 @@ pub(crate) enum Command {
     ///
     /// The scene is a recording, a synthetic scene (--scene), or the recording that is built in. Synthetic scenes move
     /// boxes without a physics engine; for real motion, see `trisap record`.
+    #[command(after_long_help = WORDS)]
     Run(RunArgs),
+    /// Write a page that shows a scene in motion, boxes that overlap lit: for a browser, without a server.
+    View(ViewArgs),
     /// Print the overlapping pairs of one frame of a scene: `a b` a line, a < b, ascending.
     Pairs(PairsArgs),
     /// Record a rigid-body simulation.
     Record(RecordArgs),
     /// Print the bytes that a world needs.
     Layout(LayoutArgs),
-    /// Measure speed against error, and write a page with figures and the data beside it.
+    /// Measure how fast and how right trisap is here, and write a page with figures and the data beside it.
     ///
     /// Exit code 1 where a single pair is missed anywhere. The times are worth something where nothing else runs.
     Report(ReportArgs),
 }
+
+/// Of the report of `trisap run`.
+const WORDS: &str = "\
+Words of the report:
+  stages      intake: reads the boxes and sees who has moved. build: chooses the planes of the tree. fill: brings moved boxes to
+              their leaves. sweep: finds the pairs, leaf by leaf. results: sorts out pairs and events.
+  path        how a step found its pairs. unchanged: nobody has moved. lists: a small world, swept as one list. movers: few have
+              moved, and each was tested alone. movers by leaf: more have, and most pairs stay. full: all leaves were swept.
+              rebuilt: the same after new planes, as in the first step.
+  leaves      parts of space, each with some hundred objects.
+  copies      boxes that were also swept in leaves other than their own, as they reach into these.
+  candidates  pairs that overlap on one axis and were tested on the others. Few more than pairs is good.
+  surplus     pairs of boxes with their margins whose boxes do not overlap.
+  large       boxes that reach into so many leaves that they stand in a list of their own.";
 
 impl Command {
     /// What happens without a command.
@@ -88,10 +105,25 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Draw a frame, counted from 0, cut through its middle across the z axis: the leaves and planes of the tree, and the
-    /// boxes.
+    /// Draw a frame, counted from 0, cut through its middle across its thinnest axis: the leaves and planes of the tree, and
+    /// the boxes.
     #[arg(long, num_args = 2, value_names = ["FRAME", "FILE.svg"])]
     pub(crate) dump_svg: Option<Vec<String>>,
+}
+
+#[derive(Debug, Group)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// The most frames to show.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1 << 12))]
+    pub(crate) frames: u32,
+    /// The page to write.
+    #[arg(long, value_name = "FILE.html", default_value = "trisap-view.html")]
+    pub(crate) out: PathBuf,
+    /// Also open it in the browser.
+    #[arg(long)]
+    pub(crate) open: bool,
 }
 
 #[derive(Debug, Group)]
@@ -155,7 +187,7 @@ pub(crate) struct LayoutArgs {
 
 #[derive(Debug, Group)]
 pub(crate) struct ReportArgs {
-    /// Fewer and smaller scenes, all of them synthetic: less than a minute.
+    /// Fewer and smaller scenes, all of them synthetic: less than 45 seconds where nothing else runs.
     #[arg(long)]
     pub(crate) quick: bool,
     /// The folder for report.html, report.json, the tables as CSV, and the recordings that were made.
@@ -172,16 +204,16 @@ pub(crate) struct ReportArgs {
 /// The sections of a report, in their order on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SectionName {
-    Margins,
+    RealScenes,
     Scaling,
     Paper,
     Movers,
-    Parts,
     Threads,
+    Parts,
+    HardCases,
     Precision,
     Ties,
-    HardCases,
-    RealScenes,
+    Margins,
 }
 
 /// The most objects that a world can hold.

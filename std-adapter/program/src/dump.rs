@@ -1,5 +1,5 @@
-//! `trisap run --dump-svg`: draws a frame, cut through its middle across the z axis: the leaves of the tree, its planes, and
-//! the boxes.
+//! `trisap run --dump-svg`: draws a frame, cut through its middle across its thinnest axis: the leaves of the tree, its planes,
+//! and the boxes.
 
 use crate::setup::Engine;
 use crate::source::Source;
@@ -81,12 +81,14 @@ const STYLE: &str = "svg{background:#fff}rect,line{fill:none;vector-effect:non-s
 impl Scene {
     fn svg(&self) -> String {
         let (low, high) = extent(&self.boxes);
-        let cut = low[2] + (high[2] - low[2]) / 2.0;
         let view = View::new(low, high);
-        let is_cut = |bounds: &Aabb| bounds.min[2] <= cut && cut <= bounds.max[2];
+        let across = view.across;
+        let cut = low[across] + (high[across] - low[across]) / 2.0;
+        let is_cut = |bounds: &Aabb| bounds.min[across] <= cut && cut <= bounds.max[across];
         // A leaf ends where the next one begins.
         let holds = |cell: &Aabb| {
-            cell.min[2] <= cut && cut < cell.max[2] || cell.max[2] == f32::INFINITY && is_cut(cell)
+            cell.min[across] <= cut && cut < cell.max[across]
+                || cell.max[across] == f32::INFINITY && is_cut(cell)
         };
         let leaves: Vec<_> = self.leaves.iter().filter(|leaf| holds(&leaf.cell)).collect();
         let boxes: Vec<_> = self.boxes.iter().filter(|bounds| is_cut(bounds)).collect();
@@ -99,7 +101,8 @@ impl Scene {
         ));
         line(format!("<title>{}</title>", escaped(&self.title)));
         line(format!(
-            "<desc>Cut at z = {cut}: {} of {} leaves, {} of {} boxes.</desc>",
+            "<desc>Cut at {} = {cut}: {} of {} leaves, {} of {} boxes.</desc>",
+            NAMES[across],
             leaves.len(),
             self.leaves.len(),
             boxes.len(),
@@ -113,18 +116,14 @@ impl Scene {
             let class = if self.large.contains(bounds) { "large" } else { "box" };
             line(view.rect(class, bounds, &format!("{:?} to {:?}", bounds.min, bounds.max)));
         }
-        // A plane across z does not show.
-        for plane in self.planes.iter().filter(|plane| plane.axis < 2 && holds(&plane.cell)) {
-            let mut across = plane.cell;
-            across.min[plane.axis] = plane.position;
-            across.max[plane.axis] = plane.position;
-            let [x1, y1, x2, y2] = view.corners(&across);
-            let title = format!(
-                "<title>{} = {}, level {}</title>",
-                ["x", "y"][plane.axis],
-                plane.position,
-                plane.depth
-            );
+        // A plane along the cut does not show.
+        for plane in self.planes.iter().filter(|plane| plane.axis != across && holds(&plane.cell)) {
+            let mut flat = plane.cell;
+            flat.min[plane.axis] = plane.position;
+            flat.max[plane.axis] = plane.position;
+            let [x1, y1, x2, y2] = view.corners(&flat);
+            let title =
+                format!("<title>{} = {}, level {}</title>", NAMES[plane.axis], plane.position, plane.depth);
             line(format!(r#"<line class="plane" x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}">{title}</line>"#));
         }
         line("</svg>".into());
@@ -149,8 +148,14 @@ fn extent(boxes: &[Aabb]) -> ([f32; 3], [f32; 3]) {
     (low, high)
 }
 
-/// From the scene to the picture, whose y axis points down.
+const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// From the scene to the picture, whose second axis points down.
 struct View {
+    /// The axis that is cut: the thinnest one, the last of equal ones.
+    across: usize,
+    /// Those that are drawn, to the right and upwards.
+    axes: [usize; 2],
     low: [f32; 3],
     high: [f32; 3],
     scale: f32,
@@ -159,19 +164,23 @@ struct View {
 
 impl View {
     fn new(low: [f32; 3], high: [f32; 3]) -> Self {
-        let sides = [high[0] - low[0], high[1] - low[1]];
+        let side = |k: usize| high[k] - low[k];
+        let across = if side(2) <= side(0).min(side(1)) { 2 } else { usize::from(side(1) <= side(0)) };
+        let axes = [[1, 2], [0, 2], [0, 1]][across];
+        let sides = axes.map(side);
         let scale = SIZE / sides[0].max(sides[1]).max(f32::MIN_POSITIVE);
         // Something to see also of a flat scene.
         let size = sides.map(|side| (side * scale).max(1.0));
-        Self { low, high, scale, size }
+        Self { across, axes, low, high, scale, size }
     }
 
     /// Left, top, right, bottom; what reaches beyond the scene is cut off.
     fn corners(&self, bounds: &Aabb) -> [f32; 4] {
         let at = |x: f32, k: usize| x.clamp(self.low[k], self.high[k]);
-        let x = |x: f32| (at(x, 0) - self.low[0]) * self.scale;
-        let y = |y: f32| (self.high[1] - at(y, 1)) * self.scale;
-        [x(bounds.min[0]), y(bounds.max[1]), x(bounds.max[0]), y(bounds.min[1])]
+        let [right, up] = self.axes;
+        let x = |x: f32| (at(x, right) - self.low[right]) * self.scale;
+        let y = |y: f32| (self.high[up] - at(y, up)) * self.scale;
+        [x(bounds.min[right]), y(bounds.max[up]), x(bounds.max[right]), y(bounds.min[up])]
     }
 
     fn rect(&self, class: &str, bounds: &Aabb, title: &str) -> String {

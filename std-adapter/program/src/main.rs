@@ -21,6 +21,7 @@ mod split;
 mod stopwatch;
 mod summary;
 mod tally;
+mod view;
 
 use clap::Parser;
 use std::io;
@@ -35,6 +36,7 @@ enum Outcome {
 fn main() -> ExitCode {
     let result = match args::Args::parse().command.unwrap_or_else(args::Command::shipped) {
         args::Command::Run(args) => run::run(&args),
+        args::Command::View(args) => view::view(&args),
         args::Command::Pairs(args) => pairs::pairs(&args),
         args::Command::Record(args) => record::record(&args),
         args::Command::Layout(args) => layout::layout(&args),

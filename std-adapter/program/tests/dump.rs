@@ -39,17 +39,21 @@ fn a_frame_is_drawn() -> Result {
             world.step_over(boxes(number)?)?;
         }
         let boxes: Vec<_> = (0..1000).filter_map(|slot| boxes(frame).ok()?.get(slot)).collect();
-        let low = boxes.iter().map(|aabb| aabb.min[2]).fold(f32::INFINITY, f32::min);
-        let high = boxes.iter().map(|aabb| aabb.max[2]).fold(f32::NEG_INFINITY, f32::max);
-        let cut = low + (high - low) / 2.0;
-        let is_cut = |min: [f32; 3], max: [f32; 3]| min[2] <= cut && cut <= max[2];
+        let low = [0, 1, 2].map(|k| boxes.iter().map(|aabb| aabb.min[k]).fold(f32::INFINITY, f32::min));
+        let high = [0, 1, 2].map(|k| boxes.iter().map(|aabb| aabb.max[k]).fold(f32::NEG_INFINITY, f32::max));
+        // Across the thinnest axis.
+        let side = |k: &usize| high[*k] - low[*k];
+        let thin = [2, 1, 0].into_iter().min_by(|a, b| side(a).total_cmp(&side(b))).ok_or("an axis")?;
+        let cut = low[thin] + (high[thin] - low[thin]) / 2.0;
+        let is_cut = |min: [f32; 3], max: [f32; 3]| min[thin] <= cut && cut <= max[thin];
         let expected = boxes.iter().filter(|aabb| is_cut(aabb.min, aabb.max)).count();
         assert!(expected > 10 && expected < 1000);
         assert_eq!(of("box") + of("large"), expected);
         let leaves = world.leaves().filter(|leaf| is_cut(leaf.cell.min, leaf.cell.max)).count();
         assert!(leaves > 1);
         assert_eq!(of("leaf"), leaves);
-        let planes = world.planes().filter(|plane| plane.axis < 2 && is_cut(plane.cell.min, plane.cell.max));
+        let planes =
+            world.planes().filter(|plane| plane.axis != thin && is_cut(plane.cell.min, plane.cell.max));
         assert_eq!(of("plane"), planes.count());
 
         // Everything is inside of the picture.

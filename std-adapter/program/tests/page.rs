@@ -126,7 +126,7 @@ fn every_figure_is_drawn_and_labelled() -> Result {
         }
     }
     assert!(all.windows(2).all(|two| two[0] == two[1]));
-    assert!(all[0].len() >= 18, "figures are missing: {:?}", all[0]);
+    assert!(all[0].len() >= 14, "figures are missing: {:?}", all[0]);
     let plain = folder.path().join("plain.html");
     fs::write(&plain, page.replace("</style>", "p, nav, details { display: none; }</style>"))?;
     screenshot(&plain)

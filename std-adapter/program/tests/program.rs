@@ -255,16 +255,16 @@ fn a_report_is_a_page_and_its_data() -> Result {
         ids.push(id);
     }
     let all = [
-        "margins",
+        "real_scenes",
         "scaling",
         "paper",
         "movers",
-        "parts",
         "threads",
+        "parts",
+        "hard_cases",
         "precision",
         "ties",
-        "hard_cases",
-        "real_scenes",
+        "margins",
     ];
     assert_eq!(ids, all);
     // Something was compared in every section that measures on its own, and nothing was wrong.
@@ -306,7 +306,7 @@ fn a_report_has_the_sections_that_were_asked_for() -> Result {
         serde_json::from_str(&fs::read_to_string(folder.path().join("report.json"))?)?;
     let sections = report["sections"].as_array().ok_or("no sections")?;
     let ids: Vec<_> = sections.iter().map(|section| &section["id"]).collect();
-    assert_eq!(ids, ["ties", "hard_cases"]);
+    assert_eq!(ids, ["hard_cases", "ties"]);
     assert!(!folder.path().join("movers.csv").exists());
     Ok(())
 }
@@ -365,5 +365,22 @@ fn the_shipped_recording_is_sound() -> Result {
         frames += 1;
     }
     assert_eq!(frames, 40);
+    Ok(())
+}
+
+#[test]
+fn a_page_shows_a_scene_without_anything_else() -> Result {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("view.html");
+    let out = file.to_str().ok_or("a path that is no text")?;
+    stdout(&["view", "--scene", "pile", "-n", "300", "--frames", "4", "--out", out])?;
+    let page = fs::read_to_string(&file)?;
+    for other in ["src=", "url(", "@import", "<link", "{data}", "{pairs}", "{up}"] {
+        assert!(!page.contains(other), "the page needs something else: {other}");
+    }
+    // Four frames of 13 bytes a box, in letters.
+    assert!(page.len() > 4 * 300 * 13 / 3 * 4);
+    let many = ["view", "--scene", "pile", "-n", "5000000", "--frames", "4000", "--out", out];
+    assert!(refused(&many)?.contains("take --frames 1 or fewer boxes"));
     Ok(())
 }

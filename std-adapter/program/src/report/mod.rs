@@ -1,4 +1,4 @@
-//! `trisap report`: measures speed against error and writes it down as a page and as data.
+//! `trisap report`: measures how fast and how right trisap is here, and writes it down as a page and as data.
 //!
 //! Each experiment is a file that turns the [`Lab`] into a [`Section`]; nothing but [`measure`] takes the time of a step.
 
@@ -35,8 +35,10 @@ use clap::ValueEnum;
 use files::Data;
 use lab::Lab;
 use machine::Machine;
+use page::Answer;
 use plan::Plan;
 use result::{Section, Verdict};
+use sizes::Size;
 use std::fs;
 
 pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
@@ -51,13 +53,14 @@ pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
     if lab.plan.recorded {
         lab.record_all()?;
     }
-    let sections = sections(&lab, &args.sections)?;
+    let (sections, mut answer) = sections(&lab, &args.sections)?;
     lab.bar.finish_and_clear();
 
     let mut sum = Verdict::default();
     sections.iter().for_each(|section| sum.add(section.verdict));
+    answer.push((grouped(sum.misses), format!("misses in {} steps that were checked", grouped(sum.frames))));
     let (machine, plan) = (Machine::this(), lab.plan.name);
-    files::write(&args.out, "report.html", &page::page(&machine, plan, &sections, &sum)?)?;
+    files::write(&args.out, "report.html", &page::page(&machine, plan, &answer, &sections, &sum)?)?;
     files::write_data(&args.out, &Data { machine: &machine, plan, verdict: sum, sections: &sections })?;
     println!(
         "wrote {}; {} steps compared, {} misses, {} other faults",
@@ -69,8 +72,8 @@ pub(crate) fn report(args: &ReportArgs) -> Result<Outcome> {
     Ok(if sum.is_good() { Outcome::Good } else { Outcome::CheckFailed })
 }
 
-/// The sections that were asked for; without a wish, all.
-fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
+/// The sections that were asked for; without a wish, all. And what the page begins with.
+fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<(Vec<Section>, Answer)> {
     let is_wanted = |name: &SectionName| wanted.is_empty() || wanted.contains(name);
     let names: Vec<SectionName> = SectionName::value_variants().iter().copied().filter(is_wanted).collect();
     let needs_sizes =
@@ -78,8 +81,8 @@ fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
     let sizes = if names.iter().any(needs_sizes) { sizes::sizes(lab)? } else { Vec::new() };
     let section = |name| match name {
         SectionName::Margins => margins::margins(lab),
-        SectionName::Scaling => Ok(scaling::scaling(lab, &sizes)),
-        SectionName::Paper => Ok(paper::paper(lab, &sizes)),
+        SectionName::Scaling => Ok(scaling::scaling(&sizes)),
+        SectionName::Paper => Ok(paper::paper(&sizes)),
         SectionName::Movers => movers::movers(lab),
         SectionName::Parts => parts::parts(lab),
         SectionName::Threads => threads::threads(lab),
@@ -88,5 +91,22 @@ fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<Vec<Section>> {
         SectionName::HardCases => hard_cases::hard_cases(lab),
         SectionName::RealScenes => real_scenes::real_scenes(lab),
     };
-    names.into_iter().map(section).collect()
+    let mut made = names.into_iter().map(section).collect::<Result<Vec<_>>>()?;
+    if let Some(first) = made.first_mut() {
+        first.text.push(lab.origin().into());
+    }
+    Ok((made, sizes::middle(&sizes).map(answer).unwrap_or_default()))
+}
+
+/// What somebody wants to know first.
+fn answer(size: &Size) -> Answer {
+    let (time, pairs) = (size.best().median, size.best().pairs_per_object() * f64::from(size.count));
+    let times = size.as_printed.median / time;
+    let answer = [
+        (grouped(size.count.into()), "boxes, all of which move"),
+        (format!("{time:.2} ms"), "a step on one thread"),
+        (grouped(pairs as u64), "pairs in each step"),
+        (format!("{times:.0} times"), "as fast as the method of the paper"),
+    ];
+    answer.map(|(number, of)| (number, of.to_owned())).into()
 }

@@ -2,7 +2,7 @@
 
 use super::chart;
 use super::machine::Machine;
-use super::result::{Figure, Section, Table, Value, Verdict};
+use super::result::{Bars, Figure, Section, Table, Value, Verdict};
 use crate::figures::grouped;
 use anyhow::Result;
 use std::fmt::Write;
@@ -10,18 +10,35 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("page.css");
 
 /// Tables of more rows are folded up.
-const OPEN_ROWS: usize = 24;
+const OPEN_ROWS: usize = 12;
 
-pub(super) fn page(machine: &Machine, plan: &str, sections: &[Section], sum: &Verdict) -> Result<String> {
+/// The answer in five numbers: each with what it is of.
+pub(super) type Answer = Vec<(String, String)>;
+
+pub(super) fn page(
+    machine: &Machine,
+    plan: &str,
+    answer: &Answer,
+    sections: &[Section],
+    sum: &Verdict,
+) -> Result<String> {
     let mut html = String::new();
     write!(
         html,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>trisap: speed against error</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <h1>trisap: speed against error</h1>\n"
+         <title>trisap: the report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <h1>How fast is trisap here, and is it right?</h1>\n"
     )?;
-    writeln!(html, "<p>{} The {} report.</p>", escaped(&machine.to_string()), escaped(plan))?;
+    html.push_str("<ul class=\"answer\">\n");
+    for (number, of) in answer {
+        writeln!(html, "<li><b>{}</b> {}</li>", escaped(number), escaped(of))?;
+    }
+    writeln!(
+        html,
+        "</ul>\n<p>{} The {plan} report; times are worth something where nothing else runs.</p>",
+        escaped(&machine.to_string())
+    )?;
     writeln!(html, "<p>{}</p>", verdict(sum))?;
     html.push_str("<nav><ul>\n");
     for section in sections {
@@ -38,10 +55,13 @@ pub(super) fn page(machine: &Machine, plan: &str, sections: &[Section], sum: &Ve
 fn section(html: &mut String, section: &Section) -> Result<()> {
     writeln!(html, "<section id=\"{}\">\n<h2>{}</h2>", section.id, escaped(section.title))?;
     for paragraph in &section.text {
-        writeln!(html, "<p>{}</p>", escaped(paragraph))?;
+        writeln!(html, "<p>{}</p>", marked(paragraph))?;
     }
     if section.verdict.frames > 0 {
         writeln!(html, "<p>{}</p>", verdict(&section.verdict))?;
+    }
+    for bars in &section.bars {
+        self::bars(html, bars)?;
     }
     if !section.figures.is_empty() {
         html.push_str("<div class=\"figures\">\n");
@@ -72,15 +92,34 @@ fn verdict(sum: &Verdict) -> String {
     }
 }
 
+/// Drawn by the page itself: it has as much room as there is.
+fn bars(html: &mut String, bars: &Bars) -> Result<()> {
+    writeln!(html, "<h3>{} <small>{}</small></h3>\n<ul class=\"bars\">", escaped(&bars.title), bars.note)?;
+    let most = bars.bars.iter().map(|(_, number)| *number).fold(f64::MIN_POSITIVE, f64::max);
+    for (name, number) in &bars.bars {
+        let (share, decimals) = (100.0 * number / most, bars.decimals);
+        let name = escaped(name);
+        writeln!(
+            html,
+            "<li>{name}<span><i style=\"width:{share:.1}%\"></i></span><b>{number:.decimals$} {}</b></li>",
+            bars.unit
+        )?;
+    }
+    html.push_str("</ul>\n");
+    Ok(())
+}
+
 fn figure(html: &mut String, figure: &Figure) -> Result<()> {
-    writeln!(html, "<figure>\n<figcaption>{}</figcaption>", escaped(&figure.title))?;
-    let names: Vec<_> = figure.series.iter().map(|series| series.name.as_str()).collect();
+    let title = escaped(&figure.title);
+    writeln!(html, "<figure>\n<figcaption>{title} <small>{}</small></figcaption>", figure.note)?;
+    let named = || figure.series.iter().filter(|series| !series.name.is_empty());
+    let names: Vec<_> = named().map(|series| series.name.as_str()).collect();
     let label = format!("{}: {} over {}; {}", figure.title, figure.y.label, figure.x.label, names.join(", "));
     let svg = chart::draw(figure)?;
     let attributes = format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(&label));
     writeln!(html, "{}", sized_by_the_page(&svg.replacen("<svg ", &attributes, 1)))?;
     html.push_str("<ul class=\"legend\">\n");
-    for series in &figure.series {
+    for series in named() {
         let class = if series.reference { "reference" } else { "measured" };
         writeln!(
             html,
@@ -142,6 +181,14 @@ fn class(text: bool) -> &'static str {
     if text { " class=\"text\"" } else { "" }
 }
 
+/// With what stands between backticks as code.
+fn marked(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    parts
+        .map(|(at, part)| if at % 2 == 1 { format!("<code>{}</code>", escaped(part)) } else { escaped(part) })
+        .collect()
+}
+
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -160,6 +207,11 @@ mod tests {
             }
             assert!(STYLE.contains(&format!("--c{at}: {};", hex.to_lowercase())), "{hex}");
         }
+    }
+
+    #[test]
+    fn backticks_become_code() {
+        assert_eq!(marked("with `a<b` on"), "with <code>a&lt;b</code> on");
     }
 
     #[test]

@@ -65,7 +65,7 @@ impl Plan {
             distant_boxes: 1000,
             frames: 6,
             recorded: false,
-            budget: Duration::from_millis(60),
+            budget: Duration::from_millis(40),
             ..Self::full()
         }
     }

@@ -151,6 +151,7 @@ pub(super) fn precision(lab: &Lab) -> Result<Section> {
     }
     section.figures.push(Figure {
         title: "Surplus by rounding".into(),
+        note: "lower is better; dashed: not trisap's rounding",
         x: Axis::logarithmic("distance from the origin (edges)"),
         y: Axis::linear("surplus pairs (%)"),
         series,

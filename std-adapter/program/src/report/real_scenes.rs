@@ -3,14 +3,14 @@
 
 use super::lab::Lab;
 use super::measure::{compare, roomier};
-use super::result::{Axis, Figure, Section, Series, Table, Value, Verdict, milliseconds, percent};
+use super::result::{Bars, Section, Table, Value, Verdict, milliseconds, percent};
 use crate::check;
 use crate::drive::Pairs;
 use crate::figures::median;
 use crate::setup::fits_u16;
 use anyhow::Result;
 use std::time::Instant;
-use trisap::scene::real::{Ground, Kind, Scene, Setup};
+use trisap::scene::real::{Kind, Scene, Setup};
 use trisap::{Boxes, Capacity, Config, Index, Mode, OwnedWorld, Stats, World};
 
 /// Frames of a scene, and those at its end that a fresh world is stepped through too: after all that is sudden.
@@ -19,21 +19,6 @@ const LAST: u32 = 12;
 
 /// The most boxes of a spawn, all of whose pairs overlap at first.
 const MOST_SPAWNED: u32 = 8000;
-
-const FIGURES: [(&str, &[Kind]); 4] = [
-    (
-        "A ground",
-        &[
-            Kind::Ground(Ground::None),
-            Kind::Ground(Ground::Pile),
-            Kind::Ground(Ground::Wide),
-            Kind::Ground(Ground::Infinite),
-        ],
-    ),
-    ("Sudden changes", &[Kind::Bullets, Kind::Spawn, Kind::Hitch]),
-    ("Places", &[Kind::Town, Kind::Level, Kind::Flat, Kind::Parking]),
-    ("Heaps and sizes", &[Kind::Pile, Kind::LogNormal, Kind::Grains]),
-];
 
 pub(super) fn real_scenes(lab: &Lab) -> Result<Section> {
     lab.expect(Kind::ALL.len());
@@ -47,12 +32,18 @@ pub(super) fn real_scenes(lab: &Lab) -> Result<Section> {
         title: "Scenes of games and simulations",
         text: vec![format!(
             "Each scene is stepped through once, in {FRAMES} frames; the times are those of single steps on one thread, and \
-             the first, which builds the tree, is left out. Dashed, and in the table: the times of a world that begins \
+             the first, which builds the tree, is left out. The table also has the times of a world that begins \
              {LAST} frames before the end. Where the old world takes longer, that comes from what it went through. \
              All boxes are given in every step."
         )],
-        figures: FIGURES.map(|(title, kinds)| figure(title, kinds, &runs)).into(),
-        tables: vec![table(&runs)],
+        bars: vec![Bars {
+            title: format!("Time of a step, {} boxes", lab.plan.objects),
+            unit: "ms",
+            note: "medians of one thread; lower is better",
+            decimals: 3,
+            bars: runs.iter().map(|run| (run.setup.kind.to_string(), run.old.median())).collect(),
+        }],
+        tables: vec![table(&runs), frames(&runs)],
         ..Section::default()
     };
     runs.iter().for_each(|run| section.verdict.add(run.verdict));
@@ -86,6 +77,11 @@ impl Life {
         self.stats = step.stats();
         self.times.push((f64::from(frame), time));
         Ok(())
+    }
+
+    /// The median time of all frames.
+    fn median(&self) -> f64 {
+        median(&self.times.iter().map(|(_, time)| *time).collect::<Vec<_>>())
     }
 
     /// The median time of the last frames.
@@ -141,27 +137,22 @@ fn play<I: Index>(setup: Setup, config: &Config) -> Result<Run> {
     Ok(run)
 }
 
-fn figure(title: &str, kinds: &[Kind], runs: &[Run]) -> Figure {
-    let mut series = Vec::new();
-    for (colour, kind) in kinds.iter().enumerate() {
-        for run in runs.iter().filter(|run| run.setup.kind == *kind) {
-            let name = kind.to_string();
-            let fresh = Series {
-                name: format!("{name}, a fresh world"),
-                points: run.fresh.times.clone(),
-                reference: true,
-                colour,
-            };
-            series.push(Series { name, points: run.old.times.clone(), reference: false, colour });
-            series.push(fresh);
+/// All steps of all scenes.
+fn frames(runs: &[Run]) -> Table {
+    let mut rows = Vec::new();
+    for Run { setup, old, fresh, .. } in runs {
+        for (frame, time) in &old.times {
+            let fresh = fresh.times.iter().find(|(number, _)| number == frame);
+            rows.push(vec![
+                Value::Text(setup.kind.to_string()),
+                Value::Number(*frame, 0),
+                milliseconds(*time),
+                fresh.map_or(Value::Missing, |(_, time)| milliseconds(*time)),
+            ]);
         }
     }
-    Figure {
-        title: title.into(),
-        x: Axis::linear("frame (number)"),
-        y: Axis::logarithmic("time per step (ms)"),
-        series,
-    }
+    let columns = vec!["scene", "frame", "step (ms)", "step of the fresh world (ms)"];
+    Table { id: "real_frames", title: "All steps".into(), columns, rows }
 }
 
 fn table(runs: &[Run]) -> Table {
@@ -188,7 +179,6 @@ fn table(runs: &[Run]) -> Table {
     };
     for Run { setup, old, fresh, verdict } in runs {
         let stats = &old.stats;
-        let all = median(&old.times.iter().map(|(_, time)| *time).collect::<Vec<_>>());
         let quotient = |number: u64, of: u64| match of {
             0 => Value::Missing,
             of => Value::Number(number as f64 / of as f64, 2),
@@ -196,7 +186,7 @@ fn table(runs: &[Run]) -> Table {
         table.rows.push(vec![
             setup.kind.name().into(),
             setup.count.into(),
-            milliseconds(all),
+            milliseconds(old.median()),
             milliseconds(old.late()),
             milliseconds(fresh.late()),
             percent(old.late() - fresh.late(), fresh.late()),
@@ -216,14 +206,6 @@ fn table(runs: &[Run]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_kind_is_in_one_figure() {
-        for kind in Kind::ALL {
-            let figures = FIGURES.iter().filter(|(_, kinds)| kinds.contains(&kind)).count();
-            assert_eq!(figures, 1, "{kind}");
-        }
-    }
 
     #[test]
     fn both_worlds_are_stepped_and_the_pairs_compared() -> Result<()> {

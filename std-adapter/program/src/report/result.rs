@@ -10,14 +10,28 @@ pub(super) struct Section {
     /// Paragraphs.
     pub(super) text: Vec<String>,
     #[serde(skip)]
+    pub(super) bars: Vec<Bars>,
+    #[serde(skip)]
     pub(super) figures: Vec<Figure>,
     pub(super) tables: Vec<Table>,
     pub(super) verdict: Verdict,
 }
 
-/// A chart.
+/// Bars side by side: one number for each thing.
+pub(super) struct Bars {
+    pub(super) title: String,
+    /// Of all numbers; and whether low or high ones are good.
+    pub(super) unit: &'static str,
+    pub(super) note: &'static str,
+    pub(super) decimals: usize,
+    pub(super) bars: Vec<(String, f64)>,
+}
+
+/// A chart of lines.
 pub(super) struct Figure {
     pub(super) title: String,
+    /// What dashes are, and whether low or high is good.
+    pub(super) note: &'static str,
     pub(super) x: Axis,
     pub(super) y: Axis,
     pub(super) series: Vec<Series>,
@@ -49,6 +63,7 @@ impl Axis {
 
 /// A line of a chart.
 pub(super) struct Series {
+    /// None where the legend says it elsewhere.
     pub(super) name: String,
     pub(super) points: Vec<(f64, f64)>,
     /// What is measured has a full line with dots; what it is compared with is dashed.

@@ -1,22 +1,20 @@
 //! Time per step against the number of objects.
 
-use super::lab::Lab;
 use super::measure::slope;
-use super::result::{Axis, Figure, Section, Series, Table, Value, milliseconds};
-use super::sizes::{Size, verdict};
+use super::result::{Axis, Bars, Figure, Section, Series, Table, Value, milliseconds};
+use super::sizes::{Size, middle, verdict};
 use trisap::Kernels;
 use trisap::scene::{Kind, Objects};
 
-pub(super) fn scaling(lab: &Lab, sizes: &[Size]) -> Section {
+pub(super) fn scaling(sizes: &[Size]) -> Section {
     let mut section = Section {
         id: "scaling",
-        title: "Time per step against the number of objects",
+        title: "How the time grows with the number of objects",
         text: vec![
-            "Every box is given in every step, and every step returns the exact set of pairs, on one thread. Dashed: the time \
-             in which the memory of this machine can be read and written as much as such a step has to at least (24 bytes a \
-             box and 8 bytes a pair), measured at each size."
+            "Every box is given in every step, and every step returns the exact set of pairs, on one thread and with the best \
+             kernels. Dashed, for the Brownian scene: the time in which this machine's memory can be read and written as \
+             much as a step has to at least (24 bytes a box and 8 bytes a pair), measured at each size."
                 .into(),
-            lab.origin().into(),
         ],
         verdict: verdict(sizes),
         ..Section::default()
@@ -28,32 +26,49 @@ pub(super) fn scaling(lab: &Lab, sizes: &[Size]) -> Section {
         rows: Vec::new(),
     };
     for objects in Objects::ALL {
-        for kind in Kind::ALL {
+        let mut series = Vec::new();
+        for (colour, kind) in Kind::ALL.into_iter().enumerate() {
             let of: Vec<&Size> =
                 sizes.iter().filter(|size| size.kind == kind && size.objects == objects).collect();
             let points = |time: &dyn Fn(&Size) -> f64| -> Vec<(f64, f64)> {
                 of.iter().map(|size| (f64::from(size.count), time(size))).collect()
             };
-            let mut series = Vec::new();
             for (at, kernels) in Kernels::all().enumerate() {
-                let points = points(&|size| size.measured[at].median);
                 slopes.rows.push(vec![
                     kind.name().into(),
                     objects.name().into(),
                     kernels.name().into(),
-                    Value::Number(slope(&points), 3),
+                    Value::Number(slope(&points(&|size| size.measured[at].median)), 3),
                 ]);
-                series.push(Series { name: kernels.name().into(), points, reference: false, colour: at });
             }
-            let limit = points(&|size| size.limit);
-            series.push(Series { name: "memory limit".into(), points: limit, reference: true, colour: 3 });
-            section.figures.push(Figure {
-                title: format!("{}, {}", kind.name(), objects.name()),
-                x: Axis::logarithmic("objects (number)"),
-                y: Axis::logarithmic("time per step (ms)"),
-                series,
-            });
+            let best = points(&|size| size.best().median);
+            series.push(Series { name: kind.name().into(), points: best, reference: false, colour });
+            if colour == 0 {
+                let points = points(&|size| size.limit);
+                series.push(Series {
+                    name: "reading and writing alone".into(),
+                    points,
+                    reference: true,
+                    colour: 3,
+                });
+            }
         }
+        section.figures.push(Figure {
+            title: format!("Time of a step, {}", objects.name().to_lowercase()),
+            note: "lower is better",
+            x: Axis::logarithmic("objects (number)"),
+            y: Axis::logarithmic("time per step (ms)"),
+            series,
+        });
+    }
+    if let Some(size) = middle(sizes) {
+        section.bars.push(Bars {
+            title: format!("What vectors gain: {} Brownian cubes, by instruction set", size.count),
+            unit: "ms",
+            note: "lower is better",
+            decimals: 3,
+            bars: size.measured.iter().map(|measured| (measured.name.clone(), measured.median)).collect(),
+        });
     }
     section.tables = vec![slopes, times(sizes)];
     section

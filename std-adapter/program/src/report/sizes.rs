@@ -71,6 +71,14 @@ fn size(lab: &Lab, kind: Kind, objects: Objects, clip: &Clip) -> Result<Size> {
     })
 }
 
+/// Brownian cubes of a middle size, which stand for all where there is one number.
+pub(super) fn middle(sizes: &[Size]) -> Option<&Size> {
+    let of = sizes.iter().filter(|size| size.kind == Kind::Brownian && size.objects == Objects::Cubes);
+    of.filter(|size| size.count <= MIDDLE).max_by_key(|size| size.count)
+}
+
+const MIDDLE: u32 = 16_000;
+
 /// What the checks of all of them say.
 pub(super) fn verdict(sizes: &[Size]) -> Verdict {
     let mut sum = Verdict::default();

@@ -2,7 +2,7 @@
 
 use super::clip::Clip;
 use super::lab::{Lab, exact};
-use super::result::{Section, Table, Value, Verdict, milliseconds};
+use super::result::{Bars, Section, Table, Value, Verdict, milliseconds};
 use crate::figures::median;
 use crate::setup::fits_u16;
 use crate::stopwatch::{StageTime, Stopwatch};
@@ -11,8 +11,6 @@ use std::time::{Duration, Instant};
 use trisap::scene::{Kind, Objects};
 use trisap::{Boxes, Config, Executor, Index, OwnedWorld, Rayon, Serial, Stage};
 
-/// Numbers of cores for which the speed-up is reckoned.
-const CORES: [u32; 3] = [8, 16, 64];
 /// Steps that are measured at most.
 const MOST_STEPS: usize = 300;
 
@@ -52,8 +50,6 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
             "A step on one thread and on two of rayon's, frame by frame in turn; Brownian cubes. The serial share is what \
              one thread spends outside the jobs that threads can share."
                 .into(),
-            "The second table reckons by Amdahl's law what more cores would give if memory kept pace; nobody has measured it."
-                .into(),
         ],
         ..Section::default()
     };
@@ -71,12 +67,7 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
         ],
         rows: Vec::new(),
     };
-    let mut reckoned = Table {
-        id: "cores",
-        title: "Reckoned from the serial share of a step".into(),
-        columns: vec!["boxes", "events", "serial share (%)", "8 cores", "16 cores", "64 cores"],
-        rows: Vec::new(),
-    };
+    let mut bars = Vec::new();
     lab.expect(2 * lab.plan.shared_sizes.len());
     for &count in &lab.plan.shared_sizes {
         let setup = lab.setup(Kind::Brownian, Objects::Cubes, count);
@@ -100,14 +91,19 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
                 ]);
             }
             if let Some(step) = stages.last() {
-                let mut row = vec![count.into(), events.into(), Value::Number(100.0 * step.serial, 1)];
-                let by_amdahl = |cores| 1.0 / (step.serial + (1.0 - step.serial) / f64::from(cores));
-                row.extend(CORES.map(|cores| Value::Number(by_amdahl(cores), 1)));
-                reckoned.rows.push(row);
+                let with = if events == "yes" { ", with events" } else { "" };
+                bars.push((format!("{count} boxes{with}"), step.speed_up()));
             }
         }
     }
-    section.tables = vec![measured, reckoned];
+    section.bars.push(Bars {
+        title: "Speed-up of a step by a second thread".into(),
+        unit: "times",
+        note: "higher is better; 1 is no gain",
+        decimals: 2,
+        bars,
+    });
+    section.tables.push(measured);
     Ok(section)
 }
 

@@ -36,6 +36,7 @@ pub(super) fn ties(sizes: &[Size]) -> Section {
             series.push(Series { name: kind.name().into(), points, reference: false, colour });
         }
         figures.push(Figure {
+            note: "lower is better",
             title: format!("Candidates that needed the f32 test, {}", objects.name().to_lowercase()),
             x: Axis::logarithmic("objects (number)"),
             y: Axis::linear("share of the candidates (%)"),

@@ -44,7 +44,11 @@ pub(super) fn cases() -> Vec<Case> {
             ]),
         ),
         exact("-0.0 against +0.0", "takes them as equal: the boxes touch", signed_zeros()),
-        exact("denormals", "compares them exactly", lattice(f32::from_bits(1), 3)),
+        exact(
+            "denormals",
+            "compares them exactly, one by one: the short records cannot tell them apart",
+            lattice(f32::from_bits(1), 3),
+        ),
         exact("touching faces, edges and corners", "counts them: boxes are closed", lattice(1.0, 1)),
         exact(
             "neighbours that overlap or miss each other by one step of f32",
