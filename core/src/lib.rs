@@ -53,7 +53,7 @@ pub use id::{Id, Index, Pair};
 pub use memory::layout::{Layout, layout};
 pub use memory::stats::{Path, Reason, Stats};
 pub use parallel::executor::{Executor, Serial, Stage};
-pub use query::{Among, Cast, Hit, Region};
+pub use query::{Among, Cast, Hit, Planes, Region, Side, Volume};
 pub use simd::kernels::Kernels;
 #[cfg(feature = "validate")]
 pub use snapshot::check::Invalid;

@@ -67,6 +67,54 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     unsafe { look(world, ask) }
 }
 
+/// `trisap_world_nearest` of each of `count` points of three numbers, the next one `stride` bytes behind the one before. `hits` has
+/// room for `room` hits for each: those of point `i` begin at `hits[i * room]`, and end with a null id where there are fewer. `jobs`
+/// may be null. The time is that of the single queries, divided by the workers.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_INVALID_ARGUMENT`. The hits, if anything was written to them, are null then.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_nearest_many(
+    world: *const trisap_world,
+    points: *const f32,
+    stride: usize,
+    count: usize,
+    condition: trisap_condition,
+    user: *mut c_void,
+    jobs: *const trisap_jobs,
+    hits: *mut trisap_hit,
+    room: usize,
+) -> trisap_status {
+    let ask = |call: &Look| {
+        let range = call.range();
+        // SAFETY: the caller's promise.
+        let points = unsafe { Items::new(points.cast::<[f32; 3]>(), stride, count, &range)? };
+        // SAFETY: the caller's promise.
+        let executor = unsafe { executor(jobs, NAME)? };
+        let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
+        // SAFETY: the caller's promise.
+        let mut hits = unsafe { border::Hits::new(hits, all, &range)? };
+        let world = call.world()?;
+        let condition = accepts(condition, user);
+        let among = condition.as_ref().map(|condition| world.among(condition));
+        let out = hits.as_options();
+        let outcome = in_blocks(&points, &mut [[0.0; 3]; BLOCK], Some, |start, points| {
+            let out = out.get_mut(start * room..(start + points.len()) * room).unwrap_or_default();
+            match &among {
+                Some(among) => among.nearest_many(points, &executor, out),
+                None => world.nearest_many(points, &executor, out),
+            }
+        });
+        if outcome.is_err() {
+            out.fill(None);
+        }
+        hits.settle();
+        outcome
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) }
+}
+
 /// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
 /// room for `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there
 /// are. `jobs` may be null. The time is that of the single queries, divided by the workers.

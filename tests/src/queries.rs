@@ -5,8 +5,9 @@ use crate::doing::On as _;
 use crate::model::Model;
 use crate::scenes::Rng;
 use crate::worlds::Setup;
+use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
-use trisap_core::{Aabb, Cast, Error, Hit, Id, Index, Region, World};
+use trisap_core::{Aabb, Cast, Error, Hit, Id, Index, Planes, Region, Side, Volume, World};
 
 /// A slot and a distance.
 pub type Near = (u32, f64);
@@ -256,9 +257,99 @@ pub fn ask_cast<I: Index>(world: &mut World<'_, I>, model: &Model, cast: &Cast, 
     );
 }
 
+/// A volume that counts how often it is asked.
+pub struct Counted<'v>(pub &'v dyn Volume, pub Cell<u64>);
+
+impl Volume for Counted<'_> {
+    fn side(&self, aabb: &Aabb) -> Side {
+        self.1.set(self.1.get() + 1);
+        self.0.side(aabb)
+    }
+}
+
+/// A ball around a segment, so far as bisection tells: a volume of the caller's own.
+pub struct Capsule {
+    /// The ends of the segment.
+    pub ends: [[f32; 3]; 2],
+    /// The radius of the ball.
+    pub radius: f64,
+}
+
+impl Capsule {
+    fn at(&self, t: f64) -> [f32; 3] {
+        let [from, to] = self.ends;
+        [0, 1, 2].map(|k| (f64::from(from[k]) * (1.0 - t) + f64::from(to[k]) * t) as f32)
+    }
+}
+
+impl Volume for Capsule {
+    fn side(&self, aabb: &Aabb) -> Side {
+        // The square of the distance is convex along the segment.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            if squared(self.at(a), aabb) <= squared(self.at(b), aabb) { high = b } else { low = a }
+        }
+        let nearest = squared(self.at(low), aabb).min(squared(self.at(high), aabb)).sqrt();
+        // Boxes around many are told generously, as bisection of floats is not monotone.
+        if nearest <= self.radius {
+            Side::Across
+        } else if nearest > self.radius * 1.001 + 0.001 || aabb.max[0] - aabb.min[0] < 1.0 {
+            Side::Outside
+        } else {
+            Side::Across
+        }
+    }
+}
+
+/// Asks a world about a volume in every way.
+///
+/// # Panics
+/// If an answer is wrong, or what is inside is asked about one by one.
+pub fn ask_volume<I: Index>(world: &mut World<'_, I>, model: &Model, volume: &dyn Volume, setup: Setup) {
+    let world = &*world.set_kernels(setup.kernels);
+    let is_in = |aabb: &Aabb| volume.side(aabb) != Side::Outside;
+    let expected: Vec<u32> =
+        live(model.boxes()).filter(|(_, aabb)| is_in(aabb)).map(|(slot, _)| slot).collect();
+    let mut out = vec![None; expected.len()];
+    assert_eq!(world.within(volume, &mut out), Ok(expected.len()), "{setup:?}");
+    assert_eq!(slots(&out), expected, "{setup:?}");
+    let some = |id: Id| !id.slot().is_multiple_of(3);
+    let count = world.among(some).within(volume, &mut out).expect("room for more");
+    assert!(slots(&out[..count]).into_iter().eq(expected.iter().copied().filter(|slot| slot % 3 != 0)));
+    if let Some((_, less)) = out.split_first_mut() {
+        let full = Error::OutputFull { needed: expected.len() as u64, room: less.len() };
+        assert_eq!(world.within(volume, less), Err(full));
+    }
+    let mut visited = 0;
+    let mut each = |_| {
+        visited += 1;
+        if visited < 3 { Continue(()) } else { Break(()) }
+    };
+    world.visit_within(volume, &mut each);
+    assert_eq!(visited, expected.len().min(3), "a visitor can stop");
+}
+
+/// Planes near a box, through corners of it or beside it.
+fn any_planes(aabb: &Aabb, rng: &mut Rng) -> Vec<[f64; 4]> {
+    let count = rng.below(7);
+    let plane = |_| {
+        let (at, mut normal) = (any_point(aabb, rng), rng.point(-1.0, 1.0));
+        if rng.once_in(2) {
+            normal = normal.map(f32::round);
+        }
+        let [x, y, z] = normal.map(f64::from);
+        let distance = x * f64::from(at[0]) + y * f64::from(at[1]) + z * f64::from(at[2]);
+        [x, y, z, distance + f64::from([0.0, rng.between(-0.5, 9.0)][rng.below(2)])]
+    };
+    (0..count).map(plane).collect()
+}
+
 /// Queries near the boxes of a model.
 #[derive(Clone, Debug, Default)]
 pub struct Questions {
+    /// For what is between planes.
+    pub planes: Vec<Vec<[f64; 4]>>,
     /// For overlaps.
     pub regions: Vec<Region>,
     /// For rays and moving boxes.
@@ -276,6 +367,7 @@ impl Questions {
         for _ in 0..count {
             let aabb = any_box(&boxes, rng);
             questions.regions.push(any_region(&aabb, rng));
+            questions.planes.push(any_planes(&aabb, rng));
             let target = any_box(&boxes, rng);
             questions.casts.push(any_cast(&aabb, &target, rng));
             let far = [[1e30, -1e30, 0.0], [f32::MAX; 3], [0.0, -f32::MAX, 1e-40]][rng.below(3)];
@@ -292,6 +384,12 @@ impl Questions {
     pub fn ask<I: Index>(&self, world: &mut World<'_, I>, model: &Model, setup: Setup) {
         for region in &self.regions {
             ask_region(world, model, region, setup);
+        }
+        for planes in &self.planes {
+            ask_volume(world, model, &Planes(planes), setup);
+        }
+        if let [(from, _), (to, _), ..] = self.points[..] {
+            ask_volume(world, model, &Capsule { ends: [from, to], radius: 1.5 }, setup);
         }
         for cast in &self.casts {
             ask_cast(world, model, cast, setup);
@@ -321,6 +419,30 @@ impl Questions {
         among.first_hits(&self.casts, &jobs, &mut hits).expect("good casts and room");
         for (cast, hit) in self.casts.iter().zip(&hits) {
             assert_eq!(among.first_hit(cast), Ok(*hit), "{setup:?} {cast:?} among some");
+        }
+
+        let points: Vec<[f32; 3]> = self.points.iter().map(|(point, _)| *point).collect();
+        for count in [0, 1, 5] {
+            let mut all = vec![
+                Some(Hit { id: Id::from_bits(1 << 32).expect("an id"), distance: 0.0 });
+                count * points.len()
+            ];
+            world.nearest_many(&points, &jobs, &mut all).expect("good points");
+            let (mut one, mut few) = (vec![None; count], vec![None; count * points.len()]);
+            among.nearest_many(&points, &jobs, &mut few).expect("good points");
+            for (at, point) in points.iter().enumerate() {
+                let found = world.nearest(*point, &mut one).expect("a good point");
+                assert_eq!(all[at * count..][..found], one[..found], "{setup:?} {point:?}");
+                assert!(all[at * count..][found..count].iter().all(Option::is_none));
+                let found = among.nearest(*point, &mut one).expect("a good point");
+                assert_eq!(few[at * count..][..found], one[..found], "{setup:?} {point:?} among some");
+            }
+        }
+        if let Some(last) = points.len().checked_sub(1) {
+            let mut bad = points.clone();
+            bad[last][1] = f32::NAN;
+            let refused = Err(Error::BadQuery { index: last as u32 });
+            assert_eq!(world.nearest_many(&bad, &jobs, &mut []), refused);
         }
 
         let regions = self.regions.len();

@@ -1,11 +1,11 @@
 //! Queries in every state that a world can be in: the answers are those of the boxes as they are at that moment.
 
-use trisap_core::{Aabb, Boxes, Cast, Config, Error, Hit, Index, Margin, Mode, Region, World};
+use trisap_core::{Aabb, Boxes, Cast, Config, Error, Hit, Index, Margin, Mode, Planes, Region, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::doing::On as _;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
-use trisap_tests::queries::{Near, Questions, ask_cast, ask_nearest, ask_region};
+use trisap_tests::queries::{Counted, Near, Questions, ask_cast, ask_nearest, ask_region, ask_volume};
 use trisap_tests::scenes::{self, Rng, cube, shifted};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
@@ -179,6 +179,70 @@ fn every_scene_answers() {
                 world.step(setup);
                 ask(&mut world, &mut Rng::new(calm), setup);
             }
+        }
+    }
+}
+
+/// A frustum along the diagonal of 100,000 boxes: objects in nodes that are inside are not asked about.
+#[test]
+fn what_is_in_a_frustum_is_taken_whole() {
+    let rng = &mut Rng::new(7);
+    let cube = |_| {
+        let low = rng.point(0.0, 200.0);
+        Aabb::new(low, low.map(|x| x + 1.0))
+    };
+    let boxes: Vec<Aabb> = (0..100_000).map(cube).collect();
+    let config = Config::new(ample(boxes.len(), 2 * boxes.len()));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    world.insert_many(&boxes);
+    world.step(Setup::REFERENCE);
+    // From the origin along (1, 1, 1), half a radian to each side.
+    let (forward, up, right) = (3f64.sqrt().recip(), 6f64.sqrt().recip(), 2f64.sqrt().recip());
+    let (sin, cos) = (0.5f64.sin(), 0.5f64.cos());
+    let side = |[x, y, z]: [f64; 3]| {
+        let normal = [x, y, z].map(|part| part * cos - forward * sin);
+        [normal[0], normal[1], normal[2], 0.0]
+    };
+    let planes = [
+        side([-up, -up, 2.0 * up]),
+        side([up, up, -2.0 * up]),
+        side([right, -right, 0.0]),
+        side([-right, right, 0.0]),
+        [forward, forward, forward, 200.0],
+        [-forward, -forward, -forward, -0.1],
+    ];
+    let (world, model) = world.parts_mut();
+    ask_volume(world, model, &Planes(&planes), Setup::REFERENCE);
+    let counted = Counted(&Planes(&planes), Default::default());
+    let mut out = vec![None; boxes.len()];
+    let answers = world.within(&counted, &mut out).expect("room") as u64;
+    let asked = counted.1.get();
+    assert!(answers > 10_000 && asked * 10 <= answers * 18, "{asked} boxes for {answers} answers");
+}
+
+/// Where thousands hold the point, those that come too late are not measured.
+#[test]
+fn the_nearest_of_a_crowd_are_the_first_slots() {
+    for setup in Setup::each(&[Jobs::Serial]) {
+        let config = Config::new(ample(3000, 0));
+        let mut slab = Slab::new::<u16>(&config);
+        let mut world = Checked::<u16>::new(slab.world(&config));
+        let rng = &mut Rng::new(3);
+        let boxes: Vec<Aabb> = (0..3000)
+            .map(|_| {
+                let low = rng.point(-1.0, 0.1);
+                Aabb::new(low, low.map(|x| x + 1.0))
+            })
+            .collect();
+        world.insert_many(&boxes);
+        for _ in 0..2 {
+            let (asked, model) = world.parts_mut();
+            for count in [1, 8, 100] {
+                ask_nearest(asked, model, [0.0; 3], count, setup);
+                ask_nearest(asked, model, [0.05, 0.0, 0.5], count, setup);
+            }
+            world.try_step_over(&boxes, setup).expect_err("no room for the pairs");
         }
     }
 }

@@ -10,8 +10,8 @@ use crate::world::World;
 #[must_use = "does nothing until a query is asked"]
 #[derive(Clone, Copy)]
 pub struct Among<'w, 'm, C, I: Index = u32> {
-    world: &'w World<'m, I>,
-    condition: C,
+    pub(super) world: &'w World<'m, I>,
+    pub(super) condition: C,
 }
 
 /// Queries about some of the objects alone.
@@ -106,6 +106,19 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
         self.world.first_hits_of(casts, executor, out, Some(&self.condition))
+    }
+
+    /// See [`World::nearest_many`].
+    ///
+    /// # Errors
+    /// Those of [`World::nearest_many`].
+    pub fn nearest_many(
+        &self,
+        points: &[[f32; 3]],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        self.world.nearest_many_of(points, executor, out, Some(&self.condition))
     }
 
     /// See [`World::overlaps_many`].

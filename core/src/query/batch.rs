@@ -69,6 +69,46 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
+    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose rest is `None` where there
+    /// are fewer objects.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] for the first point that is not finite. Nothing is written then.
+    pub fn nearest_many(
+        &self,
+        points: &[[f32; 3]],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        self.nearest_many_of(points, executor, out, None)
+    }
+
+    /// The same of the objects that may answer.
+    pub(super) fn nearest_many_of(
+        &self,
+        points: &[[f32; 3]],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+        condition: Option<Shared<'_>>,
+    ) -> Result<(), Error> {
+        check(points, |point| point.iter().all(|x| x.is_finite()))?;
+        out.fill(None);
+        let share = out.len() / points.len().max(1);
+        let out = out.span_mut(0, share * points.len());
+        let queue = BlockQueue::new(Chunks::new(out, QUERIES_PER_BLOCK * share));
+        executor::run(executor, QUERY_WORKERS, points.len().div_ceil(QUERIES_PER_BLOCK), &|| {
+            while let Some((block, out)) = queue.claim() {
+                let from = points.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
+                for (point, out) in from.iter().zip(out.chunks_mut(share.max(1))) {
+                    let condition = condition.map(|condition| condition as &dyn Fn(Id) -> bool);
+                    // The points are valid.
+                    let _ = self.nearest_of(*point, out, condition);
+                }
+            }
+        });
+        Ok(())
+    }
+
     /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how many
     /// objects overlap each region.
     ///

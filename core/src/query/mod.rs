@@ -9,6 +9,8 @@
 // In the order of use, in which the documentation lists the methods.
 mod region;
 
+mod volume;
+
 mod cast;
 
 mod nearest;
@@ -20,6 +22,7 @@ mod batch;
 pub use among::Among;
 pub use cast::{Cast, Hit};
 pub use region::Region;
+pub use volume::{Planes, Side, Volume};
 
 use crate::access::{Access, bits};
 use crate::geometry::aabb::narrowed;

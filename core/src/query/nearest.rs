@@ -100,6 +100,9 @@ trait Wanted {
     /// Beyond which squared distance nothing matters any more.
     fn limit(&self) -> f64;
 
+    /// Whether an object in a slot is none of the wanted ones, however near it is.
+    fn is_late(&self, slot: usize) -> bool;
+
     /// Takes an object within the limit, with its squared distance.
     fn offer(&mut self, id: Id, squared: f64);
 
@@ -126,17 +129,28 @@ impl Wanted for Best<'_> {
         }
     }
 
+    /// Where all wanted ones hold the point, later slots come later: that spares a look at crowds around it.
+    #[inline(always)]
+    fn is_late(&self, slot: usize) -> bool {
+        let last = self.heap.first().copied().flatten().filter(|_| self.count == self.heap.len());
+        last.is_some_and(|last| last.distance == 0.0 && slot > last.id.slot() as usize)
+    }
+
     #[inline(always)]
     fn offer(&mut self, id: Id, squared: f64) {
-        if !self.condition.is_none_or(|condition| condition(id)) {
+        let hit = Hit { id, distance: squared };
+        let has_room = self.count < self.heap.len();
+        // The condition is asked last: it may take longest.
+        if !has_room && !precedes(Some(hit), self.heap.first().copied().flatten())
+            || !self.condition.is_none_or(|condition| condition(id))
+        {
             return;
         }
-        let hit = Hit { id, distance: squared };
-        if self.count < self.heap.len() {
+        if has_room {
             self.heap.put(self.count, Some(hit));
             self.count += 1;
             sift_up(self.heap.span_mut(0, self.count), &precedes);
-        } else if precedes(Some(hit), self.heap.first().copied().flatten()) {
+        } else {
             self.heap.put(0, Some(hit));
             sift_down(self.heap, 0, &precedes);
         }
@@ -168,6 +182,11 @@ impl Wanted for Visitor<'_> {
     fn limit(&self) -> f64 {
         let far = self.far.max(0.0);
         far * far * (1.0 + 4.0 * f64::EPSILON)
+    }
+
+    #[inline(always)]
+    fn is_late(&self, _: usize) -> bool {
+        false
     }
 
     #[inline(always)]
@@ -220,6 +239,9 @@ fn visit_near<S: Simd, W: Wanted, I: Index>(
 ) -> W::Output {
     let parts = &world.parts;
     let offer = |wanted: &mut W, slot: usize| {
+        if wanted.is_late(slot) {
+            return;
+        }
         let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
         if let (true, Some(id)) = (squared <= wanted.limit(), world.id_of(slot)) {
             wanted.offer(id, squared);

@@ -140,25 +140,33 @@ impl<I: Index> World<'_, I> {
         out: &mut [Option<Id>],
         condition: impl Fn(Id) -> bool,
     ) -> Result<usize, Error> {
-        let mut count = 0;
-        self.visit_overlaps(region, &mut |id| {
-            if !condition(id) {
-                return ControlFlow::Continue(());
-            }
+        collected(out, &condition, |visit| self.visit_overlaps(region, visit))
+    }
+}
+
+/// Writes what is visited and may answer to `out`, by ascending slot. Returns how many there are.
+pub(super) fn collected(
+    out: &mut [Option<Id>],
+    condition: &dyn Fn(Id) -> bool,
+    look: impl FnOnce(&mut dyn FnMut(Id) -> ControlFlow<()>) -> Result<(), Error>,
+) -> Result<usize, Error> {
+    let mut count = 0;
+    look(&mut |id| {
+        if condition(id) {
             if let Some(place) = out.get_mut(count) {
                 *place = Some(id);
             }
             count += 1;
-            ControlFlow::Continue(())
-        })?;
-        if count > out.len() {
-            return Err(Error::OutputFull { needed: count as u64, room: out.len() });
         }
-        // Slots are the low half of an id, and no two ids here share one.
-        let slot = |id: Option<Id>| id.map_or(0, Id::slot);
-        heapsort(out.span_mut(0, count), |a, b| slot(a) < slot(b));
-        Ok(count)
+        ControlFlow::Continue(())
+    })?;
+    if count > out.len() {
+        return Err(Error::OutputFull { needed: count as u64, room: out.len() });
     }
+    // Slots are the low half of an id, and no two ids here share one.
+    let slot = |id: Option<Id>| id.map_or(0, Id::slot);
+    heapsort(out.span_mut(0, count), |a, b| slot(a) < slot(b));
+    Ok(count)
 }
 
 #[inline(always)]

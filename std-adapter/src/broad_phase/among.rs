@@ -3,7 +3,7 @@
 use super::BroadPhase;
 use core::hash::Hash;
 use core::ops::ControlFlow;
-use trisap_core::{Cast, Error, Executor, Hit, Id, Region, Serial};
+use trisap_core::{Cast, Error, Executor, Hit, Id, Region, Serial, Volume};
 
 /// Queries between two steps, about the boxes as they are now.
 impl<K: Copy + Eq + Hash> BroadPhase<K> {
@@ -113,6 +113,43 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         let mut hits = vec![None; count.min(self.len())];
         self.as_world().nearest(point, &mut hits)?;
         Ok(hits.into_iter().flatten().filter_map(|hit| self.named(hit)).collect())
+    }
+
+    /// [`nearest`](Self::nearest) to each point, on the workers that steps have.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`].
+    pub fn nearest_many(&self, points: &[[f32; 3]], count: usize) -> Result<Vec<Vec<(K, f64)>>, Error> {
+        let count = count.min(self.len());
+        let mut hits = vec![None; count * points.len()];
+        self.as_world().nearest_many(points, self.executor(), &mut hits)?;
+        let of =
+            |at: usize| hits[at * count..][..count].iter().filter_map(|hit| self.named((*hit)?)).collect();
+        Ok((0..points.len()).map(of).collect())
+    }
+
+    /// The keys whose boxes are inside a part of space of the caller's own, or across its border: see
+    /// [`trisap_core::World::visit_within`].
+    ///
+    /// ```
+    /// use trisap::{Aabb, BroadPhase, Planes};
+    ///
+    /// let mut broad_phase = BroadPhase::new();
+    /// broad_phase.insert("near", Aabb::from_center([1.0, 0.0, 0.0], [0.5; 3]))?;
+    /// broad_phase.insert("far", Aabb::from_center([9.0, 0.0, 0.0], [0.5; 3]))?;
+    /// // x <= 5, as one side of a frustum would be.
+    /// assert_eq!(broad_phase.within(&Planes(&[[1.0, 0.0, 0.0, 5.0]])), ["near"]);
+    /// # Ok::<(), trisap::Error>(())
+    /// ```
+    #[doc(alias("frustum", "cull"))]
+    #[must_use]
+    pub fn within(&self, volume: &dyn Volume) -> Vec<K> {
+        let mut keys = Vec::new();
+        self.as_world().visit_within(volume, &mut |id| {
+            keys.extend(self.key(id));
+            ControlFlow::Continue(())
+        });
+        keys
     }
 
     /// Asks queries as if there were only the boxes for whose keys a condition holds: without one's own, by filters, by

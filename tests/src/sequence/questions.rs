@@ -167,7 +167,7 @@ impl<I: Index> Life<'_, '_, I> {
             assert!(matches!(full, Ok(()) | Err(Error::OutputFull { .. })));
             self.say_hits(&hits);
             counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
-            let questions = Questions { regions, casts, points: Vec::new() };
+            let questions = Questions { regions, casts, ..Questions::default() };
             let other = self.setup(op);
             let (world, model) = self.checked.parts_mut();
             questions.ask(world, model, setup);
