@@ -11,6 +11,7 @@ mod memory;
 mod offer;
 mod once;
 mod owned;
+mod owners;
 #[cfg(feature = "rayon")]
 mod pool;
 #[cfg(feature = "recording")]
@@ -28,6 +29,7 @@ pub use broad_phase::{AmongKeys, BroadPhase, KeyedError, KeyedRule, KeyedStep, K
 pub use offer::Offer;
 pub use once::{Bounded, Pairs, Scratch, ScratchOn, pairs, pairs_between};
 pub use owned::OwnedWorld;
+pub use owners::Owners;
 #[cfg(feature = "rayon")]
 pub use pool::Rayon;
 #[cfg(feature = "rayon")]
