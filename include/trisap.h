@@ -508,6 +508,11 @@ typedef struct trisap_hit {
 /// farther, less than zero to stop. Calls that change the same world are refused as busy.
 typedef double (*trisap_visit_hit)(void *user, struct trisap_hit hit);
 
+/// How a box lies to a part of space of the caller's own: less than 0 if it is outside, and so is each box inside it; more than 0 if it
+/// is inside, and so is each box inside it; 0 if neither is certain: then it counts as touching. Asked about boxes of objects, and
+/// about boxes around many. Calls that change the same world are refused as busy.
+typedef int32_t (*trisap_side)(void *user, const struct trisap_aabb *aabb);
+
 /// A leaf of the tree.
 typedef struct trisap_leaf {
     /// The part of space whose minimum corners are at home in the leaf; infinite at the rim.
@@ -1230,6 +1235,34 @@ trisap_status trisap_world_nearest(const struct trisap_world *world,
                                    size_t *count)
 TRISAP_NOEXCEPT;
 
+/// Writes the objects whose boxes are on the inner side of all of `plane_count` planes, or touch it, to `ids`, which has room for `room`
+/// of them, by ascending slot, and their number to `count`: what is in a frustum, for instance. A plane is four numbers: a normal that
+/// points outward, and its distance along that. A box is outside if it is wholly beyond one plane, so that near edges and corners some
+/// boxes that are not quite inside count. Expected O(objects at the border + answers + movers since the last step).
+///
+/// Errors: `TRISAP_STATUS_OUTPUT_FULL`. The number is right then, and `ids` holds some of them.
+TRISAP_NODISCARD
+trisap_status trisap_world_within(const struct trisap_world *world,
+                                  const double *planes,
+                                  size_t plane_count,
+                                  trisap_condition condition,
+                                  void *user,
+                                  trisap_id *ids,
+                                  size_t room,
+                                  size_t *count)
+TRISAP_NOEXCEPT;
+
+/// Visits the objects whose boxes are inside a part of space of the caller's own or across its border, each once, until the visitor
+/// ends it: a capsule, an oriented box. `side_user` is passed to `side`, `user` to the visitor. Objects in nodes that are inside or
+/// outside are not asked about. Expected as `trisap_world_within`.
+TRISAP_NODISCARD
+trisap_status trisap_world_visit_within(const struct trisap_world *world,
+                                        trisap_side side,
+                                        void *side_user,
+                                        trisap_visit_id visit,
+                                        void *user)
+TRISAP_NOEXCEPT;
+
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
 /// `jobs` may be null. The time is that of the single queries, divided by the workers.
 ///
@@ -1244,6 +1277,23 @@ trisap_status trisap_world_first_hits(const struct trisap_world *world,
                                       void *user,
                                       const struct trisap_jobs *jobs,
                                       struct trisap_hit *hits)
+TRISAP_NOEXCEPT;
+
+/// `trisap_world_nearest` of each of `count` points of three numbers, the next one `stride` bytes behind the one before. `hits` has
+/// room for `room` hits for each: those of point `i` begin at `hits[i * room]`, and end with a null id where there are fewer. `jobs`
+/// may be null. The time is that of the single queries, divided by the workers.
+///
+/// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_INVALID_ARGUMENT`. The hits, if anything was written to them, are null then.
+TRISAP_NODISCARD
+trisap_status trisap_world_nearest_many(const struct trisap_world *world,
+                                        const float *points,
+                                        size_t stride,
+                                        size_t count,
+                                        trisap_condition condition,
+                                        void *user,
+                                        const struct trisap_jobs *jobs,
+                                        struct trisap_hit *hits,
+                                        size_t room)
 TRISAP_NOEXCEPT;
 
 /// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
@@ -1395,6 +1445,25 @@ TRISAP_NODISCARD
 trisap_status trisap_world_load(struct trisap_world *world,
                                 const void *snapshot,
                                 size_t bytes)
+TRISAP_NOEXCEPT;
+
+/// All pairs of boxes that overlap, each once, in no order, but the same for the same boxes: of `a`, by their positions, the lower one
+/// first; or, where `b` is not null, of a box of `a` and a box of `b`, by their positions in each. `jobs` may be null. O(n log n + pairs).
+///
+/// `memory` has `*bytes` bytes on a multiple of `trisap_world_align()`, in any state. While they do not suffice, or `memory` is null,
+/// the status is `TRISAP_STATUS_MEMORY_TOO_SMALL`, `*bytes` says how many will do for all that is known by then, and nothing is
+/// reported: two calls are enough, three where boxes have more than eight pairs each. The pairs stand in the memory, from `*pairs` on.
+///
+/// Errors: `TRISAP_STATUS_BAD_BOX`, with the position of the box in `*count`, where boxes of `b` count on from those of `a`; `TRISAP_STATUS_CAPACITY_TOO_LARGE` for more than
+/// 2^27 boxes or 2^32 pairs.
+TRISAP_NODISCARD
+trisap_status trisap_pairs(const struct trisap_boxes *a,
+                           const struct trisap_boxes *b,
+                           const struct trisap_jobs *jobs,
+                           void *memory,
+                           size_t *bytes,
+                           const struct trisap_pair **pairs,
+                           size_t *count)
 TRISAP_NOEXCEPT;
 
 #ifdef __cplusplus

@@ -304,6 +304,11 @@ template <class T> struct Answers {
     [[nodiscard]] const T &operator[](std::size_t index) const noexcept { return items[index]; }
 };
 
+/// A normal that points outward, and the distance of a plane along it: for `within`.
+struct HalfSpace {
+    double numbers[4];
+};
+
 /// Queries between two steps, about all objects (`World`) or about some (`World::among`).
 template <class Self> class Queries {
 public:
@@ -314,6 +319,29 @@ public:
         const Status status =
             trisap_world_overlaps(of.world, &region, of.condition, of.user, room.data(), room.size(), &count);
         return answers(status, room, count);
+    }
+
+    /// The objects on the inner side of planes, by ascending slot: what is in a frustum. Planes of four numbers: see `trisap_world_within`.
+    [[nodiscard]] Answers<Id> within(View<const HalfSpace> planes, View<Id> room) const noexcept {
+        const Choice of = choice();
+        std::size_t count = 0;
+        const double *first = planes.empty() ? nullptr : planes.data()->numbers;
+        const Status status = trisap_world_within(of.world, first, planes.size(), of.condition, of.user, room.data(),
+                                                  room.size(), &count);
+        return answers(status, room, count);
+    }
+
+    /// The nearest objects to each of some points, three numbers each. `hits` is shared out equally; a share ends with null ids where
+    /// there are fewer.
+    [[nodiscard]] Status nearest_many(View<const float> points, View<Hit> hits) const noexcept {
+        return nearest_many_with(points, hits, nullptr);
+    }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin>
+    [[nodiscard]] Status nearest_many(View<const float> points, View<Hit> hits, Jobs<ForkJoin> &jobs) const noexcept {
+        const trisap_jobs c = jobs.c();
+        return nearest_many_with(points, hits, &c);
     }
 
     /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
@@ -384,6 +412,14 @@ protected:
 
 private:
     [[nodiscard]] Choice choice() const noexcept { return static_cast<const Self *>(this)->choice(); }
+
+    [[nodiscard]] Status nearest_many_with(View<const float> points, View<Hit> hits, const trisap_jobs *jobs) const noexcept {
+        const Choice of = choice();
+        const std::size_t count = points.size() / 3;
+        const std::size_t room = count == 0 ? 0 : hits.size() / count;
+        return trisap_world_nearest_many(of.world, points.data(), 3 * sizeof(float), count, of.condition, of.user, jobs,
+                                         hits.data(), room);
+    }
 
     [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
                                             const trisap_jobs *jobs) const noexcept {
@@ -457,6 +493,45 @@ using Memory = std::unique_ptr<void, Free>;
 }
 
 } // namespace detail
+
+/// All pairs of boxes that are there once, into a vector of `Pair`: of `a`, or of a box of `a` and a box of `b` where `b` is not null.
+/// Nothing has to be set up: see `trisap_pairs`.
+template <class Vector>
+[[nodiscard]] Status pairs(const Boxes &a, Vector &found, const Boxes *b = nullptr, const trisap_jobs *jobs = nullptr,
+                           const Allocator &allocator = Allocator()) {
+    detail::Memory memory;
+    std::size_t bytes = 0, count = 0;
+    const Pair *first = nullptr;
+    for (;;) {
+        const Status status = trisap_pairs(&a, b, jobs, memory.get(), &bytes, &first, &count);
+        if (status != TRISAP_STATUS_MEMORY_TOO_SMALL) {
+            found.assign(first, first + (status == TRISAP_STATUS_OK ? count : 0));
+            return status;
+        }
+        memory.reset();
+        memory = detail::allocate(allocator, bytes);
+        if (memory == nullptr) {
+            return detail::refuse(TRISAP_STATUS_MEMORY_TOO_SMALL);
+        }
+    }
+}
+
+/// Whom an object belongs to, up to three numbers of yours: parts have their body, bullets who has shot them, a vertex, an edge or a
+/// triangle its vertices. Those that share one make no pair in
+/// `world.step_with_rule([&](auto a, auto b) { return are_apart(owners[a], owners[b]); })`.
+struct Owned {
+    static constexpr std::uint32_t nobody = 0xffffffff;
+    std::uint32_t by[3] = {nobody, nobody, nobody};
+
+    /// Whether two have no owner in common.
+    [[nodiscard]] friend bool are_apart(const Owned &a, const Owned &b) noexcept {
+        bool share = false;
+        for (const std::uint32_t owner : a.by) {
+            share |= (owner != nobody) & ((owner == b.by[0]) | (owner == b.by[1]) | (owner == b.by[2]));
+        }
+        return !share;
+    }
+};
 
 /// A world with memory of its own. Moves, but does not copy. Before `init`, every call is refused.
 ///
@@ -801,20 +876,22 @@ public:
         return view(status, result);
     }
 
+    /// Visits the objects whose boxes are inside a part of space of your own or across its border, each once. `side(aabb)` is less than
+    /// 0 for a box outside, more than 0 inside, else 0: see `trisap_side`. A visitor that returns false ends it.
+    template <class Side, class Visit> [[nodiscard]] Status visit_within(Side &&side, Visit &&visit) const noexcept {
+        const auto ask = [](void *user, const trisap_aabb *aabb) noexcept -> std::int32_t {
+            return static_cast<Reference<Side> *>(user)->callable(*aabb);
+        };
+        Reference<Side> sides{side};
+        Reference<Visit> reference{visit};
+        return trisap_world_visit_within(world_, ask, &sides, goes_on<Visit>, &reference);
+    }
+
     /// Visits the objects whose boxes overlap a region: `visit(id)` returns nothing, or false to end the visit. It may look at this
     /// world; what changes it is refused as busy.
     template <class Visit> [[nodiscard]] Status visit_overlaps(const Region &region, Visit &&visit) const noexcept {
-        const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
-            auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
-            if constexpr (std::is_void_v<decltype(visitor(id))>) {
-                visitor(id);
-                return 1;
-            } else {
-                return visitor(id) ? 1 : 0;
-            }
-        };
         Reference<Visit> reference{visit};
-        return trisap_world_visit_overlaps(world_, &region, call, &reference);
+        return trisap_world_visit_overlaps(world_, &region, goes_on<Visit>, &reference);
     }
 
     /// Visits the objects that a cast meets: `visit(hit)` returns how far to look on, or nothing to see everything. It may
@@ -1024,6 +1101,16 @@ private:
     template <class Callable> struct Reference {
         std::remove_reference_t<Callable> &callable;
     };
+
+    template <class Visit> static std::uint32_t goes_on(void *user, trisap_id id) noexcept {
+        auto &visitor = static_cast<Reference<Visit> *>(user)->callable;
+        if constexpr (std::is_void_v<decltype(visitor(id))>) {
+            visitor(id);
+            return 1;
+        } else {
+            return visitor(id) ? 1 : 0;
+        }
+    }
 
     /// How far a visitor wants to look on; all the way where it does not say.
     template <class Visit> static double far_of(void *user, trisap_hit hit) noexcept {

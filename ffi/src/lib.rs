@@ -34,7 +34,7 @@ mod border;
 mod panic;
 
 // The rest in the order of use, in which the header declares it: a configuration, its size, a world, objects, steps, their results,
-// queries, other memory, snapshots.
+// queries, other memory, snapshots, boxes without a world.
 pub mod version;
 
 pub mod status;
@@ -71,6 +71,8 @@ pub mod among;
 
 pub mod query;
 
+pub mod within;
+
 pub mod batch;
 
 pub mod view;
@@ -80,3 +82,5 @@ pub mod shift;
 pub mod moving;
 
 pub mod snapshot;
+
+pub mod once;

@@ -2,6 +2,7 @@
 // sanitizers see every step beyond it.
 
 #include "check.h"
+#include <math.h>
 #include <stdalign.h>
 #include <stdbool.h>
 #include <string.h>
@@ -246,6 +247,17 @@ static double farthest(void *user, trisap_hit hit) {
     return 100.0;
 }
 
+// Where x is 1 at most.
+static int32_t beyond_one(void *user, const trisap_aabb *aabb) {
+    (void)user;
+    return aabb->min[0] > 1.0f ? -1 : aabb->max[0] <= 1.0f ? 1 : 0;
+}
+
+static uint32_t count_up(void *user, trisap_id id) {
+    (void)id;
+    return ++*(uint32_t *)user;
+}
+
 static uint32_t is_not(void *user, trisap_id id) { return id != *(const trisap_id *)user; }
 
 // Values follow their objects, also where others have got the slots; queries leave out whom a condition refuses.
@@ -315,6 +327,41 @@ static void values(void) {
     free(world);
 }
 
+// No world: a first call tells how much memory the pairs take.
+static void once(void) {
+    trisap_aabb aabbs[40];
+    for (int i = 0; i < 40; i++) {
+        aabbs[i] = cube(i < 30 ? 0.0f : 3.0f * (float)i);
+    }
+    const trisap_boxes all = trisap_default_boxes(aabbs, 40);
+    const trisap_boxes first = trisap_default_boxes(aabbs, 10), others = trisap_default_boxes(aabbs + 10, 30);
+    for (int between = 0; between < 2; between++) {
+        const trisap_pair *pairs = NULL;
+        size_t bytes = 0, count = 0;
+        void *memory = NULL;
+        int calls = 1;
+        while (trisap_pairs(between ? &first : &all, between ? &others : NULL, NULL, memory, &bytes, &pairs, &count) ==
+               TRISAP_STATUS_MEMORY_TOO_SMALL) {
+            free(memory);
+            bytes = (bytes + 63) / 64 * 64;
+            memory = aligned_alloc(64, bytes);
+            calls++;
+        }
+        CHECK(calls <= 3 && count == (between ? 200 : 435));
+        for (size_t k = 0; k < count; k++) {
+            CHECK(between ? pairs[k].a < 10 && pairs[k].b < 20 : pairs[k].a < pairs[k].b && pairs[k].b < 30);
+        }
+        CHECK(trisap_pairs(&all, NULL, NULL, (char *)memory + 8, &bytes, &pairs, &count) == TRISAP_STATUS_MISALIGNED);
+        aabbs[33].max[1] = NAN;
+        CHECK(trisap_pairs(&first, &others, NULL, memory, &bytes, &pairs, &count) == TRISAP_STATUS_BAD_BOX && count == 33);
+        aabbs[33] = cube(99.0f);
+        CHECK(trisap_pairs(NULL, NULL, NULL, memory, &bytes, &pairs, &count) == TRISAP_STATUS_NULL_POINTER);
+        CHECK(trisap_pairs(&all, NULL, NULL, memory, NULL, &pairs, &count) == TRISAP_STATUS_NULL_POINTER);
+        CHECK(trisap_pairs(&all, NULL, NULL, memory, &bytes, NULL, &count) == TRISAP_STATUS_NULL_POINTER);
+        free(memory);
+    }
+}
+
 // Answers before the first step; the same after it.
 static void queries(void) {
     const trisap_config config = trisap_default_config(8);
@@ -365,6 +412,17 @@ static void queries(void) {
         far = 0.0;
         CHECK_OK(trisap_world_visit_nearest(world, left, 4.0, farthest, &far));
         CHECK(far == hits[1].distance);
+        const float points[6] = {left[0], left[1], left[2], right[0], right[1], right[2]};
+        CHECK_OK(trisap_world_nearest_many(world, points, 3 * sizeof(float), 2, NULL, NULL, NULL, hits, 4));
+        CHECK(hits[0].id == ids[0] && hits[3].id == ids[3] && hits[4].id == ids[0] && hits[4].distance == 0.0);
+        // Two planes along x that part the first object from the others, and a part of space that says the same.
+        const double planes[8] = {1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 100.0};
+        trisap_id inside[3];
+        CHECK_OK(trisap_world_within(world, planes, 2, NULL, NULL, inside, 3, &count));
+        CHECK(count == 1 && inside[0] == ids[0]);
+        uint32_t visited = 0;
+        CHECK_OK(trisap_world_visit_within(world, beyond_one, NULL, count_up, &visited));
+        CHECK(visited == count);
         trisap_result result = trisap_default_result();
         CHECK_OK(trisap_world_step(world, NULL, &result));
     }
@@ -636,6 +694,7 @@ int main(void) {
     singles();
     batches();
     filters();
+    once();
     queries();
     values();
     resting();

@@ -277,6 +277,15 @@ static void callables() {
     CHECK_STATUS(world.overlaps_many(regions, {}, {}), TRISAP_STATUS_INVALID_ARGUMENT);
     CHECK(world.hits(ray, one).status == TRISAP_STATUS_OUTPUT_FULL && world.hits(ray, one).needed == 8);
     CHECK(world.nearest(left, one).size() == 1);
+    CHECK_OK(world.nearest_many(trisap::View<const float>(left, 3), one));
+    CHECK(one[0].id == world.nearest(left, one)[0].id);
+    const std::array<trisap::HalfSpace, 1> half = {{{{1.0, 0.0, 0.0, 1.0}}}};
+    std::array<trisap::Id, 8> inside = {};
+    CHECK(world.within(half, inside).size() == 4);
+    visits = 0;
+    const auto beyond = [](const trisap::Aabb &aabb) { return aabb.min[0] > 1.0F ? -1 : 0; };
+    CHECK_OK(world.visit_within(beyond, [&](trisap::Id id) { visits += inside[trisap::slot(id)] == id ? 1 : 100; }));
+    CHECK(visits == 4);
     visits = 0;
     CHECK_OK(world.visit_nearest(left, 1e9, [&](const trisap::Hit &) { visits++; }));
     CHECK(visits == 8);
@@ -488,10 +497,27 @@ static void contacts() {
     CHECK(arena.taken > 0 && arena.held == 0);
 }
 
+// Boxes that are there once, and owners.
+static void once_and_owners() {
+    std::vector<trisap::Aabb> near = {cube(0), cube(0), cube(5)};
+    std::vector<trisap::Pair> once;
+    CHECK_OK(trisap::pairs(trisap::boxes(near), once));
+    CHECK(once.size() == 1 && once[0].a == 0 && once[0].b == 1);
+    const trisap::Boxes others = trisap::boxes(near);
+    CHECK_OK(trisap::pairs(trisap::boxes(near), once, &others));
+    CHECK(once.size() == 5);
+    near[1].min[0] = 9.0F;
+    CHECK_STATUS(trisap::pairs(trisap::boxes(near), once), TRISAP_STATUS_BAD_BOX);
+    CHECK(once.empty());
+    const trisap::Owned body = {{7}}, part = {{8, 7}}, stranger;
+    CHECK(!are_apart(body, part) && are_apart(body, stranger) && are_apart(stranger, stranger));
+}
+
 int main() {
     CHECK(trisap::abi_matches());
     moves();
     refusals();
+    once_and_owners();
     views();
     growing();
     callables();

@@ -216,6 +216,13 @@ export class World {
   hits(ray: Ray, where?: Where): Hit[];
   /** The nearest objects, the nearest first. */
   nearest(position: Point, count: number, where?: Where): Hit[];
+  /** `nearest` of each point, three numbers each. */
+  nearestMany(points: ArrayLike<number>, count: number): Hit[][];
+  /**
+   * The objects on the inner side of planes, by ascending slot: what is in a frustum. A plane is four numbers: a normal that points
+   * outward, and its distance along that. Near edges and corners some boxes that are not quite inside count.
+   */
+  within(planes: ArrayLike<number>, where?: Where): BigUint64Array;
   /**
    * Visits the objects whose boxes are at most so far from a point, each once, the nearest first. The visitor says how far to look
    * on: nothing or infinity to refuse an object and look as far as before, a number to see only what is not farther, less than zero
@@ -283,6 +290,11 @@ export class Contacts {
 
 /** An empty world. */
 export function createWorld(config: Config, options?: Options): Promise<World>;
+/**
+ * The pairs of boxes that are there once, six numbers each, by their positions, the lower one first; with `between`, pairs of a box
+ * of one and a box of the other. Two numbers a pair, in no order. No world has to be made, and none is kept.
+ */
+export function pairs(boxes: ArrayLike<number>, options?: Options & { between?: ArrayLike<number> }): Promise<Uint32Array>;
 /** The index under which an object stands in pairs and in `World.boxes`. */
 export function slotOf(id: Id): number;
 /** An id as a text, for JSON, and back. */

@@ -2,17 +2,25 @@
 
 import encoded from "../wasm/trisap-simd128.js";
 import { missing, moduleFor } from "./load.js";
+import { find } from "./once.js";
 import { World } from "./world.js";
+
+/** The module for this host. */
+const read = async (variant) => {
+  if (variant !== "simd128") {
+    throw missing("the module in the program needs 128-bit vectors");
+  }
+  return WebAssembly.compile(Uint8Array.from(atob(encoded), (letter) => letter.charCodeAt(0)));
+};
 
 /** An empty world. */
 export async function createWorld(config, options) {
-  const read = async (variant) => {
-    if (variant !== "simd128") {
-      throw missing("the module in the program needs 128-bit vectors");
-    }
-    return WebAssembly.compile(Uint8Array.from(atob(encoded), (letter) => letter.charCodeAt(0)));
-  };
   return World.instantiate(await moduleFor(read, options), config);
+}
+
+/** The pairs of boxes that are there once. */
+export async function pairs(boxes, { between, ...options } = {}) {
+  return find(await moduleFor(read, options), boxes, between);
 }
 
 export { Contacts } from "./contacts.js";

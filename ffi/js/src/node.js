@@ -2,6 +2,7 @@
 
 import { readFile } from "node:fs/promises";
 import { compile, missing, moduleFor } from "./load.js";
+import { find } from "./once.js";
 import { World } from "./world.js";
 
 const files = {
@@ -9,15 +10,22 @@ const files = {
   simd128: new URL("../wasm/trisap-simd128.wasm", import.meta.url),
 };
 
+/** The module for this host. */
+const read = async (variant) => {
+  const bytes = await readFile(files[variant]).catch((error) => {
+    throw missing(error.message);
+  });
+  return compile(bytes, files[variant].pathname);
+};
+
 /** An empty world. */
 export async function createWorld(config, options) {
-  const read = async (variant) => {
-    const bytes = await readFile(files[variant]).catch((error) => {
-      throw missing(error.message);
-    });
-    return compile(bytes, files[variant].pathname);
-  };
   return World.instantiate(await moduleFor(read, options), config);
+}
+
+/** The pairs of boxes that are there once. */
+export async function pairs(boxes, { between, ...options } = {}) {
+  return find(await moduleFor(read, options), boxes, between);
 }
 
 export { Contacts } from "./contacts.js";

@@ -1,6 +1,7 @@
 // The package in a browser, and in whatever else has `fetch`.
 
 import { compile, moduleFor } from "./load.js";
+import { find } from "./once.js";
 import { World } from "./world.js";
 
 // Written out, so that bundlers see which files are meant.
@@ -9,10 +10,17 @@ const files = {
   simd128: () => new URL("../wasm/trisap-simd128.wasm", import.meta.url),
 };
 
+/** The module for this host. */
+const read = async (variant) => compile(await fetch(files[variant]()));
+
 /** An empty world. */
 export async function createWorld(config, options) {
-  const read = async (variant) => compile(await fetch(files[variant]()));
   return World.instantiate(await moduleFor(read, options), config);
+}
+
+/** The pairs of boxes that are there once. */
+export async function pairs(boxes, { between, ...options } = {}) {
+  return find(await moduleFor(read, options), boxes, between);
 }
 
 export { Contacts } from "./contacts.js";

@@ -369,6 +369,44 @@ export class World {
     return hits;
   }
 
+  nearestMany(points, count) {
+    if (points.length % 3 !== 0 || !Number.isInteger(count) || count < 0) {
+      throw new errors.InvalidArgumentError("points", "have three numbers each, and count is a whole number");
+    }
+    const { memory } = this.#calls;
+    const all = points.length / 3;
+    const answers = [];
+    // As many at once as there is room for.
+    const most = Math.max(1, Math.floor(memory.roomBytes / (16 + HIT_BYTES * count)));
+    for (let from = 0; from < all; from += most) {
+      const some = Math.min(most, all - from);
+      const hits = this.#calls.room(HIT_BYTES * count * some + 12 * some, "points");
+      const at = hits + HIT_BYTES * count * some;
+      this.#calls.array(Float32Array, at, 3 * some).set(points.slice(3 * from, 3 * (from + some)));
+      const status = this.#module.trisap_world_nearest_many(this.#world, at, 12, some, 0, 0, 0, hits, count);
+      this.#calls.check(status, "nearestMany");
+      for (let i = 0; i < some; i++) {
+        const near = Array.from({ length: count }, (_, k) => this.#calls.hit(hits + HIT_BYTES * (count * i + k)));
+        answers.push(near.filter(({ id }) => id !== 0n));
+      }
+    }
+    return answers;
+  }
+
+  within(planes, where) {
+    if (planes.length % 4 !== 0) {
+      throw new errors.InvalidArgumentError("planes", "have four numbers each");
+    }
+    const calls = this.#calls;
+    const bytes = 8 * planes.length;
+    const at = calls.room(bytes + 8 * this.size, "within");
+    calls.array(Float64Array, at, planes.length).set(planes);
+    const [ids, room] = [at + bytes, this.size];
+    calls.check(this.#module.trisap_world_within(this.#world, at, planes.length / 4, 0, 0, ids, room, calls.out), "within");
+    const found = calls.array(BigUint64Array, ids, calls.word(calls.out)).slice();
+    return where === undefined ? found : found.filter((id) => where(id));
+  }
+
   visitNearest(position, visit, distance = Infinity) {
     if (typeof distance !== "number" || !(distance >= 0)) {
       throw new errors.BadQueryError(`visitNearest: the distance is zero or more, not ${distance}`);

@@ -1,6 +1,6 @@
 // The types as a program uses them. `tsc -p test` checks this file; nothing runs it.
 
-import { BadBoxError, createWorld, hasVectors, idOf, idText, slotOf, StaleIdError, TrisapError, World } from "trisap";
+import { BadBoxError, createWorld, hasVectors, idOf, idText, pairs as pairsOf, slotOf, StaleIdError, TrisapError, World } from "trisap";
 declare const console: { log(...what: unknown[]): void };
 import type { Config, Filter, Hit, Id, Region, Stats } from "trisap";
 
@@ -14,6 +14,8 @@ const regions: Region[] = [{ min: [0, 0, 0], max: [1, 1, 1] }, { center: [0, 0, 
 const hit: Hit | null = world.firstHit({ origin: [0, 0, 0], direction: [1, 0, 0] });
 world.visitNearest([0, 0, 0], (near: Hit) => near.distance, 10);
 world.visitNearest([0, 0, 0], (near) => console.log(near.id));
+const once: Uint32Array = await pairsOf([0, 0, 0, 1, 1, 1], { between: new Float32Array(6), simd: false });
+const near: [Hit[][], BigUint64Array] = [world.nearestMany(new Float32Array(6), 2), world.within([1, 0, 0, 5], () => once.length > 0)];
 const others = (one: Id) => one !== id;
 const all: Hit[] = world.hits({ box: [0, 0, 0, 1, 1, 1], direction: [1, 0, 0] }, others);
 const some: [BigUint64Array, Hit | null, Hit[]] = [

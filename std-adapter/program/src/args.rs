@@ -27,7 +27,11 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Write a page that shows a scene in motion, boxes that overlap lit: for a browser, without a server.
     View(ViewArgs),
-    /// Print the overlapping pairs of one frame of a scene: `a b` a line, a < b, ascending.
+    /// Print the overlapping pairs of boxes: `a b` a line, a < b, ascending.
+    ///
+    /// Of a file of text, with six numbers a line (minimum x, y, z, maximum x, y, z, parted by commas, semicolons or blanks, in `f64`,
+    /// rounded outward to `f32`), or of one frame of a scene. Lines that are empty or begin with # do not count, nor does a
+    /// first line with names of columns.
     Pairs(PairsArgs),
     /// Record a rigid-body simulation.
     Record(RecordArgs),
@@ -63,8 +67,8 @@ impl Command {
 /// Where boxes come from.
 #[derive(Debug, Default, Group)]
 pub(crate) struct SceneArgs {
-    /// A recording; without it, and without --scene, the one that is built in.
-    #[arg(value_name = "FILE.aabbs", conflicts_with = "scene")]
+    /// A recording; without it, and without --scene, the one that is built in. For `pairs` also boxes as text, or CSV.
+    #[arg(value_name = "FILE", conflicts_with = "scene")]
     pub(crate) file: Option<PathBuf>,
     /// A synthetic scene.
     #[arg(long, value_name = "KIND")]
@@ -146,9 +150,9 @@ impl Default for EngineArgs {
 pub(crate) struct PairsArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// The frame, counted from 0. All frames before it are stepped too.
+    /// The frame of a scene, counted from 0. All frames before it are stepped too.
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..1 << 20))]
-    pub(crate) frame: u32,
+    pub(crate) frame: Option<u32>,
     #[command(flatten)]
     pub(crate) engine: EngineArgs,
 }

@@ -100,6 +100,31 @@ fn the_report_counts() -> Result {
     Ok(())
 }
 
+/// The boxes of a frame as text, as CSV and as others write it.
+#[test]
+fn pairs_of_boxes_as_text() -> Result {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("boxes.csv");
+    let boxes =
+        [[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [5.0, 0.0, 0.0, 6.0, 1.0, 1.0], [0.1, 1.0, -0.5, 0.3, 2e0, 1.0]];
+    for (head, by) in [("min x,min y,min z,max x,max y,max z\n", ","), ("# boxes\n\n", " "), ("", " ;\t")] {
+        let line = |numbers: &[f64; 6]| numbers.map(|x| x.to_string()).join(by) + "\r\n";
+        fs::write(&file, head.to_owned() + &boxes.iter().map(line).collect::<String>())?;
+        assert_eq!(stdout(&["pairs", path(&file)?])?, "0 2\n", "{by}");
+        assert_eq!(stdout(&["pairs", path(&file)?, "--threads", "2"])?, "0 2\n", "{by}");
+    }
+    for (text, says) in [
+        ("0 0 0 1 1 1\n0 0 0 1 1\n", "line 2: not six numbers"),
+        ("x\n1 2 3 4 5 six", "line 2: not six numbers"),
+        ("1 0 0 1 1 1\n2 0 0 1 1 1\n", "box 1"),
+    ] {
+        fs::write(&file, text)?;
+        let said = refused(&["pairs", path(&file)?])?;
+        assert!(said.contains(says), "{said}");
+    }
+    Ok(())
+}
+
 #[test]
 fn pairs_are_those_of_the_frame() -> Result {
     let recording = Recording::open(RECORDING)?;

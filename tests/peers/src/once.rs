@@ -11,7 +11,10 @@ use parry3d::{
     math::Vector,
     partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace},
 };
-use rstar::{AABB, RTree, primitives::{GeomWithData, Rectangle}};
+use rstar::{
+    AABB, RTree,
+    primitives::{GeomWithData, Rectangle},
+};
 use std::{env, fmt::Write, hint::black_box, process::Command, time::Duration};
 use trisap::{Aabb, Boxes, Capacity, Config, OwnedWorld};
 
@@ -30,56 +33,73 @@ struct Side {
 }
 
 const SIDES: &[Side] = &[
-    Side { name: "trisap, pairs", start: |boxes| {
-        let boxes = aabbs(boxes);
-        Box::new(move || trisap::pairs(&boxes).expect("good boxes"))
-    } },
-    Side { name: "trisap, a world that knows its room", start: |boxes| {
-        let (boxes, known) = (aabbs(boxes), oracle::pairs(boxes, |_, _| true).count as u32);
-        let capacity = Capacity::for_objects(boxes.len() as u32).with_pairs(known);
-        Box::new(move || {
-            let mut owned = OwnedWorld::new(&Config::new(capacity)).expect("memory");
-            let mut world = owned.world();
-            drop(world.insert_many(Boxes::new(&boxes)).expect("good boxes"));
-            world.step().expect("room").pairs().to_vec()
-        })
-    } },
+    Side {
+        name: "trisap, pairs",
+        start: |boxes| {
+            let boxes = aabbs(boxes);
+            Box::new(move || trisap::pairs(&boxes).expect("good boxes"))
+        },
+    },
+    Side {
+        name: "trisap, a world that knows its room",
+        start: |boxes| {
+            let (boxes, known) = (aabbs(boxes), oracle::pairs(boxes, |_, _| true).count as u32);
+            let capacity = Capacity::for_objects(boxes.len() as u32).with_pairs(known);
+            Box::new(move || {
+                let mut owned = OwnedWorld::new(&Config::new(capacity)).expect("memory");
+                let mut world = owned.world();
+                drop(world.insert_many(Boxes::new(&boxes)).expect("good boxes"));
+                world.step().expect("room").pairs().to_vec()
+            })
+        },
+    },
     Side { name: "parry3d, binned", start: |boxes| parry(boxes, BvhBuildStrategy::Binned) },
     Side { name: "parry3d, PLOC", start: |boxes| parry(boxes, BvhBuildStrategy::Ploc) },
-    Side { name: "rstar, tree with itself", start: |boxes| {
-        let items = rectangles(boxes);
-        Box::new(move || {
-            let tree = RTree::bulk_load(items.clone());
-            let both = tree.intersection_candidates_with_other_tree(&tree);
-            both.filter(|(a, b)| a.data < b.data).map(|(a, b)| [a.data, b.data]).collect()
-        })
-    } },
-    Side { name: "rstar, box by box", start: |boxes| {
-        let items = rectangles(boxes);
-        Box::new(move || {
-            let tree = RTree::bulk_load(items.clone());
-            let near = |a: &GeomWithData<Rectangle<[f32; 3]>, u32>| {
-                let (id, envelope) = (a.data, rstar::RTreeObject::envelope(a));
-                tree.locate_in_envelope_intersecting(&envelope).map(move |b| [id, b.data]).filter(|[a, b]| a < b)
-            };
-            items.iter().flat_map(near).collect()
-        })
-    } },
+    Side {
+        name: "rstar, tree with itself",
+        start: |boxes| {
+            let items = rectangles(boxes);
+            Box::new(move || {
+                let tree = RTree::bulk_load(items.clone());
+                let both = tree.intersection_candidates_with_other_tree(&tree);
+                both.filter(|(a, b)| a.data < b.data).map(|(a, b)| [a.data, b.data]).collect()
+            })
+        },
+    },
+    Side {
+        name: "rstar, box by box",
+        start: |boxes| {
+            let items = rectangles(boxes);
+            Box::new(move || {
+                let tree = RTree::bulk_load(items.clone());
+                let near = |a: &GeomWithData<Rectangle<[f32; 3]>, u32>| {
+                    let (id, envelope) = (a.data, rstar::RTreeObject::envelope(a));
+                    tree.locate_in_envelope_intersecting(envelope)
+                        .map(move |b| [id, b.data])
+                        .filter(|[a, b]| a < b)
+                };
+                items.iter().flat_map(near).collect()
+            })
+        },
+    },
     #[cfg(feature = "cgal")]
-    Side { name: "CGAL box_self_intersection_d", start: |boxes| {
-        unsafe extern "C" {
-            fn cgal_once(boxes: *const Padded, count: u32, pairs: *mut *const [u32; 2]) -> usize;
-        }
-        let boxes = boxes.to_vec();
-        Box::new(move || {
-            let mut first = std::ptr::null();
-            // SAFETY: as many boxes are there for the call, and the pairs stay until the next one.
-            unsafe {
-                let count = cgal_once(boxes.as_ptr(), boxes.len() as u32, &mut first);
-                if count == 0 { Vec::new() } else { std::slice::from_raw_parts(first, count).to_vec() }
+    Side {
+        name: "CGAL box_self_intersection_d",
+        start: |boxes| {
+            unsafe extern "C" {
+                fn cgal_once(boxes: *const Padded, count: u32, pairs: *mut *const [u32; 2]) -> usize;
             }
-        })
-    } },
+            let boxes = boxes.to_vec();
+            Box::new(move || {
+                let mut first = std::ptr::null();
+                // SAFETY: as many boxes are there for the call, and the pairs stay until the next one.
+                unsafe {
+                    let count = cgal_once(boxes.as_ptr(), boxes.len() as u32, &mut first);
+                    if count == 0 { Vec::new() } else { std::slice::from_raw_parts(first, count).to_vec() }
+                }
+            })
+        },
+    },
 ];
 
 fn aabbs(boxes: &[Padded]) -> Vec<Aabb> {
@@ -87,7 +107,8 @@ fn aabbs(boxes: &[Padded]) -> Vec<Aabb> {
 }
 
 fn rectangles(boxes: &[Padded]) -> Vec<GeomWithData<Rectangle<[f32; 3]>, u32>> {
-    let rectangle = |b: &Padded| Rectangle::from_aabb(AABB::from_corners([b[0], b[1], b[2]], [b[4], b[5], b[6]]));
+    let rectangle =
+        |b: &Padded| Rectangle::from_aabb(AABB::from_corners([b[0], b[1], b[2]], [b[4], b[5], b[6]]));
     boxes.iter().zip(0..).map(|(b, id)| GeomWithData::new(rectangle(b), id)).collect()
 }
 
@@ -131,7 +152,9 @@ pub(crate) fn child(side: usize, count: usize, clock: Clock) {
 
 /// The Markdown table of all sizes, or what was wrong.
 pub(crate) fn table(options: &Options) -> Result<String, String> {
-    let mut text = String::from("| boxes | pairs | side | first call, ms | later ones, ms | over trisap, first | later |\n|---:|---:|---|---:|---:|---:|---:|\n");
+    let mut text = String::from(
+        "| boxes | pairs | side | first call, ms | later ones, ms | over trisap, first | later |\n|---:|---:|---|---:|---:|---:|---:|\n",
+    );
     for count in SIZES {
         let expected = oracle::pairs(&boxes(count), |_, _| true);
         let mut times = vec![[const { Vec::new() }; 2]; SIDES.len()];
@@ -152,14 +175,23 @@ pub(crate) fn table(options: &Options) -> Result<String, String> {
         for (side, [first, later]) in SIDES.iter().zip(&medians) {
             let pairs = expected.count;
             let (a, b) = (first / ours, later / ours_later);
-            _ = writeln!(text, "| {count} | {pairs} | {} | {first:.3} | {later:.3} | {a:.2} | {b:.2} |", side.name);
+            _ = writeln!(
+                text,
+                "| {count} | {pairs} | {} | {first:.3} | {later:.3} | {a:.2} | {b:.2} |",
+                side.name
+            );
         }
     }
     Ok(text)
 }
 
 /// Lets a process do all calls of one side: the first time, and those of the others.
-fn run(side: usize, count: usize, clock: Clock, expected: &Digest) -> Result<(Duration, Vec<Duration>), String> {
+fn run(
+    side: usize,
+    count: usize,
+    clock: Clock,
+    expected: &Digest,
+) -> Result<(Duration, Vec<Duration>), String> {
     let program = env::current_exe().map_err(|error| error.to_string())?;
     let clock = if clock == Clock::Cpu { "cpu" } else { "wall" };
     let arguments = ["--once-side", &side.to_string(), &count.to_string(), "--clock", clock];
