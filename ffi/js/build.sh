@@ -59,8 +59,8 @@ for file in wasm/*.wasm; do
     bytes=$(wc -c <"$file") packed=$(gzip -9nc "$file" | wc -c)
     echo "$file: $bytes bytes, $packed with gzip"
     # Growth does not go unnoticed.
-    if ((bytes > 290 * 1024 || packed > 118 * 1024)); then
-        echo "$file: more than 290 KiB, or 118 with gzip" >&2
+    if ((bytes > 308 * 1024 || packed > 126 * 1024)); then
+        echo "$file: more than 308 KiB, or 126 with gzip" >&2
         exit 1
     fi
 done
