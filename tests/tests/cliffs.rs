@@ -41,9 +41,9 @@ fn assert_near(what: &str, (stats, visits): &(Stats, u64), (fresh, fresh_visits)
     );
     let within = |a: u64, b: u64| a as f64 <= AT_MOST * b as f64 + 64.0;
     assert!(within(stats.candidates, fresh.candidates), "{what}: candidates\n{stats:?}\n{fresh:?}");
-    // Leaves that were divided where they stood may be longer than new ones.
-    let copies = within(stats.copies, fresh.copies) || 4 * stats.copies <= u64::from(stats.objects);
-    assert!(copies, "{what}: copies\n{stats:?}\n{fresh:?}");
+    // Leaves that were divided where they stood, of a crowd that has spread since, may be longer than new ones.
+    let most = AT_MOST * fresh.copies as f64 + f64::from(stats.objects) / 8.0 + 64.0;
+    assert!(stats.copies as f64 <= most, "{what}: copies\n{stats:?}\n{fresh:?}");
     let [full, even] = [stats.fullest_leaf, fresh.fullest_leaf].map(u64::from);
     assert!(within(full, even), "{what}: the fullest leaf\n{stats:?}\n{fresh:?}");
     assert!(2 * stats.leaves_in_use >= fresh.leaves_in_use, "{what}: leaves in use\n{stats:?}\n{fresh:?}");
@@ -388,7 +388,9 @@ fn walks(chunk: usize, frames: usize, shifts: bool, looks: usize) {
             f64::from(fullest.unwrap_or(0)) <= AT_MOST * f64::from(like.fullest_leaf),
             "{frame}: {stats:?}"
         );
-        assert!(stats.copies as f64 <= AT_MOST * like.copies as f64 + 128.0, "{frame}: {stats:?} {like:?}");
+        // In sparse worlds leaves become long: some hundred ghosts for ten thousand objects.
+        let most = AT_MOST * like.copies as f64 + f64::from(stats.objects) / 64.0;
+        assert!(stats.copies as f64 <= most, "{frame}: {stats:?} {like:?}");
         if stats.path == Path::Movers {
             let came = ids.iter().zip(&boxes).filter(|(_, b)| b.min[0] >= ahead - 32.0);
             for (id, b) in came {
