@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 
 # Makes a ROM of the program in a directory: rom FOLDER TARGET NAME
 rom() {
-    (cd "$1" && CARGO_TARGET_DIR="$2" cargo build --quiet --release)
+    (cd "$1" && CARGO_TARGET_DIR="$2" RUSTFLAGS="${RUSTFLAGS-} --cfg agreement" cargo build --quiet --release)
     objcopy -O binary "$2/release/trisap-emulated" "$work/$3"
 }
 

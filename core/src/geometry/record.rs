@@ -1,4 +1,4 @@
-//! Records: boxes in 16 bits a side, on the grid of their leaf (paper, section III.D).
+//! Records: boxes in 16 bits a side, on the grid of their leaf (paper, section IV).
 
 use super::key::value;
 use bytemuck::{Pod, Zeroable};

@@ -1,4 +1,4 @@
-//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section III.B.1; erratum E2).
+//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section V; erratum E2).
 //!
 //! A fat box is the box and a margin; or it is predicted: it holds the box, the next ones if the object goes on as it does, and
 //! a little around these. Such a box lasts several times as long as one of its size that is grown on all sides. All are made anew

@@ -3,9 +3,10 @@
 use crate::access::Access;
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
+use crate::pairs::results::exchange;
 use crate::sort::heapsort;
 
-/// Runs of pairs that are sorted by insertion.
+/// Runs of pairs that are sorted by comparing them.
 const FEW: usize = 24;
 
 /// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs nothing is
@@ -27,13 +28,6 @@ pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     sort(output.previous.span_mut(0, state.pairs.lost as usize), state.objects.slots);
 }
 
-/// Brings the first pairs to the end, in any order.
-fn exchange<I: Index>(pairs: &mut [Pair<I>], first: usize) {
-    for at in 0..first.min(pairs.len() - first) {
-        pairs.swap_at(at, pairs.len() - 1 - at);
-    }
-}
-
 /// Sorts pairs of so many slots. O(pairs) for each byte of a pair.
 fn sort<I: Index>(pairs: &mut [Pair<I>], slots: u32) {
     if !cfg!(feature = "large") {
@@ -50,7 +44,7 @@ fn sort<I: Index>(pairs: &mut [Pair<I>], slots: u32) {
             let len = rest.iter().take_while(|pair| above(pair) == first).count();
             let run = rest.span_mut(0, len);
             if len <= FEW {
-                insert(run);
+                heapsort(run, |a, b| a < b);
             } else {
                 distribute(run, |pair| (key(pair) >> (8 * digit)) as u8);
                 is_sorted = false;
@@ -60,19 +54,6 @@ fn sort<I: Index>(pairs: &mut [Pair<I>], slots: u32) {
         if is_sorted {
             return;
         }
-    }
-}
-
-/// Insertion sort.
-fn insert<I: Index>(pairs: &mut [Pair<I>]) {
-    for end in 1..pairs.len() {
-        let pair = pairs.at(end);
-        let mut at = end;
-        while at > 0 && pairs.at(at - 1) > pair {
-            pairs.put(at, pairs.at(at - 1));
-            at -= 1;
-        }
-        pairs.put(at, pair);
     }
 }
 

@@ -17,7 +17,7 @@ use core::cell::Cell;
 pub(crate) fn partition<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
-    test: impl Test<I>,
+    test: Test<'_, I>,
 ) -> usize {
     let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
     if context.is_small() {
@@ -44,13 +44,13 @@ pub(crate) fn partition<I: Index>(
 
 /// Brings the pairs of one block that pass a test to the front, in order, and returns how many there are.
 #[inline(always)]
-pub(crate) fn to_front<S: Simd, I: Index, T: Test<I>>(simd: S, pairs: &mut [Pair<I>], test: T) -> usize {
+pub(crate) fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
     if cfg!(any(not(feature = "large"), target_family = "wasm")) {
         // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
         let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
         for pair in cells {
             let next = pair.get();
-            if test.holds(simd, &next) {
+            if test.hold(simd, &[next]) != 0 {
                 if let Some(first) = cells.get(front) {
                     pair.set(first.get());
                     first.set(next);
@@ -60,7 +60,7 @@ pub(crate) fn to_front<S: Simd, I: Index, T: Test<I>>(simd: S, pairs: &mut [Pair
         }
         return front;
     }
-    let boxes = test.boxes();
+    let [boxes, _] = test.boxes();
     let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
     let far = boxes.len() > near;
     let (mut front, mut start) = (0, 0);
@@ -96,149 +96,60 @@ pub(crate) fn to_front<S: Simd, I: Index, T: Test<I>>(simd: S, pairs: &mut [Pair
 }
 
 /// A test of a pair.
-pub(crate) trait Test<I>: Copy + Sync {
-    /// The boxes that it looks at, if any.
-    fn boxes(&self) -> &[KeyBox] {
-        &[]
-    }
+#[derive(Clone, Copy)]
+pub(crate) enum Test<'b, I> {
+    /// The boxes overlap.
+    Overlap(&'b [KeyBox]),
+    /// They do not.
+    Apart(&'b [KeyBox]),
+    /// The boxes do not overlap now, or did not before: then other objects had the slots.
+    Ended { now: &'b [KeyBox], before: &'b [KeyBox] },
+    /// The same, or the filters no longer let the pair through: an object is in the set `asked`, and the pair does not stay.
+    Dropped { now: &'b [KeyBox], before: &'b [KeyBox], asked: &'b [u32], staying: &'b [Pair<I>] },
+    /// Neither object is in a set.
+    ClearOf(&'b [u32]),
+    /// An object is in a set.
+    Touch(&'b [u32]),
+    /// The pair is in an ascending list.
+    Among(&'b [Pair<I>]),
+}
 
-    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool;
-
-    /// Which of at most [`PAIRS_TOGETHER`] pairs pass: a bit each.
-    #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
-        let mut bits = 0;
-        for (bit, pair) in pairs.iter().enumerate() {
-            bits |= usize::from(self.holds(simd, pair)) << bit;
+impl<'b, I: Index> Test<'b, I> {
+    /// The boxes that it looks at, if any, now and before.
+    const fn boxes(&self) -> [&'b [KeyBox]; 2] {
+        match *self {
+            Self::Overlap(now) | Self::Apart(now) => [now, &[]],
+            Self::Ended { now, before } | Self::Dropped { now, before, .. } => [now, before],
+            Self::ClearOf(_) | Self::Touch(_) | Self::Among(_) => [&[]; 2],
         }
-        bits
-    }
-}
-
-/// A bit for each of at least one pair.
-const fn all<I>(pairs: &[Pair<I>]) -> usize {
-    usize::MAX >> (PAIRS_TOGETHER - pairs.len())
-}
-
-/// Passes if the boxes overlap.
-#[derive(Clone, Copy)]
-pub(crate) struct Overlap<'b>(pub(crate) &'b [KeyBox]);
-
-impl<I: Index> Test<I> for Overlap<'_> {
-    #[inline(always)]
-    fn boxes(&self) -> &[KeyBox] {
-        self.0
     }
 
-    #[inline(always)]
-    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
-        simd.overlap(KeyBox::of(self.0, pair[0].at()), KeyBox::of(self.0, pair[1].at()))
-    }
-
+    /// Which of at most [`PAIRS_TOGETHER`] pairs pass, of at least one: a bit each.
     #[inline(always)]
     fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
-        simd.overlaps(self.0, pairs)
+        let all = usize::MAX >> (PAIRS_TOGETHER - pairs.len());
+        let mut overlap = all;
+        for boxes in self.boxes() {
+            if !boxes.is_empty() {
+                overlap &= simd.overlaps(boxes, pairs);
+            }
+        }
+        match *self {
+            Self::Overlap(_) => overlap,
+            Self::Apart(_) | Self::Ended { .. } => all & !overlap,
+            Self::Dropped { asked, staying, .. } => {
+                let stays = |pair: &Pair<I>| is_clear_of(asked, pair) || staying.binary_search(pair).is_ok();
+                all & !(overlap & each(pairs, stays))
+            }
+            Self::ClearOf(set) => each(pairs, |pair| is_clear_of(set, pair)),
+            Self::Touch(set) => each(pairs, |pair| !is_clear_of(set, pair)),
+            Self::Among(list) => each(pairs, |pair| list.binary_search(pair).is_ok()),
+        }
     }
 }
 
-/// Passes if the boxes do not overlap.
-#[derive(Clone, Copy)]
-pub(crate) struct Apart<'b>(pub(crate) &'b [KeyBox]);
-
-impl<I: Index> Test<I> for Apart<'_> {
-    #[inline(always)]
-    fn boxes(&self) -> &[KeyBox] {
-        self.0
-    }
-
-    #[inline(always)]
-    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
-        !Overlap(self.0).holds(simd, pair)
-    }
-
-    #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
-        all(pairs) & !simd.overlaps(self.0, pairs)
-    }
-}
-
-/// Passes if the boxes do not overlap now, or did not before: then other objects had the slots.
-#[derive(Clone, Copy)]
-pub(crate) struct Ended<'b> {
-    pub(crate) now: &'b [KeyBox],
-    pub(crate) before: &'b [KeyBox],
-}
-
-impl<I: Index> Test<I> for Ended<'_> {
-    #[inline(always)]
-    fn boxes(&self) -> &[KeyBox] {
-        self.now
-    }
-
-    #[inline(always)]
-    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
-        !(Overlap(self.now).holds(simd, pair) && Overlap(self.before).holds(simd, pair))
-    }
-
-    #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
-        all(pairs) & !(simd.overlaps(self.now, pairs) & simd.overlaps(self.before, pairs))
-    }
-}
-
-/// As [`Ended`]; passes also if the filters no longer let the pair through: an object is in the set `asked`, and the
-/// pair does not stay.
-#[derive(Clone, Copy)]
-pub(crate) struct Dropped<'b, I> {
-    pub(crate) now: &'b [KeyBox],
-    pub(crate) before: &'b [KeyBox],
-    pub(crate) asked: &'b [u32],
-    pub(crate) staying: &'b [Pair<I>],
-}
-
-impl<I: Index> Test<I> for Dropped<'_, I> {
-    #[inline(always)]
-    fn boxes(&self) -> &[KeyBox] {
-        self.now
-    }
-
-    #[inline(always)]
-    fn holds<S: Simd>(&self, simd: S, pair: &Pair<I>) -> bool {
-        let Self { now, before, asked, staying } = *self;
-        let dropped = || Touch(asked).holds(simd, pair) && !Among(staying).holds(simd, pair);
-        Ended { now, before }.holds(simd, pair) || dropped()
-    }
-}
-
-/// Passes if neither object is in a set.
-#[derive(Clone, Copy)]
-pub(crate) struct ClearOf<'b>(pub(crate) &'b [u32]);
-
-impl<I: Index> Test<I> for ClearOf<'_> {
-    #[inline(always)]
-    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
-        is_clear_of(self.0, pair)
-    }
-}
-
-/// Passes if an object is in a set.
-#[derive(Clone, Copy)]
-pub(crate) struct Touch<'b>(pub(crate) &'b [u32]);
-
-impl<I: Index> Test<I> for Touch<'_> {
-    #[inline(always)]
-    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
-        !is_clear_of(self.0, pair)
-    }
-}
-
-/// Passes if the pair is in an ascending list.
-#[derive(Clone, Copy)]
-pub(crate) struct Among<'b, I>(pub(crate) &'b [Pair<I>]);
-
-impl<I: Index> Test<I> for Among<'_, I> {
-    #[inline(always)]
-    fn holds<S: Simd>(&self, _: S, pair: &Pair<I>) -> bool {
-        self.0.binary_search(pair).is_ok()
-    }
+/// A bit for each pair that passes a test.
+#[inline(always)]
+fn each<I>(pairs: &[Pair<I>], holds: impl Fn(&Pair<I>) -> bool) -> usize {
+    pairs.iter().enumerate().fold(0, |bits, (bit, pair)| bits | usize::from(holds(pair)) << bit)
 }

@@ -1,5 +1,5 @@
 //! Keeps pairs from one step to the next. Pairs of two resting objects are parked, so that a step with few movers
-//! does not touch them (paper, section III.B; erratum E6).
+//! does not touch them (paper, section III.B.1; erratum E6).
 //!
 //! Parked pairs are at the front of the pair buffer. Neither object of such a pair is *active*. While only active
 //! objects get other boxes, parked pairs stay, and a step deals with the others alone. When another object gets

@@ -10,7 +10,8 @@ use crate::filter::FILTERS;
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
-use crate::pairs::partition::{Among, Apart, ClearOf, Dropped, Ended, Overlap, Touch, partition};
+use crate::pairs::partition::Test::{Among, Apart, ClearOf, Dropped, Ended, Overlap, Touch};
+use crate::pairs::partition::partition;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
@@ -80,7 +81,7 @@ pub(crate) fn sort_out<I: Index>(
 }
 
 /// Brings the pairs from position `from` on to the front. The order inside both parts may change.
-fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
+pub(super) fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
     let count = pairs.len();
     for at in 0..from.min(count - from) {
         pairs.swap_at(at, count - 1 - at);

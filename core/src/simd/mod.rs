@@ -4,12 +4,17 @@
 //! set of its caller. [`run!`](kernels::run) calls it, compiled for the level of a [`Kernels`](crate::Kernels). A level is a
 //! handful of operations on bytes, records and boxes, so another CPU needs one small file. All levels give the same bytes.
 
-#[cfg(any(test, feature = "agreement"))]
+// Tests of single operations stand beside the other tests. A program for an emulator is built with `--cfg agreement` to call them.
+#[cfg(any(test, agreement))]
+#[path = "../../tests/kernels/agreement.rs"]
 mod agreement;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod avx2;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod casts;
+#[cfg(test)]
+#[path = "../../tests/kernels/coordinates.rs"]
+mod coordinates;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 pub(crate) mod detect;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
@@ -35,8 +40,6 @@ mod overlaps;
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod predict;
 pub(crate) mod scalar;
-#[cfg(test)]
-mod tests;
 
 use crate::access::Access;
 use crate::geometry::boxes::Four;

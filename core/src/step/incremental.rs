@@ -1,5 +1,5 @@
 //! Steps in which few objects have moved: test each against the leaves that it reaches, and keep all other pairs
-//! (paper, section III.B).
+//! (paper, section III.B.1).
 
 use crate::access::Access;
 use crate::id::Index;

@@ -1,4 +1,4 @@
-//! Steps of worlds without a tree: keep one list sorted and sweep along it (paper, sections III.A and III.D).
+//! Steps of worlds without a tree: keep one list sorted and sweep along it (paper, sections III.A and IV).
 
 use super::policy::SCAN_EVERY;
 use crate::access::Access;

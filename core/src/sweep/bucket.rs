@@ -1,4 +1,4 @@
-//! Sweeps one bucket of records (paper, section III.D): sorts it along one axis, compares the neighbours that overlap
+//! Sweeps one bucket of records (paper, section IV): sorts it along one axis, compares the neighbours that overlap
 //! there on the other two, and tests what is left on all lanes.
 //!
 //! The sort is a counting sort on the high byte of the minimum, so the histogram tells where the neighbours of a

@@ -1,4 +1,4 @@
-//! Sweeps boxes for overlaps (paper, section III.D), and makes one list of the pairs of many workers.
+//! Sweeps boxes for overlaps (paper, section IV), and makes one list of the pairs of many workers.
 //!
 //! Work is cut into blocks by counts alone. One worker writes pairs straight to their places. Several workers write
 //! them to chunks, which are then put in the order of their blocks, so the bytes are the same.

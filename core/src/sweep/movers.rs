@@ -1,4 +1,4 @@
-//! Tests moved objects against everything near them (paper, section III.B). Pairs of two resting objects persist
+//! Tests moved objects against everything near them (paper, section III.B.1). Pairs of two resting objects persist
 //! (erratum E6).
 //!
 //! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object is in one

@@ -1,4 +1,4 @@
-//! Sweeps the boxes themselves along a sorted list (paper, section III.D): no records and no batches. A small
+//! Sweeps the boxes themselves along a sorted list (paper, section IV): no records and no batches. A small
 //! processor has no vectors that would repay them.
 
 use crate::geometry::key::KeyBox;

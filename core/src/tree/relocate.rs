@@ -1,4 +1,4 @@
-//! Moves the records of moved objects to their leaves, one by one (paper, section III.B).
+//! Moves the records of moved objects to their leaves, one by one (paper, section III.B.2).
 
 use super::enclose::expand_ancestors;
 use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
