@@ -19,7 +19,7 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
-    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
+    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, &test));
     if context.is_small() {
         return to_front(pairs);
     }
@@ -44,7 +44,7 @@ pub(crate) fn partition<I: Index>(
 
 /// Brings the pairs of one block that pass a test to the front, in order, and returns how many there are.
 #[inline(always)]
-pub(crate) fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
+pub(crate) fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: &Test<'_, I>) -> usize {
     if cfg!(any(not(feature = "large"), target_family = "wasm")) {
         // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
         let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
@@ -128,11 +128,10 @@ impl<'b, I: Index> Test<'b, I> {
     #[inline(always)]
     fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
         let all = usize::MAX >> (PAIRS_TOGETHER - pairs.len());
-        let mut overlap = all;
-        for boxes in self.boxes() {
-            if !boxes.is_empty() {
-                overlap &= simd.overlaps(boxes, pairs);
-            }
+        let [now, before] = self.boxes();
+        let mut overlap = if now.is_empty() { all } else { simd.overlaps(now, pairs) };
+        if !before.is_empty() {
+            overlap &= simd.overlaps(before, pairs);
         }
         match *self {
             Self::Overlap(_) => overlap,

@@ -6,7 +6,7 @@ use super::encode;
 use super::fours::{self, HALVES};
 use super::overlaps;
 use super::predict;
-use super::{Contact, EIGHT, MINIMA, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use super::{Contact, EIGHT, MINIMA, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
@@ -140,8 +140,9 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
-        overlaps::overlaps(self, boxes, pairs)
+    unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
+        // SAFETY: the caller vouches for the slots.
+        unsafe { overlaps::eight_overlap(self, boxes, pairs) }
     }
 
     #[inline(always)]
@@ -225,13 +226,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn test_candidates<I: Index>(
+    fn any_four<I: Index>(
         self,
         sorted: &[Record],
-        candidates: &mut [u32],
-        pairs: &mut [Pair<I>],
-    ) -> Tested {
-        fours::test_candidates(self, sorted, candidates, pairs)
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::any_four(self, sorted, candidates, pairs)
     }
 
     #[inline(always)]

@@ -1,6 +1,5 @@
 //! Tests four candidates at a time, with 256-bit integers of x86-64.
 
-use super::Tested;
 use super::detect::Avx2;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
@@ -44,35 +43,6 @@ const KEPT_WIDE: [[u32; 8]; 16] = {
     table
 };
 
-/// As [`Simd::test_candidates`](super::Simd::test_candidates).
-#[inline(always)]
-pub(super) fn test_candidates<I: Index>(
-    simd: Avx2,
-    sorted: &[Record],
-    candidates: &mut [u32],
-    pairs: &mut [Pair<I>],
-) -> Tested {
-    let mut tested = Tested::default();
-    let mut from = 0;
-    while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
-        // No closures: they would not share the instruction set of their function.
-        if let Some(room) = pairs.get_mut(tested.found..).and_then(|room| room.first_chunk_mut::<4>())
-            && let Some(found) = any_four(simd, sorted, four, room)
-        {
-            tested.found += found;
-        } else {
-            for at in from..from + 4 {
-                tested.add(simd, sorted, candidates, at, pairs);
-            }
-        }
-        from += 4;
-    }
-    for at in from..candidates.len() {
-        tested.add(simd, sorted, candidates, at, pairs);
-    }
-    tested
-}
-
 /// As [`Simd::four`](super::Simd::four).
 #[inline(always)]
 pub(super) fn four<I: Index>(
@@ -99,9 +69,9 @@ pub(super) fn four<I: Index>(
     }
 }
 
-/// The same for four candidates. Also `None` if a position is not in the slice.
+/// As [`Simd::any_four`](super::Simd::any_four).
 #[inline(always)]
-fn any_four<I: Index>(
+pub(super) fn any_four<I: Index>(
     simd: Avx2,
     sorted: &[Record],
     candidates: &[u32; 4],

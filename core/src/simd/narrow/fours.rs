@@ -3,7 +3,6 @@
 use super::vectors::{NO_BYTE, Vectors};
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
-use crate::simd::{Simd, Tested};
 
 /// The bytes of a record with the halves of its six lanes swapped, and no tag.
 const HALVES: [u8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
@@ -37,7 +36,7 @@ pub(super) fn limit<V: Vectors>(v: V, record: V::Vector) -> V::Vector {
     v.xor(v.shuffle(record, v.load(&HALVES)), v.splat(u32::MAX))
 }
 
-/// As [`Simd::four`].
+/// As [`Simd::four`](crate::simd::Simd::four).
 #[inline(always)]
 pub(super) fn four<V: Vectors, I: Index>(
     v: V,
@@ -67,39 +66,9 @@ pub(super) fn four<V: Vectors, I: Index>(
     keep(v, partners, [limit(v, record); 4], tag, pairs)
 }
 
-/// As [`Simd::test_candidates`].
+/// As [`Simd::any_four`](crate::simd::Simd::any_four).
 #[inline(always)]
-pub(super) fn test_candidates<V: Vectors, S: Simd, I: Index>(
-    v: V,
-    simd: S,
-    sorted: &[Record],
-    candidates: &mut [u32],
-    pairs: &mut [Pair<I>],
-) -> Tested {
-    let mut tested = Tested::default();
-    let mut from = 0;
-    while let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>()) {
-        // No closures: they would not share the instruction set of their function.
-        if let Some(room) = pairs.get_mut(tested.found..).and_then(|room| room.first_chunk_mut::<4>())
-            && let Some(found) = any_four(v, sorted, four, room)
-        {
-            tested.found += found;
-        } else {
-            for at in from..from + 4 {
-                tested.add(simd, sorted, candidates, at, pairs);
-            }
-        }
-        from += 4;
-    }
-    for at in from..candidates.len() {
-        tested.add(simd, sorted, candidates, at, pairs);
-    }
-    tested
-}
-
-/// The same for four candidates. Also `None` if a position is not in the slice.
-#[inline(always)]
-fn any_four<V: Vectors, I: Index>(
+pub(super) fn any_four<V: Vectors, I: Index>(
     v: V,
     sorted: &[Record],
     candidates: &[u32; 4],

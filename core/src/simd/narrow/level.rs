@@ -8,7 +8,7 @@ use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Slabs, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, Row, Simd, Tested, WINDOW, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
 
 /// The level of some vectors.
 #[derive(Clone, Copy, Debug)]
@@ -86,8 +86,12 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
-    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
-        overlaps::overlaps(self.0, self, boxes, pairs)
+    unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
+        let ([first, last], _) = pairs.as_chunks() else { return 0 };
+        // SAFETY: the caller vouches for the slots.
+        unsafe {
+            overlaps::four_overlap(self.0, boxes, first) | overlaps::four_overlap(self.0, boxes, last) << 4
+        }
     }
 
     #[inline(always)]
@@ -155,13 +159,13 @@ impl<V: Vectors> Simd for Narrow<V> {
     }
 
     #[inline(always)]
-    fn test_candidates<I: Index>(
+    fn any_four<I: Index>(
         self,
         sorted: &[Record],
-        candidates: &mut [u32],
-        pairs: &mut [Pair<I>],
-    ) -> Tested {
-        fours::test_candidates(self.0, self, sorted, candidates, pairs)
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::any_four(self.0, sorted, candidates, pairs)
     }
 
     #[inline(always)]
