@@ -11,17 +11,15 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 28] = [
+const HOOKS: [(&str, &[&str]); 27] = [
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
     ("collect::{closure", &["trisap_core::step::"]),
     ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
     ("Filtered<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
     ("OfMovers<u16>", &["Filtered<u16>", "Ordered<u16>", "Staged<u16>"]),
-    ("Summing<u16>", &["Ordered<u16>", "Staged<u16>"]),
     ("OneStep as", &["Serial as"]),
-    ("SweepMovers", &["Sink<u16>>::take"]),
-    ("recount::", &["recount::", "Sink<u16>>::take", "Executor>::", RULE]),
-    ("SweepLeaves", &["Sink<u16>>::take"]),
+    ("sweep_movers", &["Sink<u16>>::take"]),
+    ("sweep_leaves", &["Sink<u16>>::take"]),
     ("trisap_core::step::full::full::<u16>::{closure", &["Sink<u16>>::take"]),
     ("trisap_core::step::", &["Sink<u16>>::take", "Executor>::", "intake::", "assign::"]),
     ("intake::", &["intake::", "Executor>::"]),
@@ -34,12 +32,13 @@ const HOOKS: [(&str, &[&str]); 28] = [
     ("sweep::s", &[RULE]),
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
+    ("cast::visit_along", &["::hits::{closure", "::first_hit::{closure"]),
     ("World<u16>>::", &["Executor>::", "results::", RULE]),
     ("Stepper<u16>>::", &["Executor>::", "results::", "intake::", "assign::", RULE]),
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
     ("enclose::", &["Executor>::"]),
-    ("nearest::Nearest<", &["api::nearest::{closure"]),
+    ("nearest::visit_near", &["api::nearest::{closure"]),
 ];
 
 /// The filter rule of the program `around`.
