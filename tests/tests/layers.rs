@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1700),
+    ("", 1720),
     ("geometry", 1290),
-    ("lists", 300),
+    ("lists", 310),
     ("memory", 2100),
     ("objects", 730),
     ("pairs", 770),
-    ("parallel", 670),
-    ("query", 1430),
-    ("simd", 3160),
-    ("snapshot", 640),
+    ("parallel", 680),
+    ("query", 1680),
+    ("simd", 3150),
+    ("snapshot", 650),
     ("step", 520),
     ("sweep", 1680),
-    ("tree", 2550),
-    ("validate", 500),
-    ("world", 1650),
+    ("tree", 2540),
+    ("validate", 510),
+    ("world", 1690),
 ];
 
 #[test]
