@@ -860,6 +860,25 @@ trisap_status trisap_world_wake(struct trisap_world *world,
                                 size_t count)
 TRISAP_NOEXCEPT;
 
+/// Disables objects, or enables them again if `enabled` is not 0; all or none. A disabled object is in no pair and in no answer, and
+/// costs a step nothing. It keeps its id, box, margin, filter and value, and can be given others; `trisap_world_step_over` does not
+/// read its box. Its pairs are lost at the next step, and found at the next one after it is enabled. It counts as resting, and is
+/// awake when it is enabled. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
+TRISAP_NODISCARD
+trisap_status trisap_world_set_enabled(struct trisap_world *world,
+                                       const trisap_id *ids,
+                                       size_t count,
+                                       uint32_t enabled)
+TRISAP_NOEXCEPT;
+
+/// 1 if the object is enabled, else 0; 0 for misuse and stale ids. O(1).
+TRISAP_NODISCARD
+uint32_t trisap_world_is_enabled(const struct trisap_world *world,
+                                 trisap_id id)
+TRISAP_NOEXCEPT;
+
 /// Writes the pairs of the last step with at least one awake object to `pairs`, which has room for `room` of them,
 /// and their number to `count`. An object is awake if it was not put to rest, or has been woken since. A narrow phase
 /// that keeps the contacts of resting objects needs only these pairs. After `TRISAP_STATUS_OUTPUT_FULL` the room

@@ -741,6 +741,17 @@ public:
         return trisap_world_wake(world_, ids.data(), ids.size());
     }
 
+    /// Disables objects or enables them again, all or none: see `trisap_world_set_enabled`.
+    [[nodiscard]] Status set_enabled(View<const Id> ids, bool enabled) noexcept {
+        return trisap_world_set_enabled(world_, ids.data(), ids.size(), enabled ? 1 : 0);
+    }
+
+    /// The same for one.
+    [[nodiscard]] Status set_enabled(Id id, bool enabled) noexcept { return trisap_world_set_enabled(world_, &id, 1, enabled ? 1 : 0); }
+
+    /// Whether an object is enabled.
+    [[nodiscard]] bool is_enabled(Id id) const noexcept { return trisap_world_is_enabled(world_, id) != 0; }
+
     /// Writes pairs of the last step by id, `TRISAP_PAIRS_ALL`, `TRISAP_PAIRS_FOUND` or `TRISAP_PAIRS_LOST`, to `pairs`, and how many
     /// there are to `count`. To be asked before objects come or go: see `trisap_world_pair_ids`.
     [[nodiscard]] Status pair_ids(std::uint32_t what, View<trisap_id_pair> pairs, std::size_t &count) const noexcept {

@@ -1,4 +1,4 @@
-//! Objects that the caller knows to rest.
+//! Objects that the caller knows to rest, and disabled ones.
 
 use crate::border::{self, Answers, living};
 use crate::call::{Call, Look, look, trisap_world, with};
@@ -42,6 +42,43 @@ pub unsafe extern "C" fn trisap_world_wake(
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, wake) }
+}
+
+/// Disables objects, or enables them again if `enabled` is not 0; all or none. A disabled object is in no pair and in no answer, and
+/// costs a step nothing. It keeps its id, box, margin, filter and value, and can be given others; `trisap_world_step_over` does not
+/// read its box. Its pairs are lost at the next step, and found at the next one after it is enabled. It counts as resting, and is
+/// awake when it is enabled. O(ids).
+///
+/// Errors: `TRISAP_STATUS_STALE_ID`.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_set_enabled(
+    world: *mut trisap_world,
+    ids: *const trisap_id,
+    count: usize,
+    enabled: u32,
+) -> trisap_status {
+    let enable = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let ids = unsafe { border::ids(ids, count, &call.range())? };
+        Ok(call.world()?.set_enabled_many(ids, enabled != 0)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, enable) }
+}
+
+/// 1 if the object is enabled, else 0; 0 for misuse and stale ids. O(1).
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_is_enabled(world: *const trisap_world, id: trisap_id) -> u32 {
+    let mut enabled = 0;
+    let ask = |call: &Look| {
+        enabled = u32::from(call.world()?.is_enabled(living(id)?));
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) };
+    enabled
 }
 
 /// Writes the pairs of the last step with at least one awake object to `pairs`, which has room for `room` of them,

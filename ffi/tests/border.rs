@@ -181,6 +181,10 @@ fn answers_go_where_they_are_wanted() {
         assert_eq!((result.pair_count, user.read()), (COUNT - 1, COUNT as u32 - 1));
         assert_eq!(trisap_world_set_resting(world, ids.as_ptr(), COUNT), trisap_status::Ok);
         assert_eq!(trisap_world_is_resting(world, ids[3]), 1);
+        for enabled in [0, 1] {
+            assert_eq!(trisap_world_set_enabled(world, &ids[3], 1, enabled), trisap_status::Ok);
+            assert_eq!(trisap_world_is_enabled(world, ids[3]), enabled);
+        }
 
         let region = trisap_region_aabb(&trisap_aabb { min: [0.0; 3], max: [2.0; 3] });
         let mut found = Vec::<trisap_id>::with_capacity(8);

@@ -323,6 +323,17 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.at(key, |world, id| world.wake(&[id])).is_ok_and(|is_there| is_there)
     }
 
+    /// Disables a key, or enables it again; see [`World::set_enabled`](crate::World::set_enabled). False where it has no box. O(1).
+    pub fn set_enabled(&mut self, key: &K, enabled: bool) -> bool {
+        self.at(key, |world, id| world.set_enabled(id, enabled)).is_ok_and(|is_there| is_there)
+    }
+
+    /// Whether a key has a box and is enabled. O(1).
+    #[must_use]
+    pub fn is_enabled(&self, key: &K) -> bool {
+        self.id(key).is_some_and(|id| self.as_world().is_enabled(id))
+    }
+
     /// Whether a key was put to rest and has not been woken since. O(1).
     #[doc(alias = "is_sleeping")]
     #[must_use]

@@ -458,6 +458,15 @@ static void resting(void) {
     CHECK(result.pair_count == 1);
     CHECK_OK(trisap_world_awake_pairs(world, awake, 1, &awake_count));
     CHECK(awake_count == 1 && awake[0].a == 0 && awake[0].b == 1);
+    // A disabled object has no pairs, and keeps its box.
+    CHECK_OK(trisap_world_set_enabled(world, ids, 1, 0));
+    CHECK(trisap_world_is_enabled(world, ids[0]) == 0 && trisap_world_is_enabled(world, ids[1]) == 1);
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK_OK(trisap_world_aabb(world, ids[0], &known));
+    CHECK(result.pair_count == 0 && known.min[0] == 9.0f && trisap_world_len(world) == 2);
+    CHECK_OK(trisap_world_set_enabled(world, ids, 2, 1));
+    CHECK_OK(trisap_world_step(world, NULL, &result));
+    CHECK(result.pair_count == 1 && trisap_world_is_enabled(world, ids[0]) == 1);
     free(world);
 }
 

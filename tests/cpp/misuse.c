@@ -686,12 +686,16 @@ static void casts(void) {
 static void resting(void) {
     const trisap_id stale[2] = {ids[0], 5};
     REFUSED(trisap_world_set_resting(world, stale, 2), TRISAP_STATUS_STALE_ID);
+    REFUSED(trisap_world_set_enabled(world, stale, 2, 0), TRISAP_STATUS_STALE_ID);
     REFUSED(trisap_world_wake(world, stale, 2), TRISAP_STATUS_STALE_ID);
     const double endless[3] = {0.0, 0.0, (double)INFINITY};
     REFUSED(trisap_world_shift_origin(world, endless, NULL), TRISAP_STATUS_BAD_SHIFT);
     REFUSED(trisap_world_shift_origin(world, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
     REFUSED(trisap_world_shift_origin(world, endless, (uint32_t *)(void *)world), TRISAP_STATUS_OVERLAP);
     REFUSED(trisap_world_set_resting(world, NULL, 2), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_set_enabled(world, NULL, 2, 0), TRISAP_STATUS_NULL_POINTER);
+    CHECK(trisap_world_is_enabled(world, ids[0]) == 1 && trisap_world_is_enabled(world, 5) == 0);
+    CHECK(trisap_world_is_enabled(NULL, ids[0]) == 0);
     REFUSED(trisap_world_wake(world, (const trisap_id *)(const void *)world, 2), TRISAP_STATUS_OVERLAP);
     CHECK(trisap_world_is_resting(world, ids[0]) == 0 && trisap_world_is_resting(world, 5) == 0);
     CHECK(trisap_world_is_resting(NULL, ids[0]) == 0);

@@ -37,10 +37,10 @@ private:
 enum class Kind : std::uint8_t {
     insert, insert_many, set, update_many, remove, remove_many, set_margin, set_filter, set_classes, refilter,
     set_resting, wake, shift, step, step_over, overlaps, cast, nearest, batches, view, save, load, load_damaged,
-    load_forged, reopen, copy, clear, grow, set_filter_many, set_value, set_value_many,
+    load_forged, reopen, copy, clear, grow, set_filter_many, set_value, set_value_many, set_enabled,
 };
 
-constexpr std::size_t kinds = static_cast<std::size_t>(Kind::set_value_many) + 1;
+constexpr std::size_t kinds = static_cast<std::size_t>(Kind::set_enabled) + 1;
 
 struct Operation {
     Kind kind;
@@ -63,6 +63,9 @@ struct Operation {
         }
         if (kind == Kind::update_many && argument % 8 == 7) {
             kind = Kind::set_value_many;
+        }
+        if ((kind == Kind::set_resting || kind == Kind::wake) && argument % 2 == 1) {
+            kind = Kind::set_enabled;
         }
     }
 

@@ -42,6 +42,7 @@ public:
         case Kind::refilter: refilter(op); break;
         case Kind::set_resting:
         case Kind::wake: set_resting(op); break;
+        case Kind::set_enabled: set_enabled(op); break;
         case Kind::shift: shift(op); break;
         case Kind::step: step(op, nullptr); break;
         case Kind::step_over: step_over(op); break;
@@ -242,6 +243,16 @@ private:
         if (say_status(call(world_, data(ids), ids.size()))) {
             for (const trisap::Id id : ids) {
                 CHECK(trisap_world_is_resting(world_, id) == (op.kind == Kind::set_resting));
+            }
+        }
+    }
+
+    void set_enabled(Operation &op) {
+        Ids ids = some(op);
+        const std::uint32_t enabled = (op.argument & 2u) / 2;
+        if (say_status(trisap_world_set_enabled(world_, data(ids), ids.size(), enabled))) {
+            for (const trisap::Id id : ids) {
+                CHECK(trisap_world_is_enabled(world_, id) == enabled);
             }
         }
     }
@@ -512,7 +523,7 @@ private:
                 continue;
             }
             say(id);
-            say(std::uint64_t{trisap_world_is_resting(world_, id)});
+            say(std::uint64_t{trisap_world_is_resting(world_, id)} + 2 * std::uint64_t{trisap_world_is_enabled(world_, id)});
             const trisap::Aabb box = box_of(id);
             std::uint32_t bits[6];
             std::memcpy(bits, &box, sizeof bits);

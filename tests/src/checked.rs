@@ -123,7 +123,7 @@ impl<'m, I: Index> Checked<'m, I> {
         assert_eq!(self.world.len() as usize, self.model.len());
         assert_eq!(self.world.is_empty(), self.model.is_empty());
         assert!(self.world.ids().eq(self.model.ids()), "the ids in order");
-        assert!(self.world.iter().all(|(id, aabb)| self.model.boxes()[id.slot() as usize] == Some(aabb)));
+        assert!(self.world.iter().all(|(id, aabb)| self.model.aabb(id.slot()) == Some(aabb)));
         if let Some(living) = self.model.living_pairs() {
             let mut pairs: Vec<[Id; 2]> = self.world.pair_ids().collect();
             pairs.sort_unstable_by_key(|pair| pair.map(Id::slot));
@@ -135,12 +135,13 @@ impl<'m, I: Index> Checked<'m, I> {
             values.sort_unstable();
             assert_eq!(told, values, "their values");
         }
-        for (aabb, slot) in self.model.boxes().iter().zip(0..) {
+        for slot in 0..self.model.boxes().len() as u32 {
             let id = self.model.id_at(slot);
             assert_eq!(self.world.id_at(slot), id, "the id at slot {slot}");
             if let Some(id) = id {
                 // Equal as numbers: a negative zero may come back as a positive one.
-                assert_eq!(self.world.aabb(id), *aabb, "the box of {id}");
+                assert_eq!(self.world.aabb(id), self.model.aabb(slot), "the box of {id}");
+                assert_eq!(self.world.is_enabled(id), self.model.is_enabled(slot), "whether {id} is enabled");
                 assert!(self.world.contains(id));
                 assert_eq!(self.world.is_resting(id), self.model.is_resting(slot), "whether {id} rests");
                 let filter = self.config.filters.then(|| self.model.filter(slot));
@@ -238,6 +239,13 @@ impl<'m, I: Index> Checked<'m, I> {
     pub fn wake(&mut self, ids: &[Id]) {
         self.world.wake(ids).expect("living objects");
         ids.iter().for_each(|id| self.model.set_resting(*id, false));
+        self.check_call();
+    }
+
+    /// Disables objects, or enables them.
+    pub fn set_enabled(&mut self, ids: &[Id], enabled: bool) {
+        self.world.set_enabled_many(ids, enabled).expect("living objects");
+        ids.iter().for_each(|id| self.model.set_enabled(*id, enabled));
         self.check_call();
     }
 
@@ -340,7 +348,7 @@ impl<'m, I: Index> Checked<'m, I> {
         let mut rejected: Option<Rejected> = None;
         for (aabb, slot) in boxes.iter().zip(0..) {
             let Some(id) = self.model.id_at(slot) else { continue };
-            if self.model.is_resting(slot) {
+            if self.model.is_resting(slot) || !self.model.is_enabled(slot) {
                 continue;
             }
             if aabb.is_valid() {
@@ -423,7 +431,7 @@ impl<'m, I: Index> Checked<'m, I> {
 
     fn check_stats(&self, outcome: &Outcome) {
         let stats = &outcome.stats;
-        assert_eq!(stats.objects, self.world.len());
+        assert_eq!(stats.objects as usize, self.model.boxes().iter().flatten().count());
         assert_eq!(stats.pairs, outcome.pairs.len() as u64);
         assert_eq!(stats.found, outcome.found.len() as u64);
         assert_eq!(stats.lost, outcome.lost.len() as u64);

@@ -126,10 +126,15 @@ pub fn go_on<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup, na
         if rng.once_in(3) && !ids.is_empty() {
             world.remove(ids.swap_remove(rng.below(ids.len()))).expect("a living object");
         }
+        if rng.once_in(3) && !ids.is_empty() {
+            let id = ids[rng.below(ids.len())];
+            world.set_enabled(id, !world.is_enabled(id)).expect("a living object");
+        }
         let result = world.under(&setup).step().map(|step| Outcome::of(&step));
         valid(world);
+        let enabled = |slot| world.id_at(slot).filter(|id| world.is_enabled(*id));
         let boxes: Vec<Option<Aabb>> =
-            (0..capacity).map(|slot| world.id_at(slot).and_then(|id| world.aabb(id))).collect();
+            (0..capacity).map(|slot| enabled(slot).and_then(|id| world.aabb(id))).collect();
         ask(world, &boxes, rng, setup, name);
         let Ok(outcome) = result else {
             assert!(matches!(result, Err(Error::PairsFull { .. })), "{name}: {result:?}");

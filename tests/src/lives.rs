@@ -60,6 +60,7 @@ pub fn act<I: Index>(world: &mut World<'_, I>, rng: &mut Rng, setup: Setup) -> R
                 world.remove_many(&chosen).expect("living objects");
             }
             2 => world.set_resting(&chosen).expect("living objects"),
+            5 => world.set_enabled_many(&chosen, rng.once_in(2)).expect("living objects"),
             3 if world.config().filters => {
                 for id in chosen {
                     let filter =

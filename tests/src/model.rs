@@ -12,6 +12,8 @@ type Held = (SlotPair, [u32; 2]);
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     boxes: Vec<Option<Aabb>>,
+    /// Those of disabled objects.
+    hidden: Vec<Option<Aabb>>,
     generations: Vec<u32>,
     filters: Vec<Filter>,
     /// Which classes meet; all do where nothing has been said.
@@ -42,7 +44,12 @@ impl Model {
     /// A model that follows events alone: objects in the first `count` slots, which never change.
     #[must_use]
     pub fn of_events(count: usize) -> Self {
-        Self { boxes: vec![None; count], generations: vec![1; count], ..Self::default() }
+        Self {
+            boxes: vec![None; count],
+            hidden: vec![None; count],
+            generations: vec![1; count],
+            ..Self::default()
+        }
     }
 
     /// Takes a new object under the id that the world gave it.
@@ -53,13 +60,14 @@ impl Model {
         let slot = id.slot() as usize;
         if slot >= self.boxes.len() {
             self.boxes.resize(slot + 1, None);
+            self.hidden.resize(slot + 1, None);
             // The slots between are as if somebody had come and gone.
             self.generations.resize(slot, 1);
             self.generations.push(0);
             self.filters.resize(slot + 1, Filter::ALL);
             self.resting.resize(slot + 1, false);
         }
-        assert!(self.boxes[slot].is_none(), "{id} was given out, but its slot is in use");
+        assert!(self.aabb(slot as u32).is_none(), "{id} was given out, but its slot is in use");
         self.generations[slot] += 1;
         assert_eq!(id.generation(), self.generations[slot], "{id} has not the next generation of its slot");
         self.boxes[slot] = Some(aabb);
@@ -74,13 +82,35 @@ impl Model {
     /// Moves an object, which wakes it.
     pub fn set(&mut self, id: Id, aabb: Aabb) {
         assert!(self.contains(id), "the test moves {id}, which is not alive");
-        self.boxes[id.slot() as usize] = Some(aabb);
+        self.shift(id, aabb);
         self.resting[id.slot() as usize] = false;
     }
 
     /// Gives an object the box that it has from another origin.
     pub fn shift(&mut self, id: Id, aabb: Aabb) {
-        self.boxes[id.slot() as usize] = Some(aabb);
+        let boxes = if self.is_enabled(id.slot()) { &mut self.boxes } else { &mut self.hidden };
+        boxes[id.slot() as usize] = Some(aabb);
+    }
+
+    /// Disables an object, which rests from then on, or enables it, which wakes it.
+    pub fn set_enabled(&mut self, id: Id, enabled: bool) {
+        let slot = id.slot() as usize;
+        if self.is_enabled(id.slot()) != enabled {
+            std::mem::swap(&mut self.boxes[slot], &mut self.hidden[slot]);
+            self.resting[slot] = !enabled;
+        }
+    }
+
+    /// Whether the object in a slot is enabled.
+    #[must_use]
+    pub fn is_enabled(&self, slot: u32) -> bool {
+        self.boxes[slot as usize].is_some()
+    }
+
+    /// The box of the object in a slot, enabled or not.
+    #[must_use]
+    pub fn aabb(&self, slot: u32) -> Option<Aabb> {
+        self.boxes.get(slot as usize)?.or(self.hidden[slot as usize])
     }
 
     /// Sets whom an object meets.
@@ -170,6 +200,7 @@ impl Model {
     pub fn remove(&mut self, id: Id) {
         assert!(self.contains(id), "the test removes {id}, which is not alive");
         self.boxes[id.slot() as usize] = None;
+        self.hidden[id.slot() as usize] = None;
         self.resting[id.slot() as usize] = false;
     }
 
@@ -182,7 +213,7 @@ impl Model {
     /// The object of a slot.
     #[must_use]
     pub fn id_at(&self, slot: u32) -> Option<Id> {
-        self.boxes.get(slot as usize)?.as_ref()?;
+        self.aabb(slot)?;
         Id::from_bits((u64::from(self.generations[slot as usize]) << 32) | u64::from(slot))
     }
 
@@ -202,7 +233,7 @@ impl Model {
     /// How many objects are alive.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.boxes.iter().flatten().count()
+        self.boxes.iter().chain(&self.hidden).flatten().count()
     }
 
     /// Whether no object is alive.
@@ -211,7 +242,7 @@ impl Model {
         self.len() == 0
     }
 
-    /// The boxes by slot; dead slots are empty.
+    /// The boxes by slot; dead and disabled slots are empty.
     #[must_use]
     pub fn boxes(&self) -> &[Option<Aabb>] {
         &self.boxes

@@ -7,7 +7,7 @@ use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Reason
 use trisap_tests::checked::Checked;
 use trisap_tests::effort;
 use trisap_tests::jobs::Jobs;
-use trisap_tests::scenes::{Brownian, Rng, at, cube, shifted, uniform};
+use trisap_tests::scenes::{self, Brownian, Rng, at, cube, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 const SETUP: Setup = Setup { kernels: Kernels::BASELINE, jobs: Jobs::Serial };
@@ -594,5 +594,40 @@ fn margins_that_do_not_help_are_left_unused() {
             |stats: &&Stats| matches!(stats.path, Path::Unchanged | Path::Movers) && stats.surplus > 0;
         let used = slow.iter().rev().take(20).filter(quiet).count();
         assert!(used >= 15, "fixed {fixed}: margins help in {used} of the last 20 steps");
+    }
+}
+
+/// A pool of parked and disabled objects in the middle of the others costs steps nothing, whether they come before them or after
+/// them, and whether few move or all do.
+#[test]
+fn disabled_objects_cost_nothing() {
+    let active = uniform(2000, 4);
+    let stats = |pool: usize, movers: usize, first: bool| {
+        let config = Config::new(ample(2000 + pool, 40_000)).with_events();
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let parked = vec![cube(5.0, 5.0, 5.0); pool];
+        let (front, behind) = if first { (&parked, &active) } else { (&active, &parked) };
+        let mut ids: Vec<Id> = world.insert_many(Boxes::new(front)).expect("room").collect();
+        ids.extend(world.insert_many(Boxes::new(behind)).expect("room"));
+        let pool = if first { &ids[..pool] } else { &ids[2000..] };
+        world.set_enabled_many(pool, false).expect("alive");
+        let mut boxes = [&front[..], behind].concat();
+        let active = if first { pool.len()..ids.len() } else { 0..2000 };
+        let mut rng = Rng::new(3);
+        for _ in 0..10 {
+            scenes::walk(&mut boxes[active.clone()], movers, 0.1, &mut rng);
+            world.step_over(Boxes::new(&boxes)).expect("room");
+        }
+        world.stats()
+    };
+    for movers in [5, 1000] {
+        let alone = stats(0, movers, false);
+        for first in [false, true] {
+            let with = stats(20_000, movers, first);
+            assert!(with.candidates * 20 <= alone.candidates * 21, "{with:?}\n{alone:?}");
+            assert_eq!((with.pairs, with.objects, with.moved), (alone.pairs, alone.objects, alone.moved));
+            assert!(with.leaves <= alone.leaves + alone.leaves / 20, "{with:?}\n{alone:?}");
+        }
     }
 }

@@ -71,7 +71,7 @@ fn live<I: Index>(config: Config, count: usize, ruled: bool, setup: Setup) {
         if rng.once_in(3) {
             // The slot's next object starts afresh, whatever the last one was told in the same step.
             let id = ids[rng.below(ids.len())];
-            let near = world.model().boxes()[id.slot() as usize].expect("alive");
+            let near = world.model().aabb(id.slot()).expect("alive");
             world.set_filter(id, any_filter(rng));
             world.remove(id);
             let new = world.insert(near);

@@ -14,6 +14,7 @@ mod contents;
 mod copies;
 mod documents;
 mod edges;
+mod enabled;
 mod errata;
 mod events;
 mod executors;

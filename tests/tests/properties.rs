@@ -265,7 +265,7 @@ fn apply<I: Index>(
     let some = |thousandths: usize, rng: &mut Rng| -> Vec<Id> {
         ids.iter().copied().filter(|_| rng.below(1000) < thousandths).collect()
     };
-    let aabb = |world: &Checked<'_, I>, id: Id| world.model().boxes()[id.slot() as usize].expect("alive");
+    let aabb = |world: &Checked<'_, I>, id: Id| world.model().aabb(id.slot()).expect("alive");
     match op {
         Op::Insert | Op::InsertMany(_) => {
             let count = if let Op::InsertMany(share) = op { case.share(*share) } else { 1 };

@@ -568,7 +568,7 @@ fn leaves_are_divided_step_by_step() {
             for frame in 0..10 {
                 for _ in 0..frame * 2 {
                     let id = ids[rng.below(ids.len())];
-                    let aabb = world.model().boxes()[id.slot() as usize].expect("alive");
+                    let aabb = world.model().aabb(id.slot()).expect("alive");
                     world.set(id, shifted(&aabb, rng.point(-9.0, 9.0)));
                 }
                 world.step(setup);

@@ -92,7 +92,7 @@ fn leaves_and_planes_agree() {
             for calm in 0..5 {
                 if calm > 0 {
                     let id = ids[rng.below(ids.len())];
-                    let aabb = world.model().boxes()[id.slot() as usize].expect("alive");
+                    let aabb = world.model().aabb(id.slot()).expect("alive");
                     world.set(id, shifted(&aabb, rng.point(-3.0, 3.0)));
                 }
                 let outcome = world.step(setup);

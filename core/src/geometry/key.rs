@@ -12,6 +12,10 @@ pub(crate) const POSITIVE_INFINITY: i32 = 0x7f80_0000;
 /// The key of -infinity, the smallest.
 pub(crate) const NEGATIVE_INFINITY: i32 = -POSITIVE_INFINITY;
 
+/// The minimum of a disabled box: so many bits less, and beyond infinity.
+const CUT: i32 = 10;
+const BEYOND: i32 = POSITIVE_INFINITY + 1 + (POSITIVE_INFINITY >> CUT);
+
 /// The key of a float: `key(a) < key(b)` exactly if `a < b`. NaN maps beyond the infinities.
 #[inline(always)]
 pub(crate) const fn key(x: f32) -> i32 {
@@ -114,6 +118,25 @@ impl KeyBox {
             self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
         };
         !(wrong(0) || wrong(1) || wrong(2))
+    }
+
+    /// Whether it is the box of a free slot.
+    pub(crate) const fn is_free(&self) -> bool {
+        self.min[0] == i32::MAX
+    }
+
+    /// The box of an object that becomes disabled: empty, with a minimum beyond infinity. There is no room for the low
+    /// bits of that minimum, which come beside.
+    pub(crate) const fn disabled(mut self) -> (Self, u16) {
+        let low = self.min[0] as u16 & (1 << CUT) - 1;
+        self.min[0] = (self.min[0] >> CUT) + BEYOND;
+        (self, low)
+    }
+
+    /// The box that was [disabled](Self::disabled), from both.
+    pub(crate) const fn enabled(mut self, low: u16) -> Self {
+        self.min[0] = self.min[0].wrapping_sub(BEYOND) << CUT | low as i32;
+        self
     }
 
     #[inline(always)]

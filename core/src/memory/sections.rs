@@ -38,6 +38,8 @@ macro_rules! sections {
             boxes: BoxParts ['m] {
                 /// The box as given last. A free slot has an empty one, which holds the next free slot.
                 now: &'m mut [KeyBox] = [KeyBox; s.objects], used state.objects.slots as usize, saved now [n.slots];
+                /// Of disabled objects: the low bits of a side, for which an empty box has no room.
+                cut: &'m mut [u16] = [u16; s.objects], used state.objects.slots as usize, saved cut [n.slots];
                 /// With margins, or predicted boxes: the fat box (erratum E5).
                 fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
                 /// With margins: the length that the box is grown by (erratum E2).

@@ -103,7 +103,7 @@ fn ingest_small<I: Index>(
     let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
     let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
     let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
-    let objects = Objects { now, fat, moved, changed, before, mode };
+    let objects = Objects { now, cut: &mut [], fat, moved, changed, before, mode };
     ingest_block(kernels, 0, bounds, objects, resting, Nothing)
 }
 
@@ -137,7 +137,8 @@ fn ingest_blocks<I: Index>(
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
-        let objects = Objects { now, fat, moved: moved.into(), changed: changed.into(), before, mode };
+        let objects =
+            Objects { now, cut: &mut [], fat, moved: moved.into(), changed: changed.into(), before, mode };
         let resting = resting.get(first / 32..).unwrap_or_default();
         found.fill(if settle {
             let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));

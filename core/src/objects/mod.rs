@@ -17,6 +17,8 @@ use crate::simd::scalar::Scalar;
 /// The arrays of some consecutive slots. Positions count from the first of them.
 pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
+    /// See [`BoxParts::cut`](crate::memory::slab::BoxParts::cut). Steps need it not.
+    pub(crate) cut: &'o mut [u16],
     pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: SlotSet<'o>,
     pub(crate) changed: SlotSet<'o>,
@@ -32,6 +34,12 @@ impl<I: Index> Parts<'_, I> {
         (has_tree && self.state.setup.is_predicted(), has_tree && self.state.step.renews != 0)
     }
 
+    /// The box of an object as it was given last.
+    pub(crate) fn bounds(&self, slot: usize) -> KeyBox {
+        let now = self.boxes.now.at(slot);
+        if now.is_empty() { now.enabled(self.boxes.cut.at(slot)) } else { now }
+    }
+
     /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
         let (predicted, renews) = self.fat_boxes();
@@ -40,6 +48,7 @@ impl<I: Index> Parts<'_, I> {
         let fat = FatBoxes { boxes, margins, predicted, renews, motions };
         Objects {
             now: self.boxes.now,
+            cut: self.boxes.cut,
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
@@ -65,7 +74,8 @@ impl Objects<'_> {
         if let Some(before) = self.before.get_mut(at)
             && !bits::test(self.changed.words, at)
         {
-            *before = self.fat.reported(self.mode, at, &self.now.at(at));
+            let now = self.now.at(at);
+            *before = if now.is_empty() { KeyBox::EMPTY } else { self.fat.reported(self.mode, at, &now) };
         }
     }
 
@@ -93,7 +103,9 @@ impl Objects<'_> {
     /// A new box.
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
         let old = self.now.at(at);
-        if bounds != old {
+        if old.is_empty() {
+            self.hide(at, bounds);
+        } else if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
             let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, &bounds);
@@ -120,10 +132,21 @@ impl Objects<'_> {
         }
     }
 
-    /// The object goes. `next` is the next free slot.
+    /// The object goes; `next` is the next free slot.
     pub(crate) fn remove(&mut self, at: usize, next: u32) {
         self.touch(at);
-        self.now.put(at, KeyBox::free(next));
+        self.empty(at, KeyBox::free(next));
+    }
+
+    /// The object is disabled, or is and gets another box: steps see an empty one.
+    pub(crate) fn hide(&mut self, at: usize, bounds: KeyBox) {
+        let (hidden, low) = bounds.disabled();
+        self.empty(at, hidden);
+        self.cut.put(at, low);
+    }
+
+    fn empty(&mut self, at: usize, empty: KeyBox) {
+        self.now.put(at, empty);
         if self.fat.exist() {
             self.fat.boxes.put(at, KeyBox::EMPTY);
         }

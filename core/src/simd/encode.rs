@@ -35,8 +35,8 @@ pub(super) fn encode(simd: Avx2, min: &[u8; 12], max: &[u8; 12]) -> Option<__m25
     }
 }
 
-/// All ones in some lane where a box is not inside the held one, a minimum is above its maximum, or an old box is empty: no key of
-/// a valid box is `i32::MAX`. `MAXIMA` has a bit for each lane of a maximum. A plain function for the same reason.
+/// All ones in some lane where a box is not inside the held one, a minimum is above its maximum, or an old box is empty: its first key
+/// is above +infinity. `MAXIMA` has a bit for each lane of a maximum. A plain function for the same reason.
 #[inline(always)]
 fn bad<const MAXIMA: i32>(_: Avx2, keys: __m256i, maxima: __m256i, held: __m256i, old: __m256i) -> __m256i {
     // SAFETY: the token proves AVX2.
@@ -44,7 +44,7 @@ fn bad<const MAXIMA: i32>(_: Avx2, keys: __m256i, maxima: __m256i, held: __m256i
         let (low, high) =
             (_mm256_blend_epi32::<MAXIMA>(keys, held), _mm256_blend_epi32::<MAXIMA>(held, keys));
         let upside_down = _mm256_cmpgt_epi32(keys, _mm256_blend_epi32::<MAXIMA>(maxima, keys));
-        let empty = _mm256_cmpeq_epi32(old, _mm256_set1_epi32(i32::MAX));
+        let empty = _mm256_cmpgt_epi32(old, _mm256_set1_epi32(POSITIVE_INFINITY));
         _mm256_or_si256(_mm256_cmpgt_epi32(high, low), _mm256_or_si256(upside_down, empty))
     }
 }

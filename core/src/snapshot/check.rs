@@ -33,13 +33,16 @@ pub(crate) fn check(holds: bool, what: &'static str, at: usize) -> Result<(), In
 pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     numbers(stored)?;
     sets(stored)?;
-    let mut free = 0;
+    let (mut free, mut empty) = (0, 0);
     for slot in 0..stored.now.len() {
-        free += usize::from(stored.now.at(slot).is_empty());
+        free += usize::from(stored.now.at(slot).is_free());
+        empty += usize::from(stored.now.at(slot).is_empty());
         object(stored, slot)?;
     }
-    let living = stored.now.len() - free;
+    let (living, disabled) = (stored.now.len() - empty, empty - free);
     check(stored.state.objects.live as usize == living, "the living objects are not counted right", living)?;
+    let known = stored.state.objects.disabled as usize == disabled;
+    check(known, "the disabled objects are not counted right", disabled)?;
     chain(stored, free)?;
     last_step(stored)?;
     pairs(stored)
@@ -85,11 +88,15 @@ fn sets<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 fn object<I: Index>(stored: &Stored<'_, I>, slot: usize) -> Result<(), Invalid> {
     let now = stored.now.at(slot);
     check(stored.generations.at(slot) != 0, "a slot has no generation", slot)?;
-    check(now.is_valid() || is_free(&now), "a box is none", slot)?;
-    check(!now.is_empty() || !stored.resting.has(slot), "a free slot rests", slot)?;
+    let (free, low) = (now.is_free(), stored.cut.at(slot));
+    let disabled = || now.enabled(low).is_valid() && now.enabled(low).disabled() == (now, low);
+    let known = now.is_valid() || if free { is_free(&now) } else { disabled() };
+    check(known, "a box is none", slot)?;
+    check(!free || !stored.resting.has(slot), "a free slot rests", slot)?;
     if stored.fat.len() > 0 {
         let fat = stored.fat.at(slot);
-        let holds = if now.is_empty() { is_free(&fat) } else { fat.is_valid() && fat.contains(&now) };
+        let holds =
+            if now.is_empty() { is_free(&fat) || fat == now } else { fat.is_valid() && fat.contains(&now) };
         check(holds, "a fat box does not hold its box", slot)?;
     }
     if stored.margins.len() > 0 {
@@ -110,7 +117,7 @@ fn chain<I: Index>(stored: &Stored<'_, I>, free: usize) -> Result<(), Invalid> {
     for _ in 0..free {
         check(next >= 1 && next <= stored.now.len(), "the chain of free slots leaves the slots", next)?;
         let bounds = stored.now.at(next - 1);
-        check(bounds.is_empty(), "a living object is in the chain of free slots", next - 1)?;
+        check(bounds.is_free(), "a living object is in the chain of free slots", next - 1)?;
         next = bounds.next_free() as usize;
     }
     // A chain that comes back to a slot never ends.
@@ -119,11 +126,8 @@ fn chain<I: Index>(stored: &Stored<'_, I>, free: usize) -> Result<(), Invalid> {
 
 /// The boxes of the last complete step, of objects that may have others now; and who had slots before.
 fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
-    let has_inserted = stored.state.objects.has_inserted != 0;
     for (slot, before) in stored.of_set(&stored.changed, &stored.before) {
         check(before.is_valid() || is_free(&before), "a box of the last step is none", slot)?;
-        let fresh = before.is_empty() && !stored.now.at(slot).is_empty();
-        check(!fresh || has_inserted, "a new object that has not come", slot)?;
     }
     for (slot, generation) in stored.of_set(&stored.reused, &stored.former) {
         let another = generation != 0 && generation != stored.generations.at(slot);

@@ -63,8 +63,10 @@ fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: u
     let mut count = 0;
     // An odd step, since every second object may be of another kind.
     let step = members.len().div_ceil(SUB_SAMPLE) | 1;
-    for (min, record) in sample.iter_mut().zip(members.iter().step_by(step)) {
-        *min = KeyBox::of(boxes, record.slot() as usize).min;
+    let some = members.iter().step_by(step).map(|record| KeyBox::of(boxes, record.slot() as usize));
+    // Without the objects that have gone since.
+    for (min, bounds) in sample.iter_mut().zip(some.filter(|bounds| !bounds.is_empty())) {
+        *min = bounds.min;
         count += 1;
     }
     for node in 1..SUB_LEAVES {

@@ -32,10 +32,10 @@ impl<I: Index> World<'_, I> {
         self.config().capacity
     }
 
-    /// Living objects.
+    /// Living objects, also disabled ones.
     #[must_use]
     pub fn len(&self) -> u32 {
-        self.parts.state.objects.live
+        self.parts.state.objects.live + self.parts.state.objects.disabled
     }
 
     /// Whether there is no object.
@@ -54,14 +54,14 @@ impl<I: Index> World<'_, I> {
     #[must_use]
     pub fn id_at(&self, slot: u32) -> Option<Id> {
         let lives =
-            slot < self.parts.state.objects.slots && !self.parts.boxes.now.at(slot as usize).is_empty();
+            slot < self.parts.state.objects.slots && !self.parts.boxes.now.at(slot as usize).is_free();
         if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
     }
 
     /// The box of an object, as it was given last.
     #[must_use]
     pub fn aabb(&self, id: Id) -> Option<Aabb> {
-        self.slot_of(id).ok().map(|slot| self.parts.boxes.now.at(slot).to_aabb())
+        self.slot_of(id).ok().map(|slot| self.parts.bounds(slot).to_aabb())
     }
 
     pub(crate) fn slot_of(&self, id: Id) -> Result<usize, Error> {

@@ -80,7 +80,7 @@ impl<I: Index> World<'_, I> {
         }
         self.parts.filters.classes.copy_in(meets);
         for slot in 0..self.parts.state.objects.slots as usize {
-            if !self.parts.boxes.now.at(slot).is_empty() {
+            if !self.parts.boxes.now.at(slot).is_free() {
                 self.ask_again(slot);
             }
         }

@@ -7,6 +7,8 @@ mod making;
 
 mod objects;
 
+mod enabled;
+
 mod values;
 
 mod filters;

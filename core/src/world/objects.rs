@@ -93,8 +93,10 @@ impl<'m, I: Index> World<'m, I> {
         crate::Margin::length(length).check()?;
         *self.parts.boxes.margins.get_mut(slot).ok_or(Error::NoMargins)? = length;
         let bounds = self.parts.boxes.now.at(slot);
-        self.parts.objects().anchor(slot, bounds);
-        self.parts.state.objects.dirty = 1;
+        if !bounds.is_empty() {
+            self.parts.objects().anchor(slot, bounds);
+            self.parts.state.objects.dirty = 1;
+        }
         Ok(())
     }
 
@@ -255,12 +257,17 @@ impl<'m, I: Index> World<'m, I> {
     }
 
     fn remove_slot(&mut self, slot: usize) {
-        let next = self.parts.state.objects.free;
-        self.parts.state.objects.dirty = 1;
-        bits::clear(self.parts.resting, slot);
-        self.parts.objects().remove(slot, next);
-        self.parts.state.objects.free = slot as u32 + 1;
-        self.parts.state.objects.live -= 1;
+        let parts = &mut self.parts;
+        let next = parts.state.objects.free;
+        parts.state.objects.dirty = 1;
+        bits::clear(parts.resting, slot);
+        if parts.boxes.now.at(slot).is_empty() {
+            parts.state.objects.disabled -= 1;
+        } else {
+            parts.state.objects.live -= 1;
+        }
+        parts.objects().remove(slot, next);
+        parts.state.objects.free = slot as u32 + 1;
     }
 }
 

@@ -55,18 +55,22 @@ impl<I: Index> World<'_, I> {
         let mut rounded = 0;
         for slot in 0..parts.state.objects.slots as usize {
             let now = parts.boxes.now.at(slot);
-            if now.is_empty() {
+            if now.is_free() {
                 continue;
             }
             // The boxes of the last complete step stay unshifted, since they are only compared with each other. So
             // events are exact even if boxes are rounded.
-            parts.objects().touch(slot);
-            let (now, exact) = shifted(now, by);
-            parts.boxes.now.put(slot, now);
-            // Rounding keeps the order of numbers, so the fat box still holds the box.
-            let fat = if parts.boxes.tight { None } else { parts.boxes.fat.get_mut(slot) };
-            if let Some(fat) = fat {
-                (*fat, _) = shifted(*fat, by);
+            let (bounds, exact) = shifted(parts.bounds(slot), by);
+            let mut objects = parts.objects();
+            objects.touch(slot);
+            if now.is_empty() {
+                objects.hide(slot, bounds);
+            } else {
+                objects.now.put(slot, bounds);
+                // Rounding keeps the order of numbers, so the fat box still holds the box.
+                if let Some(fat) = objects.fat.boxes.get_mut(slot) {
+                    (*fat, _) = shifted(*fat, by);
+                }
             }
             rounded += u32::from(!exact);
         }

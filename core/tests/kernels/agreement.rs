@@ -98,6 +98,7 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         match random.below(16) {
             0..4 => Some(random.bounds()),
             4 => Some(KeyBox::free(random.bits() as u32)),
+            6 => keys.map(|keys| keys.disabled().0),
             // One of six keys is another one.
             5 => keys.map(|mut keys| {
                 keys.max[random.below(3)] = POSITIVE_INFINITY;

@@ -204,6 +204,13 @@ export class World {
    */
   setResting(ids: ArrayLike<Id>): void;
   wake(ids: ArrayLike<Id>): void;
+  /**
+   * Disables objects, or enables them again. Disabled ones are in no pair and in no answer, and cost a step nothing. They keep id, box,
+   * margin, filter and value, and can be given others. Boxes that were written before are taken in; what is written while an object is
+   * disabled waits until it is enabled. It counts as resting, and is awake when it is enabled.
+   */
+  setEnabled(ids: ArrayLike<Id>, enabled?: boolean): void;
+  isEnabled(id: Id): boolean;
   /** Whether an object was put to rest and has not been woken since. */
   isResting(id: Id): boolean;
   /** The pairs of the last step with at least one object that does not rest, as `pairs`. A copy. */

@@ -314,6 +314,18 @@ export class World {
     this.#calls.check(this.#module.trisap_world_wake(this.#world, this.#living(ids), ids.length), "wake");
   }
 
+  setEnabled(ids, enabled = true) {
+    // Steps do not read the box of a disabled object: what was written to it before would be lost.
+    this.#living(ids);
+    this.#commit(Array.prototype.map.call(ids, slotOf));
+    const at = this.#calls.ids(ids);
+    this.#calls.check(this.#module.trisap_world_set_enabled(this.#world, at, ids.length, enabled ? 1 : 0), "setEnabled");
+  }
+
+  isEnabled(id) {
+    return this.#module.trisap_world_is_enabled(this.#world, checkId(id)) === 1;
+  }
+
   isResting(id) {
     return this.#module.trisap_world_is_resting(this.#world, checkId(id)) === 1;
   }

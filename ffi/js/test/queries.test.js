@@ -187,6 +187,18 @@ test("who falls asleep in the frame of a move sleeps where it moved to", async (
   assert.ok(!world.isResting(ball));
 });
 
+test("disabled objects are in no pair and in no answer", async () => {
+  const world = await createWorld({ objects: 2, events: true });
+  const [floor, ball] = world.insertMany(new Float32Array([0, 0, 0, 9, 1, 9, 1, 3, 1, 2, 4, 2]));
+  world.boxes.set([1, 1, 1, 2, 2, 2], 6);
+  world.setEnabled([floor], false);
+  assert.equal(world.step().pairs.length, 0);
+  assert.deepEqual(world.overlaps({ min: [-9, -9, -9], max: [9, 9, 9] }), [ball]);
+  assert.ok(!world.isEnabled(floor) && world.isEnabled(ball) && world.has(floor));
+  world.setEnabled([floor]);
+  assert.deepEqual([...world.step().found], [0, 1]);
+});
+
 test("queries among those for which a condition holds", async () => {
   const { world, boxes, ids } = await scene();
   const where = (id) => slotOf(id) % 3 !== 1;

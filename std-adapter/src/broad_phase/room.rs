@@ -137,5 +137,6 @@ fn copy(from: &World<'_>, id: Id, to: &mut World<'_>) -> Result<Id, Error> {
     if from.is_resting(id) {
         to.set_resting(&[copy])?;
     }
+    to.set_enabled(copy, from.is_enabled(id))?;
     Ok(copy)
 }

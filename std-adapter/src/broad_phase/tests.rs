@@ -369,6 +369,7 @@ fn a_crowd_that_has_gone_gives_its_memory_back() {
     let id = broad_phase.id(&17_001).expect("its id");
     broad_phase.world().set_value(id, 4711).expect("values");
     broad_phase.step().expect("room");
+    assert!(broad_phase.set_enabled(&17_005, false) && !broad_phase.set_enabled(&30_000, false));
     let bytes = broad_phase.owned.bytes();
     (0..20_000)
         .filter(|key| !(17_000..17_100).contains(key))
@@ -376,6 +377,8 @@ fn a_crowd_that_has_gone_gives_its_memory_back() {
     broad_phase.update(&17_099, at(17_096.0)).expect("a good box");
     broad_phase.shrink_to_fit().expect("memory");
     assert!(broad_phase.owned.bytes() < bytes / 20 && broad_phase.pairs().count() == 0);
+    assert!(!broad_phase.is_enabled(&17_005) && broad_phase.is_enabled(&17_006));
+    assert!(!broad_phase.is_enabled(&30_000) && broad_phase.set_enabled(&17_005, true));
     assert_eq!(broad_phase.margin(&17_000), Some(2.0));
     assert!(broad_phase.is_resting(&17_001));
     let value = broad_phase.as_world().value(broad_phase.id(&17_001).expect("its id"));

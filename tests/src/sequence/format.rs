@@ -179,6 +179,8 @@ pub enum Kind {
     SetValue,
     /// Some get values.
     SetValueMany,
+    /// Some are disabled, or enabled.
+    SetEnabled,
 }
 
 /// As often as they are here.
@@ -230,7 +232,7 @@ const KINDS: [Kind; 41] = {
 };
 
 /// How many kinds there are.
-pub const KIND_COUNT: usize = Kind::SetValueMany as usize + 1;
+pub const KIND_COUNT: usize = Kind::SetEnabled as usize + 1;
 
 /// An operation.
 #[derive(Clone, Debug)]
@@ -263,6 +265,9 @@ impl Operation {
         }
         if kind == Kind::UpdateMany && argument % 8 == 7 {
             kind = Kind::SetValueMany;
+        }
+        if matches!(kind, Kind::SetResting | Kind::Wake) && argument % 2 == 1 {
+            kind = Kind::SetEnabled;
         }
         Self { kind, argument, rng: Rng::new(u64::from(u16::from_le_bytes([low, high]))) }
     }

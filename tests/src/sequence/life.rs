@@ -124,6 +124,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
             Kind::SetClasses => self.set_classes(&mut op),
             Kind::Refilter => self.refilter(&mut op),
             Kind::SetResting | Kind::Wake => self.set_resting(&mut op),
+            Kind::SetEnabled => self.set_enabled(&mut op),
             Kind::Shift => self.shift(&mut op),
             Kind::Step => self.step(&op),
             Kind::StepOver => self.step_over(&mut op),
@@ -352,6 +353,21 @@ impl<'m, I: Index> Life<'m, '_, I> {
         }
     }
 
+    fn set_enabled(&mut self, op: &mut Operation) {
+        let ids = self.some(op);
+        let enabled = op.argument & 2 != 0;
+        let expected = self.all_alive(&ids);
+        let one = ids.first().filter(|_| ids.len() == 1);
+        let said = self.both(|world| match one {
+            Some(id) => world.set_enabled(*id, enabled),
+            None => world.set_enabled_many(&ids, enabled),
+        });
+        assert_eq!(said, expected);
+        if expected.is_ok() {
+            ids.iter().for_each(|id| self.model().set_enabled(*id, enabled));
+        }
+    }
+
     /// Boxes are exactly the differences, or the least floats around them.
     fn shift(&mut self, op: &mut Operation) {
         let step = [0.25, 0.1, 1e6, 0.25][op.argument % 4];
@@ -366,7 +382,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         };
         self.past.tally.say(u64::from(rounded));
         for id in self.checked.model().ids() {
-            let Some(old) = self.checked.model().boxes()[id.slot() as usize] else { continue };
+            let Some(old) = self.checked.model().aabb(id.slot()) else { continue };
             let new = self.checked.world().aabb(id).expect("alive");
             for k in 0..3 {
                 let (low, high) = (f64::from(old.min[k]) - by[k], f64::from(old.max[k]) - by[k]);

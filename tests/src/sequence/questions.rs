@@ -202,7 +202,7 @@ impl<I: Index> Life<'_, '_, I> {
         let (world, tally) = (self.checked.world(), &mut self.past.tally);
         for (id, aabb) in world.iter() {
             tally.say(id.to_bits());
-            tally.say(u64::from(world.is_resting(id)));
+            tally.say(u64::from(world.is_resting(id)) + 2 * u64::from(world.is_enabled(id)));
             aabb.min.iter().chain(&aabb.max).for_each(|x| tally.say(u64::from(x.to_bits())));
             if let Some(Filter { group, mask, class }) = world.filter(id) {
                 [group, mask, class].iter().for_each(|part| tally.say(u64::from(*part)));

@@ -22,7 +22,7 @@ pub(crate) struct State {
     pub(crate) objects: ObjectState,
     pub(crate) lists: ListState,
     /// Whether a step has begun and not ended: it is set first and cleared last.
-    pub(crate) stepping: u32,
+    pub(crate) stepping: u64,
 }
 
 impl State {

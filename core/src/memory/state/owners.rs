@@ -9,8 +9,9 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct ObjectState {
-    /// Living objects.
+    /// Living objects that are enabled, and those that are disabled.
     pub(crate) live: u32,
+    pub(crate) disabled: u32,
     /// Slots that have ever been in use.
     pub(crate) slots: u32,
     /// The slot that was freed last, plus one; zero if none is free. Each free slot holds the next one.

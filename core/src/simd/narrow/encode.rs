@@ -70,7 +70,7 @@ pub(super) fn encode_four<V: Vectors>(
         let (low, high) = (v.select(minima, keys, held), v.select(minima, held, keys));
         bad = v.or(bad, v.above32(high, low));
     }
-    // No key of an object is above +infinity, but the first one of a free slot is.
+    // No key of an object is above +infinity, but the first one of an empty box is.
     let highest_old = v.upper32(v.upper32(old_a, old_b), v.upper32(old_d, old_e));
     if v.any(v.or(bad, v.above32(highest_old, v.splat(POSITIVE_INFINITY as u32)))) {
         return None;
