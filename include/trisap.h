@@ -928,6 +928,17 @@ trisap_status trisap_world_step_over(struct trisap_world *world,
                                      struct trisap_result *result)
 TRISAP_NOEXCEPT;
 
+/// Brings the tree up to date for queries, without a look for pairs: a world that is only asked needs no step, and `config.pairs`
+/// can be 0. The pairs and events of the last step stay, and the next one has those that it would have had. Without this, queries
+/// look one by one at the objects that have changed since the last step, and at all before the first. Does nothing in worlds
+/// without a tree. `jobs` may be null. O(objects that have changed), or O(n) where these are many.
+///
+/// Errors: `TRISAP_STATUS_INVALID_ARGUMENT` for a `worker_count` of 0.
+TRISAP_NODISCARD
+trisap_status trisap_world_refresh(struct trisap_world *world,
+                                   const struct trisap_jobs *jobs)
+TRISAP_NOEXCEPT;
+
 /// As `trisap_world_step_over`, or if `boxes` is null as `trisap_world_step`, with a rule that decides the pairs that
 /// the filters let through; `user` is passed to it. If a world has a rule in one step, it should have the same in
 /// all.

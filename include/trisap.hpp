@@ -880,6 +880,16 @@ public:
         return step_with_rule_and(&boxes, rule, &c);
     }
 
+    /// Brings the tree up to date for queries, without a look for pairs: see `trisap_world_refresh`.
+    [[nodiscard]] Status refresh() noexcept { return trisap_world_refresh(world_, nullptr); }
+
+    /// The same with the help of a job system.
+    template <class ForkJoin> [[nodiscard]] Status refresh(Jobs<ForkJoin> &jobs) noexcept {
+        const trisap_jobs c = jobs.c();
+        follow(&c);
+        return trisap_world_refresh(world_, &c);
+    }
+
     /// The result of the last step once more, after `load` for instance.
     [[nodiscard]] Step result() noexcept {
         trisap_result result = trisap_default_result();

@@ -4,8 +4,8 @@
 //     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 //
 // Bullet keeps the pairs; trisap tells which are new and which are gone. Boxes are collected as Bullet sets them, and
-// seen by one step for all of them. Rays and boxes ask trisap's tree; before the first step there is none, and each looks
-// at every body. The world grows as bodies and pairs come.
+// seen by one step for all of them. Rays and boxes ask trisap's tree, which the first question after a change brings up to
+// date, steps or not. The world grows as bodies and pairs come.
 
 #ifndef TRISAP_BULLET_HPP
 #define TRISAP_BULLET_HPP
@@ -56,6 +56,7 @@ public:
             return;
         }
         expect(world_.remove(id));
+        has_unknown_.store(true, std::memory_order_release);
         proxies_[trisap::slot(id)].reset();
     }
 
@@ -245,10 +246,12 @@ private:
         boxes_[slot] = aabb;
         proxy->slot = slot;
         proxy->came_at = proxy->set_at = proxy->moved_at = steps_;
+        has_unknown_.store(true, std::memory_order_release);
         return proxy;
     }
 
-    /// Questions are answered for the boxes as they are now, steps or not: the first one after a change tells the world.
+    /// Questions are answered for the boxes as they are now, steps or not: the first one after a change tells the world, and brings its
+    /// tree up to date.
     void tell_boxes() {
         if (!has_unknown_.load(std::memory_order_acquire)) {
             return;
@@ -262,6 +265,9 @@ private:
                     return;
                 }
                 unknown_slots_.pop_back();
+            }
+            if (world_.refresh() != TRISAP_STATUS_OK) {
+                return;
             }
             has_unknown_.store(false, std::memory_order_release);
         }

@@ -79,7 +79,7 @@ public:
             set_layers(bodies_[slot], ours, body);
             body.SetInBroadPhaseInternal(true);
         }
-        is_stale_ = true;
+        is_stale_ = is_unsettled_ = true;
     }
 
     void RemoveBodies(JPH::BodyID *bodies, int count) override {
@@ -92,7 +92,7 @@ public:
             ours = trisap::null_id;
             body_of(*id).SetInBroadPhaseInternal(false);
         }
-        is_stale_ = true;
+        is_stale_ = is_unsettled_ = true;
     }
 
     void NotifyBodiesAABBChanged(JPH::BodyID *bodies, int count, bool take_lock) override {
@@ -104,7 +104,7 @@ public:
         for (const JPH::BodyID *id = bodies; id != bodies + count; id++) {
             update(body_of(*id));
         }
-        is_stale_ = true;
+        is_stale_ = is_unsettled_ = true;
     }
 
     void NotifyBodiesLayerChanged(JPH::BodyID *bodies, int count) override {
@@ -116,7 +116,7 @@ public:
             update(body);
             set_layers(bodies_[trisap::slot(ours)], ours, body);
         }
-        is_stale_ = true;
+        is_stale_ = is_unsettled_ = true;
     }
 
     void FindCollidingPairs(JPH::BodyID *active, int count, float distance, const JPH::ObjectVsBroadPhaseLayerFilter &broad_filter,
@@ -289,6 +289,7 @@ private:
         set_classes(filter);
         const trisap::Step step = world_.step();
         expect(step.status);
+        is_unsettled_.store(false, std::memory_order_release);
         // Counted one place further on than they start, so that filling in moves each start to where it belongs.
         starts_.assign(bodies_.size() + 2, 0);
         for (const auto &[a, b] : step.pairs) {
@@ -304,6 +305,18 @@ private:
             partners_[starts_[b + 1]++] = a;
         }
         is_stale_.store(false, std::memory_order_release);
+    }
+
+    /// The lock for a query. The first one after a change brings the tree up to date, steps or not.
+    std::shared_lock<std::shared_mutex> for_queries() const {
+        if (is_unsettled_.load(std::memory_order_acquire)) {
+            const std::lock_guard<std::shared_mutex> lock(world_lock_);
+            if (is_unsettled_) {
+                expect(world_.refresh());
+                is_unsettled_.store(false, std::memory_order_release);
+            }
+        }
+        return std::shared_lock<std::shared_mutex>(world_lock_);
     }
 
     static bool passes(const Told &told, const JPH::BroadPhaseLayerFilter &broad_filter, const JPH::ObjectLayerFilter &filter) {
@@ -328,7 +341,7 @@ private:
         const JPH::RayInvDirection inverse(direction);
         std::vector<Hit> hits;
         {
-            const std::shared_lock<std::shared_mutex> lock(world_lock_);
+            const std::shared_lock<std::shared_mutex> lock = for_queries();
             (void)world_.visit_hits(cast, [&](const trisap::Hit &hit) {
                 const Told &told = bodies_[trisap::slot(hit.id)];
                 const float fraction = JPH::RayAABox(center, inverse, told.bounds.mMin - extent, told.bounds.mMax + extent);
@@ -353,7 +366,7 @@ private:
                        JPH::CollideShapeBodyCollector &collector, Overlaps overlaps) const {
         std::vector<Told> found;
         {
-            const std::shared_lock<std::shared_mutex> lock(world_lock_);
+            const std::shared_lock<std::shared_mutex> lock = for_queries();
             (void)world_.visit_overlaps(trisap::region(with_room(box)), [&](trisap::Id id) {
                 const Told &told = bodies_[trisap::slot(id)];
                 if (overlaps(told.bounds)) {
@@ -378,6 +391,8 @@ private:
     mutable trisap::World world_;
     /// Whether anything has changed since the last step.
     mutable std::atomic<bool> is_stale_{true};
+    /// And since the tree was brought up to date.
+    mutable std::atomic<bool> is_unsettled_{true};
     mutable float reach_ = 0;
     mutable std::uint32_t meets_[TRISAP_CLASSES] = {};
     std::uint32_t used_ = 0;

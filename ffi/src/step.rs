@@ -79,6 +79,27 @@ pub unsafe extern "C" fn trisap_world_step_over(
     unsafe { with(world, step) }
 }
 
+/// Brings the tree up to date for queries, without a look for pairs: a world that is only asked needs no step, and `config.pairs`
+/// can be 0. The pairs and events of the last step stay, and the next one has those that it would have had. Without this, queries
+/// look one by one at the objects that have changed since the last step, and at all before the first. Does nothing in worlds
+/// without a tree. `jobs` may be null. O(objects that have changed), or O(n) where these are many.
+///
+/// Errors: `TRISAP_STATUS_INVALID_ARGUMENT` for a `worker_count` of 0.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_refresh(
+    world: *mut trisap_world,
+    jobs: *const trisap_jobs,
+) -> trisap_status {
+    let refresh = |call: &mut Call| {
+        // SAFETY: the caller's promise.
+        let executor = unsafe { executor(jobs, NAME)? };
+        Ok(call.world()?.on(&executor).refresh()?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with(world, refresh) }
+}
+
 /// A rule of the caller: returns not 0 if the objects in two slots, the lower one first, make a pair.
 ///
 /// Called from any worker at any time during the step, from several at once, and only for boxes that overlap and that

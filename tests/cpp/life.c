@@ -470,6 +470,41 @@ static void resting(void) {
     free(world);
 }
 
+// A world that is only asked has room for no pairs, and a tree without a step.
+static void questions(void) {
+    enum { COUNT = 2000 };
+    trisap_config config = trisap_default_config(COUNT);
+    config.pairs = 0;
+    trisap_world *world = make(&config);
+    static trisap_aabb aabbs[COUNT];
+    static trisap_id ids[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        aabbs[i] = cube((float)i * 0.5f);
+    }
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, COUNT);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    trisap_jobs none = trisap_default_jobs();
+    none.worker_count = 0;
+    CHECK_STATUS(trisap_world_refresh(world, &none), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK_OK(trisap_world_refresh(world, NULL));
+    trisap_leaf leaves[64];
+    size_t leaf_count = 0, members = 0;
+    CHECK_OK(trisap_world_leaves(world, leaves, 64, &leaf_count));
+    for (size_t i = 0; i < leaf_count; i++) {
+        members += leaves[i].objects;
+    }
+    CHECK(leaf_count > 1 && members == COUNT);
+    const trisap_region region = trisap_region_aabb(&aabbs[1000]);
+    trisap_id found[8];
+    size_t count = 0;
+    CHECK_OK(trisap_world_overlaps(world, &region, NULL, NULL, found, 8, &count));
+    CHECK(count == 5 && found[2] == ids[1000]);
+    trisap_result result = trisap_default_result();
+    CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_PAIRS_FULL);
+    CHECK(result.pairs_needed == 2 * COUNT - 3);
+    free(world);
+}
+
 // The tree, leaf by leaf, of a world that is large enough to have one.
 static void tree(void) {
     enum { COUNT = 4000 };
@@ -707,6 +742,7 @@ int main(void) {
     queries();
     values();
     resting();
+    questions();
     tree();
     doubles();
     fixed_and_shifted();

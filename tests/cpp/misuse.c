@@ -490,6 +490,7 @@ static uint32_t meddle(void *user, trisap_id id) {
     CHECK_STATUS(trisap_world_remove(world, id), TRISAP_STATUS_BUSY);
     CHECK_STATUS(trisap_world_step(world, NULL, &result), TRISAP_STATUS_BUSY);
     CHECK_STATUS(trisap_world_set_resting(world, &id, 1), TRISAP_STATUS_BUSY);
+    CHECK_STATUS(trisap_world_refresh(world, NULL), TRISAP_STATUS_BUSY);
     CHECK_STATUS(trisap_world_load(world, &id, 8), TRISAP_STATUS_BUSY);
     CHECK_OK(trisap_world_large(world, &out, 1, &count));
     CHECK(trisap_world_len(world) > 0 && trisap_world_snapshot_size(world) > 0 && count == 0);

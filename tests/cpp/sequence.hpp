@@ -291,7 +291,8 @@ private:
     static void set_capacity(trisap::Config &config, unsigned choice) {
         const std::uint32_t objects = config.objects;
         const std::uint32_t leaf_refs[] = {objects / 2, 0, objects / 8, 2 * objects};
-        const std::uint32_t pairs[] = {8 * objects, objects * objects / 2, objects / 2, 2 * objects};
+        const std::uint32_t few = choice < 192 ? objects / 2 : 0;
+        const std::uint32_t pairs[] = {8 * objects, objects * objects / 2, few, 2 * objects};
         config.leaf_refs = leaf_refs[choice % 4];
         config.pairs = pairs[choice / 4 % 4];
     }

@@ -15,7 +15,7 @@ struct Tally {
     std::array<std::uint64_t, kinds> ran{};
     std::array<std::uint64_t, 6> paths{};
     std::uint64_t refused = 0, full = 0, rejecting = 0, pairs = 0, found = 0, lost = 0, fine = 0, large = 0, answers = 0,
-                  loaded = 0, forged_refused = 0, forged_loaded = 0, grown = 0;
+                  loaded = 0, forged_refused = 0, forged_loaded = 0, grown = 0, refreshed = 0;
 };
 
 struct Free {
@@ -171,12 +171,26 @@ protected:
         }
     }
 
-    trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result) {
+    /// The tree is brought up to date, on the same as a step.
+    void refresh(const Operation &op) {
         std::uint32_t how = op.argument < 4 ? 4 : op.argument / 8 % 4;
+        const trisap_jobs jobs = jobs_of(how);
+        CHECK_OK(trisap_world_refresh(world_, how == 3 ? nullptr : &jobs));
+        CHECK_OK(trisap_world_validate(world_));
+        tally_.refreshed++;
+    }
+
+    static trisap_jobs jobs_of(std::uint32_t &how) {
         trisap_jobs jobs = trisap_default_jobs();
         jobs.worker_count = 3;
         jobs.user = &how;
         jobs.fork_join = fork_join;
+        return jobs;
+    }
+
+    trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result) {
+        std::uint32_t how = op.argument < 4 ? 4 : op.argument / 8 % 4;
+        const trisap_jobs jobs = jobs_of(how);
         const trisap_jobs *given = how == 3 ? nullptr : &jobs;
         if (header_.rule()) {
             const auto rule = [](void *user, std::uint32_t a, std::uint32_t b) -> std::uint32_t {

@@ -26,6 +26,11 @@ public:
 
     void apply(Operation op) {
         tally_.ran[static_cast<std::size_t>(op.kind)]++;
+        const bool asks = op.kind == Kind::overlaps || op.kind == Kind::cast || op.kind == Kind::nearest ||
+                          op.kind == Kind::batches || op.kind == Kind::view;
+        if (asks && op.argument % 3 == 1) {
+            refresh(op);
+        }
         switch (op.kind) {
         case Kind::insert: insert(op); break;
         case Kind::insert_many: insert_share(op); break;
@@ -666,7 +671,7 @@ int main(int count, char **arguments) {
     std::for_each(tally.paths.begin(), tally.paths.end(), print);
     for (const std::uint64_t number :
          {tally.refused, tally.full, tally.rejecting, tally.pairs, tally.found, tally.lost, tally.fine, tally.large,
-          tally.answers, tally.loaded, tally.forged_refused, tally.forged_loaded, tally.grown}) {
+          tally.answers, tally.loaded, tally.forged_refused, tally.forged_loaded, tally.grown, tally.refreshed}) {
         print(number);
     }
     std::printf("\n");

@@ -83,10 +83,11 @@ impl Places {
     fn of(snapshot: &[u8], slots: usize, pair_count: usize) -> Self {
         let generations = *FRONT;
         let moved = generations + 4 * slots;
-        let resting = moved + 4 * slots.div_ceil(32);
+        // Those of which the tree knows, too.
+        let resting = moved + 2 * 4 * slots.div_ceil(32);
         let boxes = resting + 4 * slots.div_ceil(32);
-        // Behind the boxes the slots that have gone to others.
-        let pairs = boxes + 24 * slots + 4 * slots.div_ceil(32);
+        // Behind the boxes what disabled objects have, and the slots that have gone to others.
+        let pairs = boxes + (24 + 2) * slots + 4 * slots.div_ceil(32);
         assert_eq!(pairs + 8 * pair_count, snapshot.len(), "all sections");
         Self { slots, boxes, generations, moved, resting, pairs, pair_count }
     }
@@ -181,6 +182,8 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
         assert_eq!(counts.len(), 2, "{counts:?}");
         let forgeries: &[Forgery<'_>] = &[
             ("a number of objects", &|b| put(b, n.live, get(snapshot, n.live) - 1)),
+            ("a number of disabled objects", &|b| put(b, n.live + 4, 1)),
+            ("a box beyond infinity", &|b| put(b, p.boxes + 24 * slot, 0x7fa0_0000)),
             ("a free slot", &|b| put(b, n.free, 1 + slot as u32)),
             ("touched by nobody", &|b| b[n.dirty] = 2),
             ("more pairs than room", &|b| put(b, counts[0], 9001)),

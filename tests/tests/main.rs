@@ -5,6 +5,7 @@
 
 mod allocation;
 mod among;
+mod asked;
 mod by_leaf;
 mod capacity;
 mod choices;

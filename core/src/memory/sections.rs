@@ -15,6 +15,9 @@ macro_rules! sections {
             generations: &'m mut [u32] = [u32; s.objects], new 0, saved generations [n.slots];
             /// The swept box has changed since the last complete step (the paper's dynamic objects).
             moved: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved moved [n.words];
+            /// The same of the objects that the tree has had as they are since then, so that queries need not know of it:
+            /// the next step counts them as moved.
+            settled: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved settled [n.words];
             /// One bit a slot: the caller has put the object to rest.
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
             /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter
@@ -39,7 +42,7 @@ macro_rules! sections {
                 /// The box as given last. A free slot has an empty one, which holds the next free slot.
                 now: &'m mut [KeyBox] = [KeyBox; s.objects], used state.objects.slots as usize, saved now [n.slots];
                 /// Of disabled objects: the low bits of a side, for which an empty box has no room.
-                cut: &'m mut [u16] = [u16; s.objects], used state.objects.slots as usize, saved cut [n.slots];
+                cut: &'m mut [u16] = [u16; s.objects], new 0, saved cut [n.slots];
                 /// With margins, or predicted boxes: the fat box (erratum E5).
                 fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
                 /// With margins: the length that the box is grown by (erratum E2).

@@ -1,8 +1,8 @@
 //! Answers questions between two steps, on the tree of the last one: what is in a region, what a moving box meets,
 //! what is nearest.
 //!
-//! Answers are about the boxes as they are now, without margins. Objects that have changed since the last step are
-//! looked at one by one, and so are all objects before the first step with a tree. All numbers are computed in `f64`
+//! Answers are about the boxes as they are now, without margins. Objects that have changed since the last step or
+//! [refresh](World::refresh) are looked at one by one, and so are all objects before the first one with a tree. All numbers are computed in `f64`
 //! from the boxes' `f32`, in operations that keep the order of their operands. So whatever the tree rules out, the
 //! exact test would too.
 

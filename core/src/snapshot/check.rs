@@ -67,17 +67,18 @@ fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 
 /// Sets hold only slots that there are. Moved objects have changed, and objects with another filter count as moved.
 fn sets<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
-    let Stored { moved, resting, changed, refiltered, reused, .. } = stored;
+    let Stored { moved, settled, resting, changed, refiltered, reused, .. } = stored;
     let slots = stored.now.len();
-    for set in [moved, resting, changed, refiltered, reused] {
+    for set in [moved, settled, resting, changed, refiltered, reused] {
         let last = if slots / 32 < set.len() { set.at(slots / 32) } else { 0 };
         check(last >> (slots % 32) == 0, "a set has slots that there are not", slots)?;
     }
     let is_part = |set: &Packed<'_, u32>, of: &Packed<'_, u32>| {
         set.len() != of.len() || set.iter().zip(of.iter()).all(|(word, of)| word & !of == 0)
     };
-    check(is_part(moved, changed), "an object has moved and not changed", 0)?;
-    check(is_part(refiltered, moved), "a filter has changed of an object that has not moved", 0)?;
+    check(is_part(moved, changed) && is_part(settled, changed), "an object has moved and not changed", 0)?;
+    let known = refiltered.slots().all(|slot| moved.has(slot) || settled.has(slot));
+    check(known, "a filter has changed of an object that has not moved", 0)?;
     let any = |set: &Packed<'_, u32>| set.iter().any(|word| word != 0);
     let objects = &stored.state.objects;
     check(objects.dirty != 0 || !any(moved), "objects have moved and nothing is noted as changed", 0)?;
@@ -145,11 +146,15 @@ fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     // A world without events does not note which objects moved inside their margins.
     let events = stored.changed.len() > 0;
     let known = events || stored.state.objects.moved_inside_margin == 0;
-    let changed = if events { &stored.changed } else { &stored.moved };
+    let others = [&stored.moved, &stored.settled];
+    let changed = |slot: usize| match events {
+        true => stored.changed.has(slot),
+        false => others.iter().any(|set| set.has(slot)),
+    };
     for (at, pair) in stored.pairs.iter().enumerate() {
         check(in_order(&pair), "a pair is not of two slots in order", at)?;
         let [a, b] = pair.map(Index::at);
-        if !known || changed.has(a) || changed.has(b) {
+        if !known || changed(a) || changed(b) {
             continue;
         }
         check(boxes.at(a).overlaps(&boxes.at(b)), "a pair does not overlap", at)?;

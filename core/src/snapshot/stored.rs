@@ -241,6 +241,7 @@ impl<I: Index> Stored<'_, I> {
         // Nothing else tells which boxes have changed, and all pairs are found anew.
         if self.changed.len() == 0 {
             to.changed.load(self.moved.bytes);
+            self.settled.slots().for_each(|slot| to.changed.set(slot));
         }
         let former = &mut to.former.generations;
         self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));

@@ -19,23 +19,51 @@ use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
 
-/// Fills all leaves and sweeps them; if some are too full, after new planes for these. `settled`: how many objects left
-/// their leaf, if the intake has brought the others to their records.
+/// Fills all leaves and sweeps them. `settled`: how many objects left their leaf, if the intake has brought the others to
+/// their records.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    let executor = context.executor;
     let anew = route.path == Path::Rebuilt;
-    let was_filled = parts.state.tree.filled != 0;
     let kept = if route.path == Path::MoversByLeaf {
         Some(persistent::persistent(parts))
     } else {
         persistent::start_over(parts);
         None
     };
+    let Arranged { left, coarse, rebalanced } = arrange(parts, anew, settled, context);
+    context.executor.enter(Stage::Sweep);
+    let leaves = parts.state.tree.count;
+    let (pairs, work) = sweep(parts, kept, leaves as usize, context);
+    if kept.is_none() {
+        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
+    }
+    keep::plan(parts.state, work.tied, left);
+    let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
+    (route, Progress { pairs, work, leaves, rebalanced, coarse })
+}
+
+/// What the leaves were filled with.
+pub(super) struct Arranged {
+    /// How many objects had left their leaf, if all leaves were filled.
+    left: Option<u32>,
+    coarse: Option<bool>,
+    /// How many objects were in leaves that got new planes.
+    rebalanced: u32,
+}
+
+/// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole tree.
+pub(super) fn arrange<I: Index>(
+    parts: &mut Parts<'_, I>,
+    anew: bool,
+    settled: Option<u32>,
+    context: StepContext<'_>,
+) -> Arranged {
+    let executor = context.executor;
+    let was_filled = parts.state.tree.filled != 0;
     executor.enter(Stage::Build);
     let was_subdivided = merge(parts);
     balance::plan(parts.state);
@@ -59,15 +87,7 @@ pub(super) fn full<I: Index>(
         left = Some(if was_filled { counted.1 } else { u32::MAX });
     }
     balance::review(parts);
-    executor.enter(Stage::Sweep);
-    let leaves = parts.state.tree.count;
-    let (pairs, work) = sweep(parts, kept, leaves as usize, context);
-    if kept.is_none() {
-        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies, anew);
-    }
-    keep::plan(parts.state, work.tied, left);
-    let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
-    (route, Progress { pairs, work, leaves, rebalanced, coarse })
+    Arranged { left, coarse, rebalanced }
 }
 
 /// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns how many

@@ -20,14 +20,8 @@ use crate::tree::relocate::{order_movers, relocate_all};
 
 /// Moves the records of moved objects and tests them. `None` if a leaf had no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
-    context.executor.enter(Stage::Fill);
     parts.state.step.kept = 0;
-    let moved = parts.moved.list(parts.order[1]);
-    if !relocate_all(parts, moved, context.kernels) {
-        return None;
-    }
-    large::arrange_if_due(parts);
-    refit_some(parts, moved, context.kernels);
+    let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts);
     context.executor.enter(Stage::Sweep);
@@ -47,4 +41,17 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
         run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, homes, scratch, sink));
     });
     Some(Progress { pairs, work, leaves, ..Progress::default() })
+}
+
+/// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they are; `None` if a
+/// leaf had no room.
+pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<usize> {
+    context.executor.enter(Stage::Fill);
+    let moved = parts.moved.list(parts.order[1]);
+    if !relocate_all(parts, moved, context.kernels) {
+        return None;
+    }
+    large::arrange_if_due(parts);
+    refit_some(parts, moved, context.kernels);
+    Some(moved)
 }

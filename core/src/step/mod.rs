@@ -12,6 +12,8 @@ use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Reason, Route};
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
+use crate::tree::balance;
+use crate::tree::keep::LEAVERS_SHARE;
 
 /// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path that was
 /// used.
@@ -54,6 +56,17 @@ pub(crate) fn find_without_surplus<I: Index>(
         parts.state.pairs.unkept = 1;
     }
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
+}
+
+/// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all leaves where that
+/// takes less.
+pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
+    let few = parts.moved.count() <= parts.state.objects.live / LEAVERS_SHARE;
+    let filled = parts.state.tree.filled;
+    if filled == 0 || !few || incremental::relocate(parts, context).is_none() {
+        full::arrange(parts, balance::needs_planes(parts.state), None, context);
+        parts.state.tree.filled = if filled == 1 { 1 } else { 2 };
+    }
 }
 
 /// Nothing has moved: all pairs stay.

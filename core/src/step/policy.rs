@@ -55,6 +55,9 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let fixed = parts.state.setup.has_fixed_margins()
         || parts.state.setup.hooks().movers_only.fixed().is_some()
         || mode == Mode::Fat && !parts.state.setup.is_predicted();
+    // Without leaves of the last step all objects count as moved.
+    let kept = parts.state.tree.filled == 1;
+    parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
     step.age = if step.renews != 0 { 0 } else { step.age.saturating_add(1) };
     step.renews = step.renews.saturating_sub(1);
@@ -70,7 +73,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
         }
         return false;
     }
-    if parts.boxes.fat.is_empty() || fixed || parts.sizes.is_small() || parts.state.tree.filled == 0 {
+    if parts.boxes.fat.is_empty() || fixed || parts.sizes.is_small() || !kept {
         return false;
     }
     if !many || step.age == 0 && (has_margin || !are_swollen(parts)) {

@@ -180,10 +180,11 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
 
 /// Notes how many pairs a full step tested in vain, and how many ghosts it had. If there stay far more than with new
 /// planes, new ones are due: clusters may have come into one leaf, or leaves have become long, which counts do not tell.
-pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64, planes_are_new: bool) {
+pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64) {
     let (tree, live) = (&mut state.tree, u64::from(state.objects.live));
-    if planes_are_new {
-        (tree.baseline_work, tree.baseline_copies, tree.heavy) = (in_vain, copies, 0);
+    if tree.unweighed != 0 {
+        (tree.baseline_work, tree.baseline_copies) = (in_vain, copies);
+        (tree.heavy, tree.unweighed) = (0, 0);
         return;
     }
     let is_heavy = in_vain > HEAVY.saturating_mul(tree.baseline_work).saturating_add(live)

@@ -13,7 +13,7 @@ use crate::memory::state::State;
 use crate::parallel::context::StepContext;
 
 /// One in so many objects may leave its leaf in a step for the others to keep their places.
-const LEAVERS_SHARE: u32 = 8;
+pub(crate) const LEAVERS_SHARE: u32 = 8;
 
 /// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and the statistics of boxes
 /// are of late.

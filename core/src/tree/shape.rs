@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 
 /// Makes a tree of one leaf.
 pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
-    (state.count, state.due, state.heavy, state.filled) = (1, 0, 0, 0);
+    (state.count, state.due, state.heavy, state.filled, state.unweighed) = (1, 0, 0, 0, 1);
     tree.leaves.put(0, Leaf::default());
     // There is no node above the root.
     tree.parents.put(0, 0);

@@ -6,7 +6,7 @@
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
-use crate::id::Index;
+use crate::id::{Index, Pair};
 use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::pairs::persistent::is_clear_of;
@@ -27,7 +27,7 @@ pub(super) fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(a < b && b < state.objects.slots as usize, "a pair is not of two slots in order", at)?;
         let is_parked = at < state.pairs.parked as usize;
         check(!is_parked || is_clear_of(parts.active, pair), "a pair of an active object is parked", at)?;
-        if !is_clear_of(parts.moved.words, pair) || state.pairs.unkept != 0 {
+        if !is_kept(parts, pair) || state.pairs.unkept != 0 {
             continue;
         }
         check(swept.at(a).overlaps(&swept.at(b)), "a pair does not overlap", at)?;
@@ -39,6 +39,11 @@ pub(super) fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;
     }
     kept_pairs(parts)
+}
+
+/// Whether a step would keep a pair: neither object has moved.
+fn is_kept<I: Index>(parts: &Parts<'_, I>, pair: &Pair<I>) -> bool {
+    is_clear_of(parts.moved.words, pair) && is_clear_of(parts.settled.words, pair)
 }
 
 /// A sum over pairs, the same in any order.
@@ -64,10 +69,7 @@ impl Sum {
 fn kept<I: Index>(parts: &Parts<'_, I>) -> Sum {
     let mut sum = Sum::default();
     let pairs = parts.output.pairs.span(0, parts.state.pairs.swept as usize);
-    pairs
-        .iter()
-        .filter(|pair| is_clear_of(parts.moved.words, pair))
-        .for_each(|pair| sum.add(pair.map(Index::slot)));
+    pairs.iter().filter(|pair| is_kept(parts, pair)).for_each(|pair| sum.add(pair.map(Index::slot)));
     sum
 }
 
@@ -77,7 +79,7 @@ fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let state = &*parts.state;
     let known = state.pairs.complete != 0 && state.pairs.unkept == 0;
     let filled = !parts.sizes.is_small() && state.tree.filled != 0;
-    let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() == 0;
+    let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() + parts.settled.count() == 0;
     if !known || !parts.filters.of.is_empty() || !filled && !few {
         return Ok(());
     }
@@ -87,7 +89,8 @@ fn kept_pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// Whether an object lives and has not moved.
 fn stays<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
-    !KeyBox::of(parts.boxes.now, slot).is_empty() && !bits::test(parts.moved.words, slot)
+    let moved = bits::test(parts.moved.words, slot) || bits::test(parts.settled.words, slot);
+    !KeyBox::of(parts.boxes.now, slot).is_empty() && !moved
 }
 
 /// The sum over all overlaps of objects that have not moved.

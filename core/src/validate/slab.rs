@@ -19,6 +19,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.objects.slots as usize;
     for set in [
         &*parts.moved.words,
+        parts.settled.words,
         parts.changed.words,
         parts.outdated.words,
         parts.filters.changed.words,
@@ -76,8 +77,9 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
             }
         }
     }
-    let swept =
-        parts.state.stats().path == Path::Lists && parts.state.pairs.unkept == 0 && parts.moved.count() == 0;
+    let swept = parts.state.stats().path == Path::Lists
+        && parts.state.pairs.unkept == 0
+        && parts.moved.count() + parts.settled.count() == 0;
     if swept && listed == parts.state.objects.live as usize {
         let axis = parts.state.lists.axis as usize;
         let order = parts.order.get(axis).map_or(&[][..], |order| order.span(0, listed));

@@ -71,10 +71,9 @@ impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let unfinished = Unfinished::begin(&mut self.parts);
         let parts = &mut *unfinished.0;
-        let shared =
-            parts.state.setup.hooks().sharing.fixed().unwrap_or(parts.state.objects.live >= SHARED_FROM);
-        // A world without a tree shares nothing.
-        let shared = shared && !context.is_small();
+        parts.settled.move_to(&mut parts.moved);
+        parts.state.objects.dirty = 1;
+        let shared = Self::shares(parts, context);
         let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
         let (rejected, settled) = Self::take_in(parts, bounds, context);
@@ -89,6 +88,40 @@ impl<I: Index> World<'_, I> {
         context.executor.enter(Stage::Done);
         result?;
         Ok(Step { rejected, world: self })
+    }
+
+    /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
+    fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
+        let (sharing, live) = (parts.state.setup.hooks().sharing, parts.state.objects.live);
+        sharing.fixed().unwrap_or(live >= SHARED_FROM) && !context.is_small()
+    }
+
+    fn renew_tree(&mut self, context: StepContext<'_>) -> Result<(), Error> {
+        let (filled, dirty) = (self.parts.state.tree.filled, self.parts.state.objects.dirty);
+        if context.is_small() || filled != 0 && dirty == 0 {
+            return Ok(());
+        }
+        let unfinished = Unfinished::begin(&mut self.parts);
+        let parts = &mut *unfinished.0;
+        let executor = OneStep::new(context.executor, Self::shares(parts, context));
+        let context = StepContext { executor: &executor, ..context };
+        step::refresh(parts, context);
+        let fault = parts.watch.sees_fault();
+        if !fault {
+            parts.state.stepping = 0;
+            Self::settle(parts);
+        }
+        drop(unfinished);
+        context.executor.enter(Stage::Done);
+        if fault { Err(Error::InvariantBroken) } else { Ok(()) }
+    }
+
+    /// The tree has all objects as they are.
+    fn settle(parts: &mut Parts<'_, I>) {
+        if cfg!(feature = "large") && parts.state.tree.filled != 0 {
+            parts.moved.move_to(&mut parts.settled);
+            parts.state.objects.dirty = 0;
+        }
     }
 
     /// All pairs of the boxes as they are now, and which of them are new or gone. Returns how many pairs
@@ -130,7 +163,6 @@ impl<I: Index> World<'_, I> {
         context: StepContext<'_>,
     ) -> (Option<Rejected>, Option<u32>) {
         let Some(bounds) = bounds else { return (None, None) };
-        parts.state.objects.dirty = 1;
         context.executor.enter(Stage::Intake);
         let settles = cfg!(feature = "large") && keep::settles(parts);
         let intake = ingest(parts, &bounds, settles, context);
@@ -155,6 +187,7 @@ impl<I: Index> World<'_, I> {
     /// for the next complete step.
     fn conclude(parts: &mut Parts<'_, I>, needed: u64) -> Result<(), Error> {
         if needed > parts.output.pairs.len() as u64 {
+            Self::settle(parts);
             return Err(Error::PairsFull { needed, room: parts.output.pairs.len() as u32 });
         }
         parts.state.pairs.complete = 1;

@@ -80,6 +80,31 @@ impl<'m, I: Index> World<'m, I> {
         Stepper { world: self, executor: &Serial, rule: Some(rule) }
     }
 
+    /// Brings the tree up to date for queries, without a look for pairs: a world that is only asked needs no step. The pairs
+    /// and events of the last step stay, and the next one has those that it would have had. Without this, queries look one by
+    /// one at the objects that have changed since the last step, and at all before the first. Does nothing in worlds without a
+    /// tree. O(objects that have changed), or O(n) where these are many.
+    ///
+    /// ```
+    /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, layout};
+    /// # const CONFIG: Config = Config::new(Capacity::for_objects(1000).with_pairs(0));
+    /// # let mut memory = Box::new(InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY);
+    /// # let mut world = memory.init::<u16>(&CONFIG)?; // needs no room for pairs
+    /// for k in 0..1000u16 {
+    ///     world.insert(Aabb::from_center([f32::from(k); 3], [1.0; 3]))?;
+    /// }
+    /// world.refresh()?;
+    /// let ray = Cast::ray([500.0, 500.0, 0.0], [0.0, 0.0, 1.0], f32::INFINITY);
+    /// assert_eq!(world.first_hit(&ray)?.map(|hit| hit.distance), Some(498.0));
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::InvariantBroken`], which says that this library is at fault.
+    pub fn refresh(&mut self) -> Result<(), Error> {
+        self.on(&Serial).refresh()
+    }
+
     /// The kernels that steps and queries use.
     #[must_use]
     pub fn kernels(&self) -> Kernels {
@@ -121,6 +146,15 @@ impl<'w, 'e, I: Index> Stepper<'w, '_, 'e, I> {
     pub fn step_over<'b>(self, bounds: impl Into<Boxes<'b>>) -> Result<Step<'w, I>, Error> {
         let (world, context) = self.context()?;
         world.advance(Some(bounds.into()), context)
+    }
+
+    /// See [`World::refresh`]. No rule is asked.
+    ///
+    /// # Errors
+    /// Those of [`World::refresh`], or [`Error::NoFilters`] for a rule in a world without filters.
+    pub fn refresh(self) -> Result<(), Error> {
+        let (world, context) = self.context()?;
+        world.renew_tree(context)
     }
 }
 

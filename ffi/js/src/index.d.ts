@@ -160,13 +160,17 @@ export class World {
   idAt(slot: number): Id | null;
   /** All living objects, by ascending slot. */
   ids(): BigUint64Array;
-  /** The box of an object as the world knows it: what was written to `boxes` counts from the next step or `commit` on. A copy. */
+  /** The box of an object as the world knows it: what was written to `boxes` counts from the next step or `refresh` on. A copy. */
   box(id: Id): Float32Array;
   /**
-   * Takes in what was written to `boxes` since the last step, but for objects at rest: queries and `box` see it then. O(slots).
+   * Takes in what was written to `boxes` since the last step, but for objects at rest, and brings the tree up to date: queries and `box`
+   * see it then, and queries are as fast as after a step. A world that is only asked needs no step, and `pairs` can be 0. The pairs of
+   * the last step stay, and the next one has those, and the events, that it would have had. O(slots).
    *
    * @throws BadBoxError after all others were taken in: objects whose box is refused have kept theirs.
    */
+  refresh(): void;
+  /** The same. */
   commit(): void;
   /**
    * Finds all pairs of the boxes as they are now. Returns the world, whose `pairs`, `found` and `lost` are those of this step.

@@ -198,7 +198,17 @@ export class World {
   }
 
   commit() {
-    this.#refuse(this.#commit(), "commit");
+    this.#refresh("commit");
+  }
+
+  refresh() {
+    this.#refresh("refresh");
+  }
+
+  #refresh(place) {
+    const refused = this.#commit();
+    this.#calls.check(this.#module.trisap_world_refresh(this.#world, 0), place);
+    this.#refuse(refused, place);
   }
 
   step() {

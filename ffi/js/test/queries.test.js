@@ -171,6 +171,20 @@ test("what was written is in a snapshot, and is seen by queries once it is commi
   assert.equal(world.stats().pairs, 1);
 });
 
+test("a world that is only asked needs no step and no room for pairs", async () => {
+  const count = 2000;
+  const world = await createWorld({ objects: count, pairs: 0 });
+  const boxes = Float32Array.from({ length: 6 * count }, (_, at) => Math.floor(at / 6) * 0.5 + (at % 6 < 3 ? 0 : 1));
+  const ids = world.insertMany(boxes);
+  world.boxes.set([-9, -9, -9, -8, -8, -8], 6 * 7);
+  world.refresh();
+  assert.deepEqual([...world.overlaps({ min: [-9, -9, -9], max: [-8.5, -8.5, -8.5] })], [ids[7]]);
+  assert.deepEqual([...world.overlaps({ min: [500, 500, 500], max: [500, 500, 500] })], [...ids.slice(998, 1001)]);
+  world.boxes[0] = NaN;
+  assert.throws(() => world.refresh(), (error) => error.id === ids[0] && /refresh/.test(error.message));
+  assert.throws(() => world.step());
+});
+
 test("who falls asleep in the frame of a move sleeps where it moved to", async () => {
   const world = await createWorld({ objects: 2, events: true });
   const [, ball] = world.insertMany(new Float32Array([0, 0, 0, 9, 1, 9, 1, 3, 1, 2, 4, 2]));

@@ -82,6 +82,28 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.run(|world, _, executor| world.on(executor).step().map(|_| ()))
     }
 
+    /// Brings the tree up to date for queries, without a look for pairs: a broad phase that is only asked needs no step. Without
+    /// this, queries look one by one at all boxes that have changed since the last step. See [`World::refresh`].
+    ///
+    /// ```
+    /// use trisap::{Aabb, BroadPhase, Cast};
+    ///
+    /// let mut broad_phase = BroadPhase::new();
+    /// for k in 0..1000u16 {
+    ///     broad_phase.insert(k, Aabb::from_center([f32::from(k); 3], [1.0; 3]))?;
+    /// }
+    /// broad_phase.refresh()?;
+    /// let ray = Cast::ray([500.0, 500.0, 0.0], [0.0, 0.0, 1.0], f32::INFINITY);
+    /// assert_eq!(broad_phase.first_hit(&ray)?.map(|hit| hit.0), Some(499));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::InvariantBroken`].
+    pub fn refresh(&mut self) -> Result<(), Error> {
+        self.owned.change(|world| world.refresh())
+    }
+
     /// Puts the pairs of the last step into an order that depends on them alone, whatever the room, the workers and the past
     /// of the broad phase are: by the [slots](trisap_core::Id::slot) of their objects. See [`World::sort_results`].
     pub fn sort_results(&mut self) {

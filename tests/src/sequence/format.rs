@@ -15,7 +15,8 @@ const OBJECTS: [u32; 8] = [3, 9, 24, 40, 64, 70, 140, 700];
 /// Much or little room, or none, for copies in leaves and for pairs.
 fn capacity(objects: u32, choice: usize) -> Capacity {
     let leaf_refs = [objects / 2, 0, objects / 8, 2 * objects][choice % 4];
-    let pairs = [8 * objects, objects * objects / 2, objects / 2, 2 * objects][choice / 4 % 4];
+    let few = if choice < 192 { objects / 2 } else { 0 };
+    let pairs = [8 * objects, objects * objects / 2, few, 2 * objects][choice / 4 % 4];
     Capacity::for_objects(objects).with_leaf_refs(leaf_refs).with_pairs(pairs)
 }
 

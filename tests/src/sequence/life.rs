@@ -91,6 +91,11 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
 impl<'m, I: Index> Life<'m, '_, I> {
     fn apply(&mut self, mut op: Operation) {
         self.past.tally.kinds[op.kind as usize] += 1;
+        let asks =
+            matches!(op.kind, Kind::Overlaps | Kind::Cast | Kind::Nearest | Kind::Batches | Kind::View);
+        if asks && op.argument % 3 == 1 {
+            self.refresh(&op);
+        }
         match op.kind {
             Kind::Insert => {
                 let aabb = match op.argument {

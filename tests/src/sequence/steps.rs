@@ -6,7 +6,7 @@ use crate::checked::{Outcome, slots};
 use crate::doing::On as _;
 use crate::jobs::Jobs;
 use crate::worlds::Setup;
-use trisap_core::{Aabb, Boxes, Error, Index};
+use trisap_core::{Aabb, Boxes, Error, Index, Kernels};
 
 impl<I: Index> Life<'_, '_, I> {
     /// What the twin runs on. Threads are seldom started, as that takes its time.
@@ -21,6 +21,16 @@ impl<I: Index> Life<'_, '_, I> {
     pub(super) fn step(&mut self, op: &Operation) {
         let said = self.checked.try_step(Setup::REFERENCE);
         self.follow(op, None, &said);
+    }
+
+    /// The trees are brought up to date, with what the twin steps on.
+    pub(super) fn refresh(&mut self, op: &Operation) {
+        let Setup { kernels, jobs } = self.setup(op);
+        assert_eq!(self.checked.world_mut().set_kernels(Kernels::SCALAR).refresh(), Ok(()));
+        assert_eq!(self.twin.set_kernels(kernels).on(&jobs).refresh(), Ok(()));
+        self.twin.validate().expect("a valid twin");
+        self.checked.check();
+        self.past.tally.refreshed += 1;
     }
 
     /// Over an array as long as there are slots, or shorter, or longer. Where nobody is stands what is no box.

@@ -42,6 +42,8 @@ pub struct Tally {
     pub forged_loaded: u64,
     /// Moves into other capacities.
     pub grown: u64,
+    /// Trees that were brought up to date for queries.
+    pub refreshed: u64,
     /// Of all that was said.
     pub hash: u64,
 }
@@ -76,6 +78,7 @@ impl Tally {
             self.forged_refused,
             self.forged_loaded,
             self.grown,
+            self.refreshed,
             self.hash,
         ];
         self.kinds.iter().chain(&self.paths).chain(&rest).copied().collect()
@@ -167,6 +170,7 @@ impl AddAssign<&Self> for Tally {
         self.forged_refused += other.forged_refused;
         self.forged_loaded += other.forged_loaded;
         self.grown += other.grown;
+        self.refreshed += other.refreshed;
         // The same in any order: sequences are played on several threads.
         self.hash = self.hash.wrapping_add(other.hash);
     }

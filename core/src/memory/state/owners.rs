@@ -77,7 +77,7 @@ pub(crate) struct TreeState {
     /// When all leaves were last filled: leaves with members, and members of the fullest one.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
-    /// Whether records, homes and places are those of the last step.
+    /// Whether records, homes and places are those of the last step, or 2 where that had left none and queries needed them.
     pub(crate) filled: u8,
     /// Whether the whole tree is to be made anew: see [`Due`](crate::tree::balance::Due).
     pub(crate) due: u8,
@@ -90,7 +90,8 @@ pub(crate) struct TreeState {
     pub(crate) heavy: u8,
     /// The depth of the tree of large objects.
     pub(crate) large_depth: u8,
-    pub(crate) unused: u8,
+    /// Whether no full step has been weighed since the whole tree was made.
+    pub(crate) unweighed: u8,
 }
 
 impl TreeState {
