@@ -1,7 +1,7 @@
 //! Only what can meet is compared: counters of worlds with filters beside those of worlds in which only those are that can meet; and
 //! random filters, of more kinds than a leaf tells apart, beside brute force.
 
-use trisap_core::{Aabb, Boxes, Choice, Config, Filter, Index, Margin, Stats};
+use trisap_core::{Aabb, Boxes, Choice, Config, Filter, Index, Margin, Path, Stats};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Rng, at, cube};
@@ -144,6 +144,59 @@ fn a_cloth_costs_what_two_worlds_cost() {
     assert_eq!(stats.pairs, edges.pairs + others.pairs);
     assert_within(130, &stats, edges.candidates + others.candidates);
     assert_within(130, &others, others.pairs);
+}
+
+/// A lean world: its candidates are the boxes that overlap along its list, of objects that meet.
+#[test]
+fn lists_are_swept_for_those_that_meet() {
+    let mut rng = Rng::new(7);
+    let mut place = |edge: f32| at([rng.between(0.0, 90.0), rng.between(0.0, 9.0), 0.0], [edge; 3]);
+    let level = (0..150).map(|_| (place(4.0), Filter::class(0))).collect::<Vec<_>>();
+    let walkers = (0..60).map(|_| (place(1.0), Filter::class(1))).collect::<Vec<_>>();
+    let parked = (0..40).map(|_| (place(3.0), Filter::groups(1, 0))).collect::<Vec<_>>();
+    let objects = [level, walkers, parked].concat();
+    let (boxes, filters): (Vec<Aabb>, Vec<Filter>) = objects.iter().copied().unzip();
+    let config = Config::new(ample(250, 10_000)).with_filters().with_lean();
+    let mut slab = Slab::new::<u16>(&config);
+    let mut world = Checked::<u16>::new(slab.world(&config));
+    for (id, filter) in world.insert_many(&boxes).into_iter().zip(&filters) {
+        world.set_filter(id, *filter);
+    }
+    world.set_classes(&only(&[[0, 1], [1, 1]]));
+    let stats = world.step(Setup::REFERENCE).stats;
+    let meet = |a: usize, b: usize| {
+        filters[a].class + filters[b].class > 0 && filters[a].mask & filters[b].mask != 0
+    };
+    let along = |a: &Aabb, b: &Aabb| a.min[0] <= b.max[0] && b.min[0] <= a.max[0];
+    let all = (0..250).flat_map(|b| (0..b).map(move |a| [a, b])).filter(|&[a, b]| meet(a, b));
+    assert_eq!(stats.candidates as usize, all.clone().filter(|&[a, b]| along(&boxes[a], &boxes[b])).count());
+    assert_eq!(stats.spared as usize, 250 * 249 / 2 - all.count());
+}
+
+/// Few move in a world with a tree: who can meet nobody is not compared.
+#[test]
+fn movers_that_meet_nobody_are_left_out() {
+    let boxes = scenes::uniform(3000, 8);
+    let config = Config::new(ample(3000, 30_000)).with_filters().with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    let ids = world.insert_many(&boxes);
+    for (k, id) in ids.iter().enumerate().take(60) {
+        world.set_filter(*id, [Filter::groups(0, 1), Filter::groups(1, 0), Filter::class(9)][k % 3]);
+    }
+    let mut meets = [u32::MAX; 32];
+    meets[9] = 0;
+    world.set_classes(&meets);
+    world.step(Setup::REFERENCE);
+    for share in [60, 61] {
+        for id in &ids[..share] {
+            let aabb = world.model().aabb(id.slot()).expect("alive");
+            world.set(*id, scenes::shifted(&aabb, [0.25, 0.0, 0.0]));
+        }
+        let stats = world.step(Setup::REFERENCE).stats;
+        assert_eq!((stats.path, stats.candidates > 0), (Path::Movers, share > 60), "{stats:?}");
+        assert!(stats.spared > 60, "{stats:?}");
+    }
 }
 
 /// Where all meet, nothing is spared; where few do not, a leaf is swept in one pass.

@@ -128,7 +128,7 @@ impl KeyBox {
     /// The box of an object that becomes disabled: empty, with a minimum beyond infinity. There is no room for the low
     /// bits of that minimum, which come beside.
     pub(crate) const fn disabled(mut self) -> (Self, u16) {
-        let low = self.min[0] as u16 & (1 << CUT) - 1;
+        let low = self.min[0] as u16 & ((1 << CUT) - 1);
         self.min[0] = (self.min[0] >> CUT) + BEYOND;
         (self, low)
     }

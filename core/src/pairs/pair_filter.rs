@@ -58,10 +58,9 @@ impl<'g> PairFilter<'g> {
         !self.filters.is_empty()
     }
 
-    /// The filter of an object.
-    #[inline(always)]
-    pub(crate) fn of(&self, slot: u32) -> Filter {
-        self.filters.at(slot as usize)
+    /// The filters by slot.
+    pub(crate) const fn all(&self) -> &[Filter] {
+        self.filters
     }
 
     /// Whether two filters meet.

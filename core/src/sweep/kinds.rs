@@ -15,30 +15,30 @@ const PARTS: usize = 4;
 const PART: usize = PARTS - 1;
 const RESTS: usize = PARTS;
 const LONE: usize = 2 * PARTS;
-pub(super) const CODES: usize = 2 * LONE;
+pub(crate) const CODES: usize = 2 * LONE;
 /// How many records there are of each part, and of none.
-pub(super) type Counts = [u64; PARTS + 1];
+pub(crate) type Counts = [u64; PARTS + 1];
 /// One more pass over a leaf pays if it spares one in so many pairs of records.
 const PAYS: u64 = 8;
 
 /// What to do in a leaf.
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// Which parts of the leaf each of them meets; if they are taken as one, that one alone.
     meets: [u8; PARTS],
     one: bool,
     moved_alone: bool,
     /// Whether all records are compared with each other.
-    pub(super) whole: bool,
+    pub(crate) whole: bool,
     /// How many pairs of records are not, as their filters do not meet.
-    pub(super) spared: u64,
+    pub(crate) spared: u64,
 }
 
 /// One pass over a leaf.
-pub(super) struct Pass {
+pub(crate) struct Pass {
     /// The side of a record of either bucket, by its code. Side 0 is compared with side 1, and side 2 with nobody.
-    pub(super) sides: [[u8; CODES]; 2],
+    pub(crate) sides: [[u8; CODES]; 2],
     /// Whether side 0 is also compared with itself.
-    pub(super) within: bool,
+    pub(crate) within: bool,
 }
 
 /// See the module.
@@ -80,16 +80,25 @@ impl<'g, I: Index> Kinds<'g, I> {
     #[inline(never)]
     fn tell_apart(filters: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
         let (mut known, mut count) = ([Filter::ALL; KNOWN], 0);
-        for (slot, code) in codes.iter_mut().enumerate() {
-            let filter = filters.of(slot as u32);
+        let (mut last, mut same) = (Filter::ALL, None);
+        for (filter, code) in filters.all().iter().zip(&mut *codes) {
+            // Most objects have the filter of the one before.
+            if let Some(known) = same
+                && *filter == last
+            {
+                *code = known;
+                continue;
+            }
+            last = *filter;
             let lone = filter.group == 0 || filter.mask == 0;
-            let kind = known.iter().take(count).take_while(|known| **known != filter).count();
+            let kind = known.iter().take(count).take_while(|known| *known != filter).count();
             let kind = if lone { KNOWN + 1 } else { kind };
             if let (true, Some(known)) = (kind == count, known.get_mut(kind)) {
-                *known = filter;
+                *known = *filter;
                 count += 1;
             }
             *code = I::from_slot(kind as u32);
+            same = Some(*code);
         }
         // Others are one more kind.
         let meet = |a: usize, b: usize| match (known.get(a), known.get(b)) {
@@ -125,7 +134,7 @@ impl<'g, I: Index> Kinds<'g, I> {
 
     /// Whether all records of all leaves are compared.
     #[inline(always)]
-    pub(super) const fn are_one(&self) -> bool {
+    pub(crate) const fn are_one(&self) -> bool {
         self.codes.is_empty()
     }
 
@@ -152,8 +161,34 @@ impl<'g, I: Index> Kinds<'g, I> {
         [part(0), part(1), part(2), part(3), lone]
     }
 
+    /// Counts the objects of each part in a list.
+    pub(crate) fn count_listed(&self, list: &[I]) -> Counts {
+        let mut counts = Counts::default();
+        for slot in list {
+            let code = self.codes.at(slot.at()).at();
+            let part = if code < LONE { code & PART } else { PARTS };
+            let count = counts.at(part) + 1;
+            counts.put(part, count);
+        }
+        counts
+    }
+
+    /// Brings the objects of a list to another one by their side in a pass, in order. Returns those of the first two sides.
+    pub(crate) fn divide<'l>(&self, list: &[I], sides: &[u8; CODES], to: &'l mut [I]) -> [&'l [I]; 2] {
+        let (mut at, mut ends) = (0, [0; 3]);
+        for (side, end) in (0..).zip(&mut ends) {
+            for slot in list.iter().filter(|slot| sides.at(self.codes.at(slot.at()).at()) == side) {
+                to.put(at, *slot);
+                at += 1;
+            }
+            *end = at;
+        }
+        let [first, both, _] = ends;
+        [to.span(0, first), to.span(first, both - first)]
+    }
+
     /// What to do in a leaf with so many records of each part.
-    pub(super) fn plan(&self, counts: &Counts) -> Plan {
+    pub(crate) fn plan(&self, counts: &Counts) -> Plan {
         let Self { mut meets, moved_alone, .. } = *self;
         if !self.has_filters {
             return Plan { meets, one: true, moved_alone, whole: !moved_alone, spared: 0 };
@@ -197,7 +232,7 @@ impl Plan {
     }
 
     /// The passes over two buckets; if `across`, each record of the first bucket with those of the second one.
-    pub(super) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
+    pub(crate) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
         // Those of each part that have moved, then the others.
         let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);
         passes.filter_map(move |(first, resting)| {

@@ -1,6 +1,7 @@
 //! Sweeps the boxes themselves along a sorted list (paper, section IV): no records and no batches. A small
 //! processor has no vectors that would repay them.
 
+use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::pairs::pair_filter::PairFilter;
@@ -14,38 +15,52 @@ pub(crate) struct Found {
     pub(crate) candidates: usize,
 }
 
-/// Writes the pairs of overlapping boxes that fit. `order` has the slots by ascending minimum on the first of two axes; the
-/// second one is tested first. O(n + candidates); candidates are at most n²/2.
+/// Writes the pairs of overlapping boxes that fit, behind those `found` before: of a list, or of two lists if the second one has
+/// objects. Lists have slots by ascending minimum on the first of two axes; the second one is tested first. O(n + candidates);
+/// candidates are at most n²/2.
 pub(crate) fn sweep<I: Index>(
-    order: &[I],
+    lists: [&[I]; 2],
     boxes: &[KeyBox],
     axes: [usize; 2],
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
-) -> Found {
+    found: &mut Found,
+) {
     match axes {
-        [0, 1] => sweep_along::<I, 0, 1, 2>(order, boxes, pair_filter, pairs),
-        [0, _] => sweep_along::<I, 0, 2, 1>(order, boxes, pair_filter, pairs),
-        [1, 2] => sweep_along::<I, 1, 2, 0>(order, boxes, pair_filter, pairs),
-        [1, _] => sweep_along::<I, 1, 0, 2>(order, boxes, pair_filter, pairs),
-        [_, 0] => sweep_along::<I, 2, 0, 1>(order, boxes, pair_filter, pairs),
-        _ => sweep_along::<I, 2, 1, 0>(order, boxes, pair_filter, pairs),
+        [0, 1] => sweep_along::<I, 0, 1, 2>(lists, boxes, pair_filter, pairs, found),
+        [0, _] => sweep_along::<I, 0, 2, 1>(lists, boxes, pair_filter, pairs, found),
+        [1, 2] => sweep_along::<I, 1, 2, 0>(lists, boxes, pair_filter, pairs, found),
+        [1, _] => sweep_along::<I, 1, 0, 2>(lists, boxes, pair_filter, pairs, found),
+        [_, 0] => sweep_along::<I, 2, 0, 1>(lists, boxes, pair_filter, pairs, found),
+        _ => sweep_along::<I, 2, 1, 0>(lists, boxes, pair_filter, pairs, found),
     }
 }
 
 /// With constant axes, and not inline, so that the inner loop stays in registers.
 #[inline(never)]
 fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
-    order: &[I],
+    [mut rest, mut other]: [&[I]; 2],
     boxes: &[KeyBox],
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
-) -> Found {
-    let mut found = Found::default();
-    let mut rest = order;
-    while let Some((&slot, others)) = rest.split_first() {
+    found: &mut Found,
+) {
+    let across = FILTERS && !other.is_empty();
+    while let Some((&slot, behind)) = rest.split_first() {
         let KeyBox { min, max } = *KeyBox::of(boxes, slot.at());
-        rest = others;
+        let mut others = behind;
+        if across {
+            // The lower one of the first two meets the other list.
+            match other.first() {
+                None => break,
+                Some(next) if KeyBox::of(boxes, next.at()).min[W] < min[W] => {
+                    core::mem::swap(&mut rest, &mut other);
+                    continue;
+                }
+                Some(_) => others = other,
+            }
+        }
+        rest = behind;
         let mut ahead = others;
         while let Some((&other, behind)) = ahead.split_first() {
             let Some(b) = boxes.get(other.at()) else { break };
@@ -65,7 +80,6 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
         }
         found.candidates += others.len() - ahead.len();
     }
-    found
 }
 
 #[cfg(test)]
@@ -119,7 +133,23 @@ mod tests {
             let axes = [axes.0, (axes.0 + axes.1) % 3];
             let mut order: Vec<u16> = (0..boxes.len() as u16).collect();
             repair(&mut order, &boxes, axes[0]);
-            check(&boxes, full, |pairs| sweep(&order, &boxes, axes, None, pairs));
+            check(&boxes, full, |pairs| {
+                let mut found = Found::default();
+                sweep([&order, &[]], &boxes, axes, None, pairs, &mut found);
+                found
+            });
+            // In two parts: each by itself, then one against the other.
+            check(&boxes, full, |pairs| {
+                let (a, b): (Vec<u16>, Vec<u16>) = order.iter().partition(|slot| **slot % 3 == 0);
+                let mut found = Found::default();
+                for part in [&a, &b] {
+                    sweep([part, &[]], &boxes, axes, None, pairs, &mut found);
+                }
+                if !b.is_empty() {
+                    sweep([&a, &b], &boxes, axes, None, pairs, &mut found);
+                }
+                found
+            });
         }
     }
 }
