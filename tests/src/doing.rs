@@ -4,6 +4,7 @@ use crate::worlds::Setup;
 use std::cell::RefCell;
 use std::panic;
 use std::sync::Once;
+use std::thread;
 use trisap_core::{Index, Stepper, World};
 
 /// The last world of a thread, what its last step or query ran on, and the last random numbers.
@@ -35,6 +36,10 @@ fn note(change: impl FnOnce(&mut Doing)) {
                     eprintln!(
                         "at step {steps} of a world with slots of {width} bits, {setup}, seeds {seeds:?}"
                     );
+                    // A test runs in a thread of its name.
+                    if let Some(name) = thread::current().name() {
+                        eprintln!("to repeat it: cargo test -p trisap-tests -- --exact {name}");
+                    }
                 }
             });
         }));

@@ -3,11 +3,11 @@
 //!
 //! Needs Debian's `chromium`. Without it the test says that it is skipped; with `TRISAP_NO_SKIP` set, it fails.
 //!
-//! The picture in the README is a screenshot of this test, of a report that was made before:
+//! It can look at a report that was made before, and leave a picture of it:
 //!
 //! ```sh
 //! cargo run --release -- report
-//! TRISAP_REPORT=trisap-report TRISAP_SCREENSHOT=std-adapter/program/report.png cargo test -p trisap-program page::
+//! TRISAP_REPORT=trisap-report TRISAP_SCREENSHOT=report.png cargo test -p trisap-program page::
 //! ```
 //!
 //! (Both paths count from the root of the repository.)
