@@ -5,7 +5,7 @@ use core::fmt;
 use self_cell::{MutBorrow, self_cell};
 use std::any::Any;
 use std::sync::{Mutex, OnceLock, PoisonError};
-use trisap_core::{Config, Error, Index, World};
+use trisap_core::{Config, Error, Executor, Index, Rule, World};
 
 /// A world in memory of its own, allocated once: on Linux in huge pages if it has two MiB or more, else on the heap.
 ///
@@ -44,6 +44,8 @@ pub struct OwnedWorld<I: Index = u32> {
 trait Held<I: Index>: Send + Sync {
     fn world(&self) -> &World<'_, I>;
     fn change(&mut self, change: &mut dyn FnMut(&mut World<'_, I>));
+    /// Compiled here, and not with the caller, which may not be optimised.
+    fn step(&mut self, executor: &dyn Executor, rule: Option<&Rule<'_>>) -> Result<(), Error>;
     fn into_memory(self: Box<Self>) -> Memory;
 }
 
@@ -66,6 +68,14 @@ macro_rules! held {
 
             fn change(&mut self, change: &mut dyn FnMut(&mut World<'_, $index>)) {
                 self.with_dependent_mut(|_, world| change(world));
+            }
+
+            fn step(&mut self, executor: &dyn Executor, rule: Option<&Rule<'_>>) -> Result<(), Error> {
+                self.with_dependent_mut(|_, world| {
+                    let stepper = world.on(executor);
+                    let stepper = if let Some(rule) = rule { stepper.with_rule(rule) } else { stepper };
+                    stepper.step().map(|_| ())
+                })
             }
 
             fn into_memory(self: Box<Self>) -> Memory {
@@ -151,6 +161,12 @@ impl<I: Index> OwnedWorld<I> {
             .expect(OWNED)
             .change(&mut |world| changed = change.take().map(|change| change(world)));
         changed.expect("it is called once")
+    }
+
+    /// Steps: see [`World::on`] and [`World::with_rule`].
+    pub(crate) fn step(&mut self, executor: &dyn Executor, rule: Option<&Rule<'_>>) -> Result<(), Error> {
+        let _ = self.as_world();
+        self.held.get_mut().expect(OWNED).step(executor, rule)
     }
 
     /// The world, to look at it: queries, results, boxes. Any number of threads may at once. O(1).

@@ -2,6 +2,7 @@
 
 use super::BroadPhase;
 use super::names::{Events, Names};
+use crate::OwnedWorld;
 use core::hash::Hash;
 use core::ops::Deref;
 use trisap_core::{Error, Executor, Field, Serial, Stats, World};
@@ -62,11 +63,11 @@ impl<'b, K: Copy + Eq + Hash + Sync> KeyedStepper<'b, K> {
     /// Those of [`BroadPhase::step`], or [`Error::NoFilters`] for a rule in a world without filters.
     pub fn step(self) -> Result<KeyedStep<'b, K>, Error> {
         let Self { broad_phase, executor, rule } = self;
-        broad_phase.run(|world, names, own| {
-            let stepper = world.on(executor.unwrap_or(own));
-            let Some(rule) = rule else { return stepper.step().map(|_| ()) };
+        broad_phase.run(|owned, names, own| {
+            let executor = executor.unwrap_or(own);
+            let Some(rule) = rule else { return owned.step(executor, None) };
             let by_slot = |a, b| names.any_pair([a, b]).is_some_and(|[a, b]| rule(a, b));
-            stepper.with_rule(&by_slot).step().map(|_| ())
+            owned.step(executor, Some(&by_slot))
         })
     }
 }
@@ -79,7 +80,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// [`Error::NoMemory`], [`Error::CapacityTooLarge`] of more than four billion pairs, or [`Error::InvariantBroken`].
     #[doc(alias("update", "refit", "rebuild"))]
     pub fn step(&mut self) -> Result<KeyedStep<'_, K>, Error> {
-        self.run(|world, _, executor| world.on(executor).step().map(|_| ()))
+        self.run(|owned, _, executor| owned.step(executor, None))
     }
 
     /// Brings the tree up to date for queries, without a look for pairs: a broad phase that is only asked needs no step. Without
@@ -136,7 +137,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Steps until there is room for all pairs.
     fn run(
         &mut self,
-        step: impl Fn(&mut World<'_>, &Names<K>, &dyn Executor) -> Result<(), Error>,
+        step: impl Fn(&mut OwnedWorld, &Names<K>, &dyn Executor) -> Result<(), Error>,
     ) -> Result<KeyedStep<'_, K>, Error> {
         self.complete = false;
         loop {
@@ -144,7 +145,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
             let executor: &dyn Executor = if self.config.workers > 1 { &self.executor } else { &Serial };
             #[cfg(not(feature = "rayon"))]
             let executor: &dyn Executor = &Serial;
-            match self.owned.change(|world| step(world, &self.names, executor)) {
+            match step(&mut self.owned, &self.names, executor) {
                 Err(Error::PairsFull { needed, .. }) => {
                     // A quarter more, so that a growing scene does not move in each step.
                     let too_many = Error::CapacityTooLarge { field: Field::Pairs, most: u64::from(u32::MAX) };
