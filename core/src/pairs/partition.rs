@@ -1,6 +1,7 @@
 //! Divides lists of pairs by a test of their boxes, or of sets of slots.
 
 use crate::access::Access;
+use crate::filter::FILTERS;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER, PLACES_UNASKED};
@@ -135,6 +136,8 @@ impl<'b, I: Index> Test<'b, I> {
         }
         match *self {
             Self::Overlap(_) => overlap,
+            // The tests below are of filters.
+            _ if !FILTERS => all & !overlap,
             Self::Apart(_) | Self::Ended { .. } => all & !overlap,
             Self::Dropped { asked, staying, .. } => {
                 let stays = |pair: &Pair<I>| is_clear_of(asked, pair) || staying.binary_search(pair).is_ok();
