@@ -223,13 +223,14 @@ pub struct Config {
     /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer to
     /// merge their pairs.
     pub workers: u32,
-    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made anew when one in
-    /// 32 objects has left its own, and are left unused for some steps where they do not last three.
+    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made anew when that costs
+    /// less than to search for the objects that leave theirs, and are left unused for some steps where they cost more than they
+    /// spare.
     pub fixed_margins: bool,
     /// Whether fat boxes are predicted from the motion of each object and hold it for some steps as it goes on, so that steps
     /// in which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result of an exact
-    /// world. Needs no margin; with one, there is at least that around each box. Costs 24 bytes an object. Worlds
-    /// without a tree have none, nor have fat worlds without a margin.
+    /// world. With a margin there is at least that around each box. Costs 24 bytes an object. Worlds without a tree and fat
+    /// worlds have none: these return the overlaps of what the caller has put around the boxes.
     pub predicted: bool,
     /// For tests.
     #[doc(hidden)]

@@ -200,17 +200,17 @@ const BUDGETS: [(&str, usize); 15] = [
     ("geometry", 1305),
     ("lists", 310),
     ("memory", 2100),
-    ("objects", 745),
+    ("objects", 765),
     ("pairs", 770),
     ("parallel", 680),
     ("query", 1680),
     ("simd", 3150),
     ("snapshot", 650),
-    ("step", 610),
+    ("step", 675),
     ("sweep", 1730),
     ("tree", 2540),
     ("validate", 510),
-    ("world", 1855),
+    ("world", 1860),
 ];
 
 #[test]

@@ -11,6 +11,7 @@ use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::Simd;
+use crate::simd::scalar::Scalar;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
@@ -69,6 +70,17 @@ impl FatBoxes<'_> {
         false
     }
 
+    /// Makes the fat box of an object that stays in its own anew, if that has become far too wide. Returns whether it had.
+    pub(crate) fn shrinks(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        let fat = self.boxes.at(at);
+        self.make(Scalar, at, old, bounds);
+        let shrinks = fat.largest_extent() > MOST_WIDTH * self.boxes.at(at).largest_extent();
+        if !shrinks {
+            self.boxes.put(at, fat);
+        }
+        shrinks
+    }
+
     /// Makes the fat box of an object that has come from an old box.
     #[inline(always)]
     fn make<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) {
@@ -101,6 +113,9 @@ pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
     }
     parts.boxes.tight = false;
 }
+
+/// A fat box so many times as wide as a new one would be is far too wide.
+const MOST_WIDTH: f32 = 4.0;
 
 /// The most that the size of a box counts, in multiples of its smallest side: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;

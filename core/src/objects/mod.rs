@@ -28,10 +28,10 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// Whether fat boxes are predicted, and whether each new box gets a new one. Neither in a world without a tree.
+    /// Whether fat boxes are predicted, and whether each new box gets a new one. Neither in a fat world or one without a tree.
     pub(crate) fn fat_boxes(&self) -> (bool, bool) {
-        let has_tree = !self.sizes.is_small();
-        (has_tree && self.state.setup.is_predicted(), has_tree && self.state.step.renews != 0)
+        let may = !self.sizes.is_small() && self.mode() == Mode::Exact;
+        (may && self.state.setup.is_predicted(), may && self.state.step.renews != 0)
     }
 
     /// The box of an object as it was given last.
@@ -108,7 +108,9 @@ impl Objects<'_> {
         } else if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
-            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, &bounds);
+            let contained = self.fat.exist()
+                && self.fat.follow(Scalar, at, &old, &bounds)
+                && !self.fat.shrinks(at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }

@@ -3,10 +3,11 @@
 
 use crate::access::{Access, bits};
 use crate::config::{Choice, Mode};
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::state::{State, StepState};
+use crate::memory::state::{PairState, State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::margins;
 use crate::pairs::persistent;
@@ -34,32 +35,85 @@ const PAIR_SAMPLE: usize = 256;
 /// After this many steps with few movers in a row leaves are divided, since the next ones probably have few too.
 const CALM: u8 = 2;
 
-/// Fat boxes are made anew when more than one in this many objects have left theirs.
-const RENEW_SHARE: u64 = 32;
-/// Steps that they have to last, else they do not pay.
+/// A full step, in the unit of the costs below; what one costs that makes all fat boxes anew, beyond a quiet step; and a quiet step.
+const FULL: u64 = 64;
+const RENEWAL: u64 = 112;
+const QUIET: u64 = 20;
+/// Steps that fat boxes have to last before a sample of so many is asked whether they still hold.
 const LEAST_AGE: u32 = 3;
+const HELD_SAMPLE: usize = 64;
+/// Where more than one in this many objects have left their fat boxes, these may not pay.
+const MANY_SHARE: u64 = 32;
 /// Fat boxes do not pay if half of them are so many times as large as the boxes, as a sample of about so many tells.
 const MOST_GROWTH: f32 = 2.0;
 const SIZE_SAMPLE: usize = 128;
+/// Nor where there are so many candidates for each object, beyond twice the pairs, since a full step is cheaper than their test.
+const CROWD: u64 = 8;
 /// Steps without them after that: the first time, and at most.
 const PAUSES: [u8; 2] = [16, 64];
 
-/// Has fat boxes made anew with the next boxes, if many have left theirs; leaves them unused, if they do not last; and uses them
-/// again after some steps, if many move. All as one number tells: the steps from one time that they were made to the next.
-/// Returns whether other boxes are swept now than objects were placed by. Boxes with margins that the caller has fixed stay, and
-/// those of a fat world with margins are never left unused.
+/// What a step costs beyond a quiet one, if so many objects have left their fat boxes.
+fn upkeep(state: &State, moved: u64) -> u64 {
+    let live = u64::from(state.objects.live).max(1);
+    let unparked = state.pairs.swept.saturating_sub(u64::from(state.pairs.parked));
+    let each = FULL * cost_of_movers(state) / live;
+    // To look whether a pair stays takes a 40th of what a full step takes for an object.
+    let cost = (moved.saturating_mul(each) + FULL * unparked / 40) / live;
+    if moved == 0 { 0 } else { cost.min(FULL) }
+}
+
+/// Whether all fat boxes are to be made anew, after so many steps without that which have cost so much beyond quiet ones, and one
+/// that costs so much: if that is more than the mean of all, with what making them costs.
+fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
+    cost > 0 && cost * u64::from(age + 1) >= RENEWAL + u64::from(step.spent)
+}
+
+/// Whether fat boxes are in use that steps may make anew.
+fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let setup = &parts.state.setup;
+    let fixed = setup.has_fixed_margins() || setup.hooks().movers_only.fixed().is_some();
+    let in_use = !parts.boxes.fat.is_empty() && !parts.boxes.tight && !parts.sizes.is_small();
+    in_use && !fixed && parts.mode() == Mode::Exact && parts.state.tree.filled == 1
+}
+
+/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs that this is due.
+pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
+    let age = parts.state.step.age.saturating_add(1);
+    if age < LEAST_AGE || parts.state.step.renews != 0 || !renews(parts) {
+        return;
+    }
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    let (mut looked, mut left) = (0, 0);
+    for slot in (0..slots).step_by((slots / HELD_SAMPLE).max(1)) {
+        let held = parts.boxes.fat.at(slot);
+        let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
+        looked += 1;
+        left += u64::from(!held.is_empty() && new.is_some_and(|new| !held.contains(&new)));
+    }
+    let moved = left * u64::from(parts.state.objects.live) / u64::max(looked, 1);
+    if is_due(&parts.state.step, age, upkeep(parts.state, moved)) {
+        parts.state.step.renews = 1;
+        parts.state.step.margins_after = 0;
+    }
+}
+
+/// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they cost more than they spare; and uses
+/// them again after some steps, if many move. All as counts tell. Returns whether other boxes are swept now than objects were
+/// placed by. Boxes with margins that the caller has fixed stay, and those of fat worlds.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
-    let (live, mode) = (u64::from(parts.state.objects.live), parts.mode());
-    let many = u64::from(moved) * RENEW_SHARE > live;
+    let live = u64::from(parts.state.objects.live);
+    let many = u64::from(moved) * MANY_SHARE > live;
     let has_margin = parts.state.setup.margin().is_some();
-    let fixed = parts.state.setup.has_fixed_margins()
-        || parts.state.setup.hooks().movers_only.fixed().is_some()
-        || mode == Mode::Fat && !parts.state.setup.is_predicted();
+    // Far more candidates than pairs: after a step of large boxes, perhaps, in which small ones stay.
+    let PairState { swept, reported, .. } = parts.state.pairs;
+    let crowded = !has_margin && swept.saturating_sub(reported) > CROWD * live + reported;
+    let cost = upkeep(parts.state, u64::from(moved));
     // Without leaves of the last step all objects count as moved.
-    let kept = parts.state.tree.filled == 1;
+    let is_known = renews(parts);
     parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
-    step.age = if step.renews != 0 { 0 } else { step.age.saturating_add(1) };
+    let new = step.renews != 0;
+    (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
     step.renews = step.renews.saturating_sub(1);
     if step.margins_in > 0 {
         // Where few move, they are tested one by one anyway.
@@ -73,20 +127,22 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
         }
         return false;
     }
-    if parts.boxes.fat.is_empty() || fixed || parts.sizes.is_small() || !kept {
-        return false;
-    }
-    if !many || step.age == 0 && (has_margin || !are_swollen(parts)) {
+    if !is_known || !crowded && (moved == 0 || new && (has_margin || !many || !are_swollen(parts))) {
         return false;
     }
     let step = &mut parts.state.step;
-    if step.age >= LEAST_AGE || has_margin && mode == Mode::Fat {
+    let steps = u64::from(step.age) + 1;
+    let pays = RENEWAL + u64::from(step.spent) + cost + QUIET * steps < FULL * steps;
+    if !pays && (many || crowded && step.age < LEAST_AGE) {
+        pause(parts);
+        return true;
+    }
+    if crowded || is_due(step, step.age, cost) {
         step.renews = 1;
         step.margins_after = 0;
-        return false;
     }
-    pause(parts);
-    true
+    step.spent = step.spent.saturating_add(cost as u16);
+    false
 }
 
 /// Whether most fat boxes are so much larger than the boxes that they cost more than they spare, by a sample. Where none are
@@ -157,9 +213,14 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
 
 /// Whether so few objects have moved that each is best tested by itself.
 fn are_few(state: &State, moved: u32) -> bool {
-    let (moved, live, pairs) = (u64::from(moved), u64::from(state.objects.live), state.pairs.swept);
-    let cost = MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2;
-    moved.saturating_mul(cost) <= live * live
+    let (moved, live) = (u64::from(moved), u64::from(state.objects.live));
+    moved.saturating_mul(cost_of_movers(state)) <= live * live
+}
+
+/// What it costs to test as many movers one by one as there are objects, where a full step costs one for each object.
+fn cost_of_movers(state: &State) -> u64 {
+    let (live, pairs) = (u64::from(state.objects.live), state.pairs.swept);
+    MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2
 }
 
 /// Whether a step of many movers may keep the pairs of other objects. New planes are judged by all pairs, so they
@@ -214,14 +275,15 @@ pub(crate) fn subdivide_when_calm<I: Index>(
         Choice::Always => (true, 1),
         Choice::Never => return,
     };
-    let calm = few && matches!(path, Path::Unchanged | Path::Movers);
-    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm {
+    // Leaves of which a full step comes next are not divided.
+    let calm = few && matches!(path, Path::Unchanged | Path::Movers) && parts.state.step.renews == 0;
+    // A step in which nobody moves needs no leaves, and tells nothing of the movers to come.
+    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm || moved == 0 {
         return;
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);
     let some_are_undivided = parts.state.tree.subdivided <= parts.state.tree.count;
-    // A step in which nobody moves needs no leaves.
-    if parts.state.step.calm >= due && some_are_undivided && moved > 0 {
+    if parts.state.step.calm >= due && some_are_undivided {
         context.executor.enter(Stage::Fill);
         run!(context.kernels, |simd| subdivide(simd, parts));
     }

@@ -133,10 +133,12 @@ impl<I: Index> World<'_, I> {
         context: StepContext<'_>,
     ) -> Option<u64> {
         let moved = parts.moved.count();
+        let mut swept_anew = moved;
         if cfg!(feature = "large") && policy::renew(parts, moved) {
-            settled = None;
+            // Whose fat box is left unused has another box that is swept.
+            (settled, swept_anew) = (None, parts.moved.count());
         }
-        let route = policy::choose(parts, moved);
+        let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
         if route.path == Path::Unchanged && parts.state.objects.moved_inside_margin == 0 {
             Self::keep(parts, shared);
@@ -164,6 +166,9 @@ impl<I: Index> World<'_, I> {
     ) -> (Option<Rejected>, Option<u32>) {
         let Some(bounds) = bounds else { return (None, None) };
         context.executor.enter(Stage::Intake);
+        if cfg!(feature = "large") {
+            policy::foresee(parts, &bounds);
+        }
         let settles = cfg!(feature = "large") && keep::settles(parts);
         let intake = ingest(parts, &bounds, settles, context);
         parts.state.objects.note(intake.motions);

@@ -8,7 +8,7 @@ pub(crate) use setup::Setup;
 
 use super::layout::is_small;
 use super::stats::Stats;
-use crate::config::Config;
+use crate::config::{Config, Mode};
 use bytemuck::{Pod, Zeroable};
 
 /// See the module. Plain bytes without gaps, as it is in the slab: parts with numbers of 64 bits come first.
@@ -28,7 +28,7 @@ pub(crate) struct State {
 impl State {
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let pairs = PairState { complete: 1, ..PairState::zeroed() };
-        let predicted = config.predicted && !is_small(config);
+        let predicted = config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config);
         let step = StepState { renews: if predicted { 2 } else { 0 }, ..StepState::zeroed() };
         Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
     }

@@ -217,8 +217,10 @@ pub(crate) struct StepState {
     /// whether `f32` was too coarse.
     pub(super) chosen: u32,
     /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
-    pub(crate) renews: u32,
-    /// Steps since that was so last.
+    pub(crate) renews: u16,
+    /// What the steps since that was so last have cost beyond quiet ones.
+    pub(crate) spent: u16,
+    /// How many these are.
     pub(crate) age: u32,
 }
 
