@@ -2,7 +2,7 @@
 
 use crate::config::Mode;
 use crate::memory::layout::Sizes;
-use crate::memory::state::{State, TreeState};
+use crate::memory::state::State;
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::large;
 
@@ -22,12 +22,11 @@ fn objects(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         state.lists.listed as usize,
     )?;
     check(state.lists.axis < 3 && state.lists.second_axis < 3, "an axis that there is not", 0)?;
-    let TreeState { filled, uneven, .. } = state.tree;
-    for (at, flag) in
-        [state.lists.stale, filled, uneven, state.pairs.unkept, state.pairs.swapped].into_iter().enumerate()
-    {
+    let flags = [state.lists.stale, state.tree.uneven, state.pairs.unkept, state.pairs.swapped];
+    for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
+    check(state.tree.filled <= 2, "leaves that are filled in no known way", state.tree.filled.into())?;
     check(state.step.margins_in == 0 || sizes.fat > 0, "fat boxes that are not used where there are none", 0)
 }
 
