@@ -361,7 +361,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
             }
             _ => {}
         }
-        if FAT {
+        if FAT && fat.exist() {
             for bit in bits::of_word(others) {
                 let (old, new) = (KeyBox::of(old, bit), KeyBox::of(&new, bit));
                 contained |= u32::from(fat.follow(simd, word + first + bit, old, new)) << (first + bit);
