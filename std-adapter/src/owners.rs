@@ -9,7 +9,7 @@
 /// let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
 /// let [knight, arrow, shield, stranger] = [cube(0.0), cube(0.25), cube(0.5), cube(0.75)];
 /// let owners = Owners::from_iter([&[7][..], &[7], &[7, 8], &[]]);
-/// let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(4)))?;
+/// let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(4)).with_filters())?;
 /// let mut world = owned.world();
 /// drop(world.insert_many(Boxes::new(&[knight, arrow, shield, stranger]))?);
 /// let rule = owners.rule();

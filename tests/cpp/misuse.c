@@ -772,12 +772,12 @@ static void snapshots(void) {
     memcpy(broken, snapshot, size);
     seal(broken, size);
     CHECK(memcmp(broken, snapshot, size) == 0);
-    // Of living objects, and behind it of slots.
+    // Of living objects, of disabled ones, and of slots.
     size_t number = 24;
-    const uint32_t objects[2] = {trisap_world_len(world), trisap_world_len(world)};
+    const uint32_t objects[3] = {trisap_world_len(world), 0, trisap_world_len(world)};
     while (memcmp(snapshot + number, objects, sizeof objects) != 0) {
         number += sizeof *objects;
-        CHECK(number < size);
+        CHECK(number + sizeof objects <= size);
     }
     const size_t forged[3] = {24 + 40, number + 3, size - 1};
     for (int i = 0; i < 3; i++) {

@@ -135,11 +135,11 @@ fn order<I: Index>(parts: &mut Parts<'_, I>) {
     }
     for level in 0..tree.large_depth {
         let size = GROUP << (tree.large_depth - level);
-        for part in list.chunks_mut(size).filter(|part| part.len() > size / 2) {
+        for part in list.chunks_mut(size.max(1)).filter(|part| part.len() > size / 2) {
             let axis = thinnest(part);
-            select(part, size / 2, &|a: &Straddler, b: &Straddler| {
-                (a.long, a.bounds.min[axis], a.slot) < (b.long, b.bounds.min[axis], b.slot)
-            });
+            let place =
+                |straddler: &Straddler| (straddler.long, straddler.bounds.min.at(axis), straddler.slot);
+            select(part, size / 2, &|a: &Straddler, b: &Straddler| place(a) < place(b));
         }
     }
     for (place, straddler) in list.iter().enumerate() {

@@ -25,14 +25,13 @@ pub(crate) fn pairs(args: &PairsArgs) -> Result<Outcome> {
     Ok(Outcome::Good)
 }
 
-/// The boxes of a file of text; `None` of anything else.
+/// The boxes of a file of text; `None` of anything else, and where a frame is asked for, which only recordings have.
 fn text(args: &PairsArgs) -> Result<Option<Vec<[f64; 6]>>> {
-    let Some(path) = &args.scene.file else { return Ok(None) };
+    let Some(path) = args.scene.file.as_ref().filter(|_| args.frame.is_none()) else { return Ok(None) };
     let name = path.display();
     let bytes = fs::read(path).with_context(|| name.to_string())?;
     // The names in the header of a recording end with zeros.
     let Some(text) = str::from_utf8(&bytes).ok().filter(|text| !text.contains('\0')) else { return Ok(None) };
-    ensure!(args.frame.is_none(), "{name}: boxes as text have no frames; leave out --frame");
     let (mut boxes, mut first) = (Vec::new(), true);
     for (number, line) in text.lines().map(str::trim).enumerate() {
         if line.is_empty() || line.starts_with('#') {
