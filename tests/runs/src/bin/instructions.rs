@@ -26,8 +26,12 @@ fn main() {
     world.set_kernels(kernels).step().expect("room for the pairs");
     let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
     let Ok(steps) = what.parse::<usize>() else {
-        // Calm steps, until all leaves are divided.
-        for _ in 0..20 {
+        // Calm steps, in which one object moves, until all leaves are divided.
+        let id = world.id_at(0).expect("an object");
+        let aabb = world.aabb(id).expect("an object");
+        for step in 0..20u8 {
+            let max = aabb.max.map(|side| side + 0.001 * f32::from(step));
+            world.set_aabb(id, Aabb::new(aabb.min, max)).expect("a box");
             world.step().expect("room for the pairs");
         }
         assert!(world.stats().fine_leaves, "leaves are divided");
