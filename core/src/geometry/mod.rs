@@ -7,3 +7,7 @@ pub(crate) mod extent;
 pub(crate) mod key;
 pub(crate) mod line;
 pub(crate) mod record;
+
+#[cfg(test)]
+#[path = "../../tests/kernels/keys.rs"]
+mod keys;
