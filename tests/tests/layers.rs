@@ -210,7 +210,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("sweep", 1730),
     ("tree", 2540),
     ("validate", 510),
-    ("world", 1860),
+    ("world", 1671),
 ];
 
 #[test]

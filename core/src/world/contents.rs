@@ -1,6 +1,6 @@
 //! Looks up what is in a world: objects, their boxes and margins.
 
-use super::{Step, World};
+use super::World;
 use crate::access::Access;
 use crate::config::Capacity;
 use crate::error::Error;
@@ -68,6 +68,11 @@ impl<I: Index> World<'_, I> {
         if self.id_at(id.slot()) == Some(id) { Ok(id.slot() as usize) } else { Err(Error::StaleId { id }) }
     }
 
+    /// Checks that all of these live.
+    pub(super) fn check_ids(&self, ids: &[Id]) -> Result<(), Error> {
+        ids.iter().try_for_each(|id| self.slot_of(*id).map(drop))
+    }
+
     /// The living objects by ascending slot. O(slots that have been in use).
     pub fn ids(&self) -> impl Iterator<Item = Id> {
         (0..self.parts.state.objects.slots).filter_map(|slot| self.id_at(slot))
@@ -76,12 +81,6 @@ impl<I: Index> World<'_, I> {
     /// The living objects and their boxes, by ascending slot. O(slots that have been in use).
     pub fn iter(&self) -> impl Iterator<Item = (Id, Aabb)> {
         self.ids().filter_map(|id| Some((id, self.aabb(id)?)))
-    }
-
-    /// How far an object may move before it counts as moved. `None` for a stale id, and in a world without margins.
-    #[must_use]
-    pub fn margin(&self, id: Id) -> Option<f32> {
-        self.slot_of(id).ok().and_then(|slot| self.parts.boxes.margins.get(slot).copied())
     }
 
     /// The objects that an object overlaps in the last result. O(pairs): to ask for many objects, go through
@@ -111,18 +110,9 @@ impl<I: Index> fmt::Debug for World<'_, I> {
         f.debug_struct("World")
             .field("len", &self.len())
             .field("pairs", &self.pairs().len())
-            .field("config", &self.config())
-            .finish_non_exhaustive()
-    }
-}
-
-impl<I: Index> fmt::Debug for Step<'_, I> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Step")
-            .field("pairs", &self.pairs().len())
             .field("found", &self.found().len())
             .field("lost", &self.lost().len())
-            .field("rejected", &self.rejected())
+            .field("config", &self.config())
             .finish_non_exhaustive()
     }
 }

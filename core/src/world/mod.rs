@@ -1,25 +1,13 @@
 //! The public world. [`World::advance`] is a step: its phases in order.
 
-mod inline;
-
 // In the order of use, in which the documentation lists the methods.
-mod making;
+mod make;
 
 mod objects;
 
-mod enabled;
+mod attributes;
 
-mod values;
-
-mod filters;
-
-mod rest;
-
-mod stepper;
-
-mod result;
-
-mod names;
+mod steps;
 
 mod contents;
 
@@ -27,10 +15,9 @@ mod shift;
 
 mod view;
 
-pub use inline::InlineWorld;
+pub use make::InlineWorld;
 pub use objects::Inserted;
-pub use result::Step;
-pub use stepper::Stepper;
+pub use steps::{Step, Stepper};
 pub use view::{LeafView, PlaneView};
 
 use crate::access::Access;
@@ -69,31 +56,16 @@ pub struct World<'m, I: Index = u32> {
 // A step.
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
-        let unfinished = Unfinished::begin(&mut self.parts);
-        let parts = &mut *unfinished.0;
-        parts.settled.move_to(&mut parts.moved);
-        parts.state.objects.dirty = 1;
-        let shared = Self::shares(parts, context);
-        let executor = OneStep::new(context.executor, shared);
-        let context = StepContext { executor: &executor, ..context };
-        let (rejected, settled) = Self::take_in(parts, bounds, context);
-        let needed = Self::find(parts, settled, shared, context);
-        let result = if parts.watch.sees_fault() {
-            Err(Error::InvariantBroken)
-        } else {
-            parts.state.stepping = 0;
-            needed.map_or(Ok(()), |needed| Self::conclude(parts, needed))
+        let find = |parts: &mut Parts<'_, I>, context: StepContext<'_>, shared| {
+            parts.settled.move_to(&mut parts.moved);
+            parts.state.objects.dirty = 1;
+            let (rejected, settled) = Self::take_in(parts, bounds, context);
+            (rejected, Self::find(parts, settled, shared, context))
         };
-        drop(unfinished);
-        context.executor.enter(Stage::Done);
-        result?;
+        let rejected = self.run(context, find, |parts, (rejected, needed)| {
+            needed.map_or(Ok(()), |needed| Self::conclude(parts, needed)).map(|()| rejected)
+        })?;
         Ok(Step { rejected, world: self })
-    }
-
-    /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
-    fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
-        let (sharing, live) = (parts.state.setup.hooks().sharing, parts.state.objects.live);
-        sharing.fixed().unwrap_or(live >= SHARED_FROM) && !context.is_small()
     }
 
     fn renew_tree(&mut self, context: StepContext<'_>) -> Result<(), Error> {
@@ -101,19 +73,41 @@ impl<I: Index> World<'_, I> {
         if context.is_small() || filled != 0 && dirty == 0 {
             return Ok(());
         }
+        let refresh = |parts: &mut Parts<'_, I>, context: StepContext<'_>, _| step::refresh(parts, context);
+        self.run(context, refresh, |parts, ()| {
+            Self::settle(parts);
+            Ok(())
+        })
+    }
+
+    /// Does a step, and concludes it unless an index was out of range.
+    fn run<T, R>(
+        &mut self,
+        context: StepContext<'_>,
+        work: impl FnOnce(&mut Parts<'_, I>, StepContext<'_>, bool) -> T,
+        conclude: impl FnOnce(&mut Parts<'_, I>, T) -> Result<R, Error>,
+    ) -> Result<R, Error> {
         let unfinished = Unfinished::begin(&mut self.parts);
         let parts = &mut *unfinished.0;
-        let executor = OneStep::new(context.executor, Self::shares(parts, context));
+        let shared = Self::shares(parts, context);
+        let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
-        step::refresh(parts, context);
-        let fault = parts.watch.sees_fault();
-        if !fault {
+        let done = work(parts, context, shared);
+        let result = if parts.watch.sees_fault() {
+            Err(Error::InvariantBroken)
+        } else {
             parts.state.stepping = 0;
-            Self::settle(parts);
-        }
+            conclude(parts, done)
+        };
         drop(unfinished);
         context.executor.enter(Stage::Done);
-        if fault { Err(Error::InvariantBroken) } else { Ok(()) }
+        result
+    }
+
+    /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
+    fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
+        let (sharing, live) = (parts.state.setup.hooks().sharing, parts.state.objects.live);
+        sharing.fixed().unwrap_or(live >= SHARED_FROM) && !context.is_small()
     }
 
     /// The tree has all objects as they are.

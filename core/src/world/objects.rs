@@ -83,23 +83,6 @@ impl<'m, I: Index> World<'m, I> {
         Ok(())
     }
 
-    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
-    /// once. O(1).
-    ///
-    /// # Errors
-    /// [`Error::StaleId`], [`Error::NoMargins`], or [`Error::BadMargin`] where `length` is negative or not finite.
-    pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
-        let slot = self.slot_of(id)?;
-        crate::Margin::length(length).check()?;
-        *self.parts.boxes.margins.get_mut(slot).ok_or(Error::NoMargins)? = length;
-        let bounds = self.parts.boxes.now.at(slot);
-        if !bounds.is_empty() {
-            self.parts.objects().anchor(slot, bounds);
-            self.parts.state.objects.dirty = 1;
-        }
-        Ok(())
-    }
-
     /// Removes an object. Its id becomes stale, and its pairs are lost at the next step. O(1).
     ///
     /// # Errors
@@ -139,9 +122,7 @@ impl<'m, I: Index> World<'m, I> {
         if ids.len() != boxes.len() {
             return Err(Error::LengthMismatch { needed: ids.len(), given: boxes.len() });
         }
-        for id in ids {
-            self.slot_of(*id)?;
-        }
+        self.check_ids(ids)?;
         check_all(&boxes)?;
         let bounds = |index| boxes.get(index).as_ref().and_then(KeyBox::from_aabb);
         self.accept(ids, (0..boxes.len()).filter_map(bounds));
@@ -153,9 +134,7 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::StaleId`], also where an id comes twice.
     pub fn remove_many(&mut self, ids: &[Id]) -> Result<(), Error> {
-        for id in ids {
-            self.slot_of(*id)?;
-        }
+        self.check_ids(ids)?;
         // All ids name living objects. So only an id that comes twice meets the mark of its first time.
         const MARK: u32 = 1 << 31;
         let toggle = |world: &mut Self, id: &Id| {
