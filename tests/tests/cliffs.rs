@@ -631,3 +631,34 @@ fn disabled_objects_cost_nothing() {
         }
     }
 }
+
+/// How many boxes stand in the leaves that small regions reach, in a world in which `movers` objects have moved in each of some
+/// steps.
+fn reached_after(movers: usize, config: &Config, boxes: &[Aabb]) -> u32 {
+    let mut slab = Slab::new::<u32>(config);
+    let mut world = slab.world::<u32>(config);
+    let ids: Vec<Id> = world.insert_many(Boxes::new(boxes)).expect("room").collect();
+    for frame in 0..16 {
+        for (id, aabb) in ids.iter().zip(boxes).take(movers) {
+            world.set_aabb(*id, shifted(aabb, [0.5 * (frame % 2) as f32; 3])).expect("alive");
+        }
+        world.step().expect("room");
+    }
+    let mut rng = Rng::new(37);
+    let regions = (0..200).map(|_| at(rng.point(0.0, scenes::side(boxes.len())), [2.0; 3]));
+    let reached = |region: Aabb| {
+        world.leaves().filter(|leaf| leaf.cell.overlaps(&region)).map(|leaf| leaf.objects).sum::<u32>()
+    };
+    regions.map(reached).sum()
+}
+
+/// Queries look at as few boxes where all lie still as where few move.
+#[test]
+fn worlds_that_lie_still_have_their_leaves_divided() {
+    let boxes = uniform(8000, 31);
+    let config = Config::new(ample(8000, 80_000));
+    for config in [config, config.with_events(), config.with_margin(Margin::length(0.1))] {
+        let [still, few] = [0, 1].map(|movers| reached_after(movers, &config, &boxes));
+        assert!(still * 20 <= few * 21, "{still} boxes in reach, {few} where one object moves");
+    }
+}

@@ -277,8 +277,9 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     };
     // Leaves of which a full step comes next are not divided.
     let calm = few && matches!(path, Path::Unchanged | Path::Movers) && parts.state.step.renews == 0;
-    // A step in which nobody moves needs no leaves, and tells nothing of the movers to come.
-    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm || moved == 0 {
+    // Nor while all that moves stays in its fat box: many leave theirs in one of the next steps.
+    let waits = moved == 0 && parts.state.objects.moved_inside_margin != 0;
+    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm || waits {
         return;
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);
