@@ -203,7 +203,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 765),
     ("pairs", 770),
     ("parallel", 680),
-    ("query", 1680),
+    ("query", 1390),
     ("simd", 3095),
     ("snapshot", 650),
     ("step", 675),

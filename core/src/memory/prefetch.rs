@@ -17,10 +17,3 @@ pub(crate) const MOVERS_AHEAD: usize = 8;
 pub(crate) const LEAVES_TOGETHER: usize = 16;
 /// Records of a leaf that are prefetched; the processor sees for itself that the others follow.
 pub(crate) const RECORDS_AHEAD: usize = 48;
-
-/// Leaves of a full step near a region that are prefetched before the first of them is looked at.
-pub(crate) const REGION_LEAVES: usize = 2;
-/// Objects near a region that are prefetched before the first of them is looked at.
-pub(crate) const REGION_ANSWERS: usize = 8;
-/// Objects that a cast may touch and that are prefetched before the first of them is looked at.
-pub(crate) const CAST_ANSWERS: usize = 16;

@@ -1,9 +1,13 @@
-//! Queries about some of the objects alone.
+//! Queries about some of the objects alone, and many queries in one call, on the caller's workers.
 
 use super::{Cast, Hit, Region};
+use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
-use crate::parallel::executor::Executor;
+use crate::memory::limits::{QUERIES_PER_BLOCK, QUERY_WORKERS};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::executor::{self, Executor};
+use crate::sort::heapsort;
 use crate::world::World;
 
 /// Queries that only objects with a condition can answer: made by [`World::among`].
@@ -55,41 +59,90 @@ impl<'m, I: Index> World<'m, I> {
 }
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
-    /// See [`World::overlaps`].
+    /// Writes the answers that `ask` hands out and that may answer to `out`, in order. Returns how many there are.
+    pub(super) fn collect<T: Copy>(
+        &self,
+        out: &mut [Option<T>],
+        id: impl Fn(&T) -> Id,
+        precedes: impl Fn(Option<T>, Option<T>) -> bool,
+        ask: impl FnOnce(&mut dyn FnMut(T)) -> Result<(), Error>,
+    ) -> Result<usize, Error> {
+        let mut count = 0;
+        ask(&mut |answer| {
+            if (self.condition)(id(&answer)) {
+                if let Some(place) = out.get_mut(count) {
+                    *place = Some(answer);
+                }
+                count += 1;
+            }
+        })?;
+        if count > out.len() {
+            return Err(Error::OutputFull { needed: count as u64, room: out.len() });
+        }
+        heapsort(out.span_mut(0, count), precedes);
+        Ok(count)
+    }
+}
+
+/// Many queries at once, on the workers of a job system.
+///
+/// ```
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
+/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+/// # let mut world = memory.init::<u16>(&CONFIG)?;
+/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let a = world.insert(cube(2.0))?;
+/// let down = [0.0, 0.0, -1.0];
+/// let rays = [Cast::ray([2.5, 0.5, 9.0], down, 100.0), Cast::ray([7.0, 0.5, 9.0], down, 100.0)];
+/// let mut hits = [None; 2];
+/// world.first_hits(&rays, &Serial, &mut hits)?;
+/// assert_eq!(hits.map(|hit| hit.map(|hit| hit.id)), [Some(a), None]);
+/// # Ok::<(), Error>(())
+/// ```
+impl<I: Index> World<'_, I> {
+    /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
     /// # Errors
-    /// Those of [`World::overlaps`].
-    pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
-        self.world.overlaps_of(region, out, self.condition())
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`. Nothing is written then.
+    pub fn first_hits(
+        &self,
+        casts: &[Cast],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        self.among(|_| true).first_hits(casts, executor, out)
     }
 
-    /// See [`World::first_hit`].
+    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose rest is
+    /// `None` where there are fewer objects.
     ///
     /// # Errors
-    /// Those of [`World::first_hit`].
-    pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
-        self.world.first_hit_of(cast, self.condition())
+    /// [`Error::BadQuery`] for the first point that is not finite. Nothing is written then.
+    pub fn nearest_many(
+        &self,
+        points: &[[f32; 3]],
+        executor: &dyn Executor,
+        out: &mut [Option<Hit>],
+    ) -> Result<(), Error> {
+        self.among(|_| true).nearest_many(points, executor, out)
     }
 
-    /// See [`World::hits`].
+    /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how many
+    /// objects overlap each region.
     ///
     /// # Errors
-    /// Those of [`World::hits`].
-    pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.world.hits_of(cast, out, self.condition())
-    }
-
-    /// See [`World::nearest`].
-    ///
-    /// # Errors
-    /// Those of [`World::nearest`].
-    pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.world.nearest_of(point, out, Some(self.condition()))
-    }
-
-    /// By reference, so that each search is compiled once for all conditions.
-    fn condition(&self) -> &dyn Fn(Id) -> bool {
-        &self.condition
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is written
+    /// then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are right, and so
+    /// are the shares that suffice.
+    pub fn overlaps_many(
+        &self,
+        regions: &[Region],
+        executor: &dyn Executor,
+        out: &mut [Option<Id>],
+        counts: &mut [u32],
+    ) -> Result<(), Error> {
+        self.among(|_| true).overlaps_many(regions, executor, out, counts)
     }
 }
 
@@ -105,7 +158,13 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        self.world.first_hits_of(casts, executor, out, Some(&self.condition))
+        let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
+        let out = out.get_mut(..casts.len()).ok_or(short)?;
+        check(casts, Cast::is_valid)?;
+        // The casts are valid.
+        let answer = |cast: &Cast, out: &mut [Option<Hit>]| out.fill(self.first_hit(cast).ok().flatten());
+        in_blocks(casts, executor, out, &answer);
+        Ok(())
     }
 
     /// See [`World::nearest_many`].
@@ -118,7 +177,13 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         executor: &dyn Executor,
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        self.world.nearest_many_of(points, executor, out, Some(&self.condition))
+        check(points, |point| point.iter().all(|x| x.is_finite()))?;
+        out.fill(None);
+        in_blocks(points, executor, out, &|point: &[f32; 3], out: &mut [Option<Hit>]| {
+            // The points are valid.
+            let _ = self.nearest(*point, out);
+        });
+        Ok(())
     }
 
     /// See [`World::overlaps_many`].
@@ -132,6 +197,60 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         out: &mut [Option<Id>],
         counts: &mut [u32],
     ) -> Result<(), Error> {
-        self.world.overlaps_many_of(regions, executor, out, counts, Some(&self.condition))
+        let short = Error::LengthMismatch { needed: regions.len(), given: counts.len() };
+        let counts = counts.get_mut(..regions.len()).ok_or(short)?;
+        check(regions, Region::is_valid)?;
+        let share = out.len() / regions.len().max(1);
+        let queue = BlockQueue::new((
+            Chunks::optional(out.span_mut(0, share * regions.len()), QUERIES_PER_BLOCK * share),
+            Chunks::new(counts, QUERIES_PER_BLOCK),
+        ));
+        executor::run(executor, QUERY_WORKERS, regions.len().div_ceil(QUERIES_PER_BLOCK), &|| {
+            while let Some((block, (out, counts))) = queue.claim() {
+                for (at, count) in counts.iter_mut().enumerate() {
+                    let Some(region) = regions.get(block * QUERIES_PER_BLOCK + at) else { continue };
+                    let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
+                    *count = match self.overlaps(region, out) {
+                        Ok(count) => count as u32,
+                        Err(Error::OutputFull { needed, .. }) => needed as u32,
+                        // The regions are valid.
+                        Err(_) => 0,
+                    };
+                }
+            }
+        });
+        let most = counts.iter().copied().max().unwrap_or(0);
+        if most as usize > share {
+            let needed = u64::from(most) * regions.len() as u64;
+            return Err(Error::OutputFull { needed, room: out.len() });
+        }
+        Ok(())
+    }
+}
+
+/// Answers queries on the workers of an executor. Each query gets an equal share of `out`.
+fn in_blocks<Q: Sync, T: Send>(
+    queries: &[Q],
+    executor: &dyn Executor,
+    out: &mut [T],
+    answer: &(dyn Fn(&Q, &mut [T]) + Sync),
+) {
+    let share = out.len() / queries.len().max(1);
+    let queue = BlockQueue::new(Chunks::new(out, QUERIES_PER_BLOCK * share));
+    executor::run(executor, QUERY_WORKERS, queries.len().div_ceil(QUERIES_PER_BLOCK), &|| {
+        while let Some((block, out)) = queue.claim() {
+            let queries = queries.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
+            for (query, out) in queries.iter().zip(out.chunks_mut(share.max(1))) {
+                answer(query, out);
+            }
+        }
+    });
+}
+
+/// An error for the first query that is not valid.
+fn check<T>(queries: &[T], is_valid: impl Fn(&T) -> bool) -> Result<(), Error> {
+    match queries.iter().position(|query| !is_valid(query)) {
+        Some(index) => Err(Error::BadQuery { index: index as u32 }),
+        None => Ok(()),
     }
 }

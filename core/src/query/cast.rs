@@ -1,19 +1,18 @@
 //! Finds what a ray or a moving box meets, near things first.
 
-use super::{is_current, prefetch_members, prefetch_parts};
+use super::{Among, Search, is_current, prefetch_members, prefetch_parts, walk};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
-use crate::geometry::line::{Crossing, Line, Walk};
+use crate::geometry::line::{Line, Walk};
 use crate::id::{Id, Index};
-use crate::memory::prefetch::CAST_ANSWERS;
 use crate::simd::kernels::run;
 use crate::simd::{EIGHT, Simd};
-use crate::sort::heapsort;
-use crate::tree::visit::{Probe, Visit};
-use crate::tree::{Frame, Straddler, first_of_eight, leaf_of, sub_leaves_of};
+use crate::tree::visit::Probe;
+use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
+use core::ops::ControlFlow;
 
 /// A box, or a point, that moves along a line.
 #[doc(alias("Ray", "raycast", "ray_cast", "shape_cast"))]
@@ -102,7 +101,7 @@ impl<I: Index> World<'_, I> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
         }
-        run!(self.kernels, |simd| visit_along(simd, self, cast, visit));
+        let _ = run!(self.kernels, |simd| visit_along(simd, self, cast, visit));
         Ok(())
     }
 
@@ -112,25 +111,7 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`].
     #[doc(alias("raycast", "ray_cast", "cast_ray", "closest_hit"))]
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
-        self.first_hit_of(cast, |_| true)
-    }
-
-    /// The same of the objects that may answer.
-    pub(super) fn first_hit_of(
-        &self,
-        cast: &Cast,
-        condition: impl Fn(Id) -> bool,
-    ) -> Result<Option<Hit>, Error> {
-        let mut first: Option<Hit> = None;
-        self.visit_hits(cast, &mut |hit| {
-            if !condition(hit.id) {
-                return f64::INFINITY;
-            }
-            let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
-            first = Some(nearest);
-            nearest.distance
-        })?;
-        Ok(first)
+        self.among(|_| true).first_hit(cast)
     }
 
     /// Writes the objects that a cast meets to `out`, the nearest first, equally near ones by ascending slot. Returns
@@ -140,32 +121,44 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     #[doc(alias("raycast_all", "ray_hits"))]
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.hits_of(cast, out, |_| true)
+        self.among(|_| true).hits(cast, out)
     }
+}
 
-    /// The same of the objects that may answer.
-    pub(super) fn hits_of(
-        &self,
-        cast: &Cast,
-        out: &mut [Option<Hit>],
-        condition: impl Fn(Id) -> bool,
-    ) -> Result<usize, Error> {
-        let mut count = 0;
-        self.visit_hits(cast, &mut |hit| {
-            if !condition(hit.id) {
+impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
+    /// See [`World::first_hit`].
+    ///
+    /// # Errors
+    /// Those of [`World::first_hit`].
+    pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
+        let mut first: Option<Hit> = None;
+        self.world.visit_hits(cast, &mut |hit| {
+            if !(self.condition)(hit.id) {
                 return f64::INFINITY;
             }
-            if let Some(place) = out.get_mut(count) {
-                *place = Some(hit);
-            }
-            count += 1;
-            f64::INFINITY
+            let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
+            first = Some(nearest);
+            nearest.distance
         })?;
-        if count > out.len() {
-            return Err(Error::OutputFull { needed: count as u64, room: out.len() });
-        }
-        heapsort(out.span_mut(0, count), precedes);
-        Ok(count)
+        Ok(first)
+    }
+
+    /// See [`World::hits`].
+    ///
+    /// # Errors
+    /// Those of [`World::hits`].
+    pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
+        self.collect(
+            out,
+            |hit| hit.id,
+            precedes,
+            |take| {
+                self.world.visit_hits(cast, &mut |hit| {
+                    take(hit);
+                    f64::INFINITY
+                })
+            },
+        )
     }
 }
 
@@ -177,7 +170,7 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
     }
 }
 
-/// A cast meets nodes in the time of [`Walk`].
+/// A cast enters nodes in the time of [`Walk`].
 struct Along<'w> {
     walk: &'w Walk,
     /// How far to look.
@@ -206,49 +199,89 @@ impl Probe for Along<'_> {
     }
 }
 
+/// A cast that looks for hits.
+struct OnLine<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    line: &'q Line,
+    walk: &'q Walk,
+    /// How far to look.
+    far: f64,
+    visit: &'q mut dyn FnMut(Hit) -> f64,
+}
+
 #[inline(always)]
 fn visit_along<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
     cast: &Cast,
     visit: &mut dyn FnMut(Hit) -> f64,
-) {
-    let parts = &world.parts;
-    // What takes longest is started first: the leaf where the cast starts is found by planes alone, and
-    // prefetched.
-    let has_tree = world.has_tree();
-    let mut home = 0;
-    if has_tree {
-        home = leaf_of(parts.tree.splits, &cast.start.min.map(key));
-        prefetch_parts(simd, parts, home);
+) -> ControlFlow<()> {
+    // What takes longest is started first: the leaf where the cast starts is found by planes alone, and prefetched.
+    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
+    if let Some(home) = home {
+        prefetch_parts(simd, &world.parts, home);
     }
-    let line = Line::new(&cast.start, cast.direction, cast.distance);
-    let mut search = Search { world, far: line.distance, line, visit, slots: [0; CAST_ANSWERS] };
-    if world.has_apart() {
-        for slot in world.apart_from_tree() {
-            search.slots[0] = slot as u32;
-            search.look(simd, 1);
-        }
+    let line = &Line::new(&cast.start, cast.direction, cast.distance);
+    let search = &mut OnLine { world, line, walk: &Walk::new(line), far: line.distance, visit };
+    walk(simd, world, home, search)
+}
+
+impl<'q, I: Index> Search for OnLine<'q, '_, I> {
+    type Probe = Along<'q>;
+
+    #[inline(always)]
+    fn probe(&self) -> Along<'q> {
+        Along { walk: self.walk, until: self.walk.time(self.far) }
     }
-    if !has_tree {
-        return;
-    }
-    let walk = Walk::new(&search.line);
-    // Large objects first: they are often hit, and what is behind them need not be looked at.
-    if let Some(large) = world.large_objects() {
-        let along = Along { walk: &walk, until: walk.time(search.far) };
-        let mut visit = large.visit(along);
-        while let Some(group) = visit.next(simd) {
-            search.visit_large(simd, &visit.probe, large.group(group));
-            visit.probe.until = walk.time(search.far);
-        }
-    }
-    let along = Along { walk: &walk, until: walk.time(search.far) };
-    let mut visit = Visit::new(simd, parts.tree.nodes(), home, along);
-    while let Some(whole) = visit.next(simd) {
+
+    /// Sub-leaf by sub-leaf.
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
+        let (world, walk) = (self.world, self.walk);
+        let parts = &world.parts;
         prefetch_parts(simd, parts, whole);
-        search.visit_leaf(simd, &walk, whole);
-        visit.probe.until = walk.time(search.far);
+        let sub_levels = parts.state.tree.sub_levels();
+        let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
+        let mut crossing = walk.crossing(frame, walk.time(self.far));
+        let first = whole << sub_levels;
+        let mut met = Met::new(match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
+            Some(bounds) => simd.met(bounds, &crossing),
+            None => Met::WHOLE,
+        });
+        let (mut part, mut from) = met.take(simd);
+        prefetch_members(simd, parts, first + part);
+        // A sub-leaf that is not met has NaN, which ends the loop.
+        while from <= crossing.until {
+            let leaf = first + part;
+            (part, from) = met.take(simd);
+            prefetch_members(simd, parts, first + part);
+            for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
+                let mut mask = simd.crossed(eight, &crossing);
+                mask = if mask == 0 { 0 } else { mask & first_of_eight(left) };
+                while mask != 0 {
+                    let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
+                    mask &= mask - 1;
+                    if is_current(parts, slot) {
+                        self.object(simd, slot)?;
+                    }
+                }
+            }
+            crossing.until = walk.time(self.far);
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
+        let KeyBox { min: [a, b, c], max: [d, e, f] } = *KeyBox::of(self.world.parts.boxes.now, slot);
+        let (distance, to) = simd.span(&self.line.slabs, [a, b, c, 0], [d, e, f, 0], self.far);
+        if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
+            self.far = self.far.min((self.visit)(Hit { id, distance }));
+            if self.far < 0.0 {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
     }
 }
 
@@ -275,110 +308,5 @@ impl Met {
     fn take<S: Simd>(&mut self, simd: S) -> (usize, f32) {
         let first = simd.pop_min(&mut self.0);
         ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
-    }
-}
-
-/// A cast that looks for hits.
-struct Search<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    line: Line,
-    /// How far to look.
-    far: f64,
-    visit: &'q mut dyn FnMut(Hit) -> f64,
-    /// Objects that it may touch.
-    slots: [u32; CAST_ANSWERS],
-}
-
-impl<I: Index> Search<'_, '_, I> {
-    /// Visits the members of a whole leaf that the cast meets, sub-leaf by sub-leaf.
-    #[inline(always)]
-    fn visit_leaf<S: Simd>(&mut self, simd: S, walk: &Walk, whole: usize) {
-        let parts = &self.world.parts;
-        let sub_levels = parts.state.tree.sub_levels();
-        let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
-        let mut crossing = walk.crossing(frame, walk.time(self.far));
-        let first = whole << sub_levels;
-        let mut met = Met::new(match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
-            Some(bounds) => simd.met(bounds, &crossing),
-            None => Met::WHOLE,
-        });
-        let (mut part, mut from) = met.take(simd);
-        prefetch_members(simd, parts, first + part);
-        // A sub-leaf that is not met has NaN, which ends the loop.
-        while from <= crossing.until {
-            let leaf = first + part;
-            (part, from) = met.take(simd);
-            prefetch_members(simd, parts, first + part);
-            self.visit_members(simd, leaf, &crossing);
-            crossing.until = walk.time(self.far);
-        }
-    }
-
-    /// Visits the large objects of a group that the cast meets.
-    #[inline(always)]
-    fn visit_large<S: Simd>(&mut self, simd: S, along: &Along<'_>, group: &[Straddler]) {
-        let mut count = 0;
-        for two in group.chunks(2) {
-            let bounds = [0, 1].map(|at| two.get(at).map_or(&KeyBox::NOTHING, |straddler| &straddler.bounds));
-            let when = along.meet(simd, bounds);
-            for (straddler, when) in two.iter().zip(when) {
-                if along.is_met(when) && is_current(&self.world.parts, straddler.slot as usize) {
-                    self.slots.put(count, straddler.slot);
-                    count += 1;
-                }
-            }
-        }
-        self.look(simd, count);
-    }
-
-    /// Visits the members of a leaf that the cast meets.
-    #[inline(always)]
-    fn visit_members<S: Simd>(&mut self, simd: S, leaf: usize, crossing: &Crossing) {
-        let parts = &self.world.parts;
-        let mut count = 0;
-        for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
-            let mut mask = simd.crossed(eight, crossing);
-            if mask != 0 {
-                mask &= first_of_eight(left);
-            }
-            while mask != 0 {
-                let slot = eight.at(mask.trailing_zeros() as usize).slot();
-                mask &= mask - 1;
-                if is_current(parts, slot as usize) {
-                    simd.prefetch(parts.boxes.now, slot as usize);
-                    simd.prefetch(parts.generations, slot as usize);
-                    self.slots.put(count, slot);
-                    count += 1;
-                    if count == CAST_ANSWERS {
-                        self.look(simd, count);
-                        count = 0;
-                    }
-                }
-            }
-        }
-        self.look(simd, count);
-    }
-
-    /// Visits the objects that the cast meets, of the first so many slots.
-    #[inline(always)]
-    fn look<S: Simd>(&mut self, simd: S, count: usize) {
-        for slot in self.slots.span(0, count) {
-            let slot = *slot as usize;
-            let now = KeyBox::of(self.world.parts.boxes.now, slot);
-            let (distance, to) = self.line.span(simd, &now.min, &now.max, self.far);
-            if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
-                self.far = self.far.min((self.visit)(Hit { id, distance }));
-            }
-        }
-    }
-}
-
-impl Line {
-    /// Between which distances up to `far` the cast touches a box. If it does not, the first one is above the second.
-    /// Each number rises with the box's sides, so a larger box is met no later and left no earlier.
-    #[inline(always)]
-    fn span<S: Simd>(&self, simd: S, min: &[i32; 3], max: &[i32; 3], far: f64) -> (f64, f64) {
-        let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
-        simd.span(&self.slabs, four(*min), four(*max), far)
     }
 }

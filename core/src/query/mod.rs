@@ -9,20 +9,15 @@
 // In the order of use, in which the documentation lists the methods.
 mod region;
 
-mod volume;
-
 mod cast;
 
 mod nearest;
 
 mod among;
 
-mod batch;
-
 pub use among::Among;
 pub use cast::{Cast, Hit};
-pub use region::Region;
-pub use volume::{Planes, Side, Volume};
+pub use region::{Planes, Region, Side, Volume};
 
 use crate::access::{Access, bits};
 use crate::geometry::aabb::narrowed;
@@ -30,10 +25,12 @@ use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
 use crate::memory::prefetch::RECORDS_AHEAD;
 use crate::memory::slab::Parts;
-use crate::simd::{EIGHT, Simd, limit};
+use crate::simd::{Simd, limit};
 use crate::tree::large::Large;
-use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
+use crate::tree::visit::{Probe, Visit};
+use crate::tree::{Frame, Record, SUB_LEAVES, sub_leaves_of};
 use crate::world::World;
+use core::ops::ControlFlow;
 
 impl<I: Index> World<'_, I> {
     /// Whether the tree holds every object that has not changed since the last step.
@@ -41,29 +38,13 @@ impl<I: Index> World<'_, I> {
         self.parts.state.tree.filled != 0
     }
 
-    /// Whether there may be objects that the tree does not know. Asked first, since it takes less than an empty iterator.
-    fn has_apart(&self) -> bool {
-        !self.has_tree() || self.parts.state.objects.dirty != 0
-    }
-
-    /// The large objects in the tree; `None` if there are none.
-    fn large_objects(&self) -> Option<Large<'_>> {
-        let tree = &self.parts.state.tree;
-        (self.has_tree() && tree.large > 0).then(|| Large::new(tree, self.parts.tree.straddlers))
-    }
-
-    /// The slots that the tree does not know: all, or those that have changed since the last step.
-    fn apart_from_tree(&self) -> impl Iterator<Item = usize> + '_ {
-        let (has_tree, dirty) = (self.has_tree(), self.parts.state.objects.dirty != 0);
-        let all = 0..if has_tree { 0 } else { self.parts.state.objects.slots as usize };
-        let moved = (has_tree && dirty).then(|| self.parts.moved.slots());
-        all.chain(moved.into_iter().flatten()).filter(|&slot| !self.parts.boxes.now.at(slot).is_empty())
-    }
-
-    /// The large objects, those that have changed aside.
+    /// The large objects in the tree, without those that have changed.
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
-        let large = self.large_objects().map_or(&[][..], |large| large.list);
-        large.iter().map(|straddler| straddler.slot as usize).filter(|&slot| is_current(&self.parts, slot))
+        let tree = &self.parts.state.tree;
+        let large = Large::new(tree, self.parts.tree.straddlers).list;
+        let count = if self.has_tree() { large.len() } else { 0 };
+        let slots = large.iter().take(count).map(|straddler| straddler.slot as usize);
+        slots.filter(|&slot| is_current(&self.parts, slot))
     }
 
     /// The id of a living object.
@@ -78,52 +59,65 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
-/// Looks for members of a leaf whose records touch that of a region.
-///
-/// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
-struct MembersNear<'q, S> {
-    simd: S,
-    /// The slots that have changed since the last step, if any.
-    moved: &'q [u32],
-    chunks_of_eight: ChunksOfEight<'q>,
-    /// The region in the leaf's frame.
-    region: Record,
-    limit: Record,
-    eight: &'q [Record; EIGHT],
-    mask: u32,
+/// A query: what it looks for, and what it has found so far. Each of its functions returns whether to look on.
+trait Search {
+    type Probe: Probe;
+
+    /// The nodes that may hold answers.
+    fn probe(&self) -> Self::Probe;
+
+    /// Looks at the members of a leaf of a full step.
+    fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()>;
+
+    /// Looks at the box of an object as it is now.
+    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()>;
 }
 
-impl<'q, S: Simd> MembersNear<'q, S> {
-    #[inline(always)]
-    fn new<I: Index>(simd: S, parts: &'q Parts<'_, I>, leaf: usize, region: Record) -> Self {
-        const NONE: &[Record; EIGHT] = &[Record { lanes: [0; 6], tag: 0 }; EIGHT];
-        let bucket = parts.tree.leaves.at(leaf);
-        let chunks_of_eight = bucket.chunks_of_eight(parts.tree.records);
-        let moved = if parts.state.objects.dirty != 0 { &*parts.moved.words } else { &[] };
-        Self { simd, moved, chunks_of_eight, region, limit: limit(&region), eight: NONE, mask: 0 }
-    }
-
-    /// The slot of the next one, and whether its swept box certainly overlaps the region.
-    #[inline(always)]
-    fn next(&mut self) -> Option<(usize, bool)> {
-        loop {
-            while self.mask == 0 {
-                let (eight, left) = self.chunks_of_eight.next()?;
-                self.mask = self.simd.touching(eight, self.limit);
-                if self.mask != 0 {
-                    self.mask &= first_of_eight(left);
-                }
-                self.eight = eight;
-            }
-            let record = self.eight.at(self.mask.trailing_zeros() as usize);
-            self.mask &= self.mask - 1;
-            let contact = self.simd.contact(&self.region, &record);
-            let slot = record.slot() as usize;
-            if contact.touches && (self.moved.is_empty() || !bits::test(self.moved, slot)) {
-                return Some((slot, !contact.tied));
-            }
+/// Looks through a whole world: at the objects that the tree does not know, at large objects, as they are often among the
+/// answers, and at leaves, from one on if there is a tree.
+#[inline(always)]
+fn walk<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    home: Option<usize>,
+    search: &mut impl Search,
+) -> ControlFlow<()> {
+    let parts = &world.parts;
+    let is_living = |slot: &usize| !KeyBox::of(parts.boxes.now, *slot).is_empty();
+    let Some(home) = home else {
+        return (0..parts.state.objects.slots as usize)
+            .filter(is_living)
+            .try_for_each(|slot| search.object(simd, slot));
+    };
+    if parts.state.objects.dirty != 0 {
+        for slot in parts.moved.slots().filter(is_living) {
+            search.object(simd, slot)?;
         }
     }
+    if parts.state.tree.large > 0 {
+        let large = Large::new(&parts.state.tree, parts.tree.straddlers);
+        let mut groups = large.visit(search.probe());
+        while let Some(group) = groups.next(simd) {
+            for two in large.group(group).chunks(2) {
+                let bounds =
+                    [0, 1].map(|at| two.get(at).map_or(&KeyBox::NOTHING, |straddler| &straddler.bounds));
+                let when = groups.probe.meet(simd, bounds);
+                for (straddler, when) in two.iter().zip(when) {
+                    let slot = straddler.slot as usize;
+                    if groups.probe.is_met(when) && is_current(parts, slot) {
+                        search.object(simd, slot)?;
+                    }
+                }
+            }
+            groups.probe = search.probe();
+        }
+    }
+    let mut leaves = Visit::new(simd, parts.tree.nodes(), home, search.probe());
+    while let Some(whole) = leaves.next(simd) {
+        search.leaf(simd, whole)?;
+        leaves.probe = search.probe();
+    }
+    ControlFlow::Continue(())
 }
 
 /// A region in the frame of a whole leaf, and which of its sub-leaves the region touches; bit zero if the leaf is not

@@ -2,18 +2,19 @@
 
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
-use super::{MembersNear, is_current, key_above, key_below, parts_near};
+use super::{Among, Search, is_current, key_above, key_below, parts_near, walk};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
-use crate::simd::Simd;
 use crate::simd::kernels::run;
+use crate::simd::{Simd, limit};
 use crate::sort::{heapsort, sift_down, sift_up};
-use crate::tree::home_of;
-use crate::tree::visit::{Probe, Visit};
+use crate::tree::visit::Probe;
+use crate::tree::{first_of_eight, home_of};
 use crate::world::World;
+use core::ops::ControlFlow;
 
 /// What is nearest to a point.
 ///
@@ -61,7 +62,14 @@ impl<I: Index> World<'_, I> {
         if distance.is_nan() || distance < 0.0 {
             return Err(Error::BadQuery { index: 0 });
         }
-        self.look_around(point, Visitor { far: distance, visit })
+        let mut far = distance;
+        self.visit_near(point, limit_of(far), &mut |hit| {
+            let distance = libm::sqrt(hit.distance);
+            if distance <= far {
+                far = far.min(visit(Hit { distance, ..hit }));
+            }
+            limit_of(far)
+        })
     }
 
     /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
@@ -72,133 +80,73 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`] where the point is not finite.
     #[doc(alias("closest", "knn", "project_point"))]
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.nearest_of(point, out, None)
+        self.among(|_| true).nearest(point, out)
     }
 
-    /// The same of the objects that may answer.
-    pub(super) fn nearest_of(
+    /// Visits objects with the squares of their distances, up to a limit. The visitor returns the next limit.
+    fn visit_near(
         &self,
         point: [f32; 3],
-        out: &mut [Option<Hit>],
-        condition: Option<&dyn Fn(Id) -> bool>,
-    ) -> Result<usize, Error> {
-        self.look_around(point, Best { heap: out, count: 0, condition })
-    }
-
-    fn look_around<W: Wanted>(&self, point: [f32; 3], wanted: W) -> Result<W::Output, Error> {
+        limit: Limit,
+        visit: &mut dyn FnMut(Hit) -> Limit,
+    ) -> Result<(), Error> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        Ok(run!(self.kernels, |simd| visit_near(simd, self, point, wanted)))
+        let _ = run!(self.kernels, |simd| visit_around(simd, self, point, limit, visit));
+        Ok(())
     }
 }
 
-/// What is to become of the objects near a point.
-trait Wanted {
-    type Output;
-
-    /// Beyond which squared distance nothing matters any more.
-    fn limit(&self) -> f64;
-
-    /// Whether an object in a slot is none of the wanted ones, however near it is.
-    fn is_late(&self, slot: usize) -> bool;
-
-    /// Takes an object within the limit, with its squared distance.
-    fn offer(&mut self, id: Id, squared: f64);
-
-    fn conclude(self) -> Self::Output;
-}
-
-/// The nearest objects so far: a heap with the farthest one of them at its root.
-struct Best<'o> {
-    heap: &'o mut [Option<Hit>],
-    count: usize,
-    /// Asked by reference, if there is one: the search is compiled once.
-    condition: Option<&'o dyn Fn(Id) -> bool>,
-}
-
-impl Wanted for Best<'_> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn limit(&self) -> f64 {
-        match self.heap.first() {
-            Some(Some(farthest)) if self.count == self.heap.len() => farthest.distance,
-            Some(_) => f64::INFINITY,
-            None => f64::NEG_INFINITY,
-        }
-    }
-
-    /// Where all wanted ones hold the point, later slots come later: that spares a look at crowds around it.
-    #[inline(always)]
-    fn is_late(&self, slot: usize) -> bool {
-        let last = self.heap.first().copied().flatten().filter(|_| self.count == self.heap.len());
-        last.is_some_and(|last| last.distance == 0.0 && slot > last.id.slot() as usize)
-    }
-
-    #[inline(always)]
-    fn offer(&mut self, id: Id, squared: f64) {
-        let hit = Hit { id, distance: squared };
-        let has_room = self.count < self.heap.len();
-        // The condition is asked last: it may take longest.
-        if !has_room && !precedes(Some(hit), self.heap.first().copied().flatten())
-            || !self.condition.is_none_or(|condition| condition(id))
-        {
-            return;
-        }
-        if has_room {
-            self.heap.put(self.count, Some(hit));
-            self.count += 1;
-            sift_up(self.heap.span_mut(0, self.count), &precedes);
-        } else {
-            self.heap.put(0, Some(hit));
-            sift_down(self.heap, 0, &precedes);
-        }
-    }
-
-    #[inline(always)]
-    fn conclude(self) -> usize {
-        let found = self.heap.span_mut(0, self.count);
+impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
+    /// See [`World::nearest`].
+    ///
+    /// # Errors
+    /// Those of [`World::nearest`].
+    pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
+        let (mut count, room) = (0, out.len());
+        // A heap with the farthest hit at its root.
+        let farthest = |heap: &[Option<Hit>], count: usize| match heap.first() {
+            Some(Some(farthest)) if count == room => {
+                Limit { squared: farthest.distance, slot: farthest.id.slot() }
+            }
+            Some(_) => Limit { squared: f64::INFINITY, slot: u32::MAX },
+            None => Limit { squared: -1.0, slot: 0 },
+        };
+        self.world.visit_near(point, farthest(out, 0), &mut |hit| {
+            // The condition is asked last: it may take longest.
+            let is_wanted = count < room || precedes(Some(hit), out.first().copied().flatten());
+            if is_wanted && (self.condition)(hit.id) {
+                if count < room {
+                    out.put(count, Some(hit));
+                    count += 1;
+                    sift_up(out.span_mut(0, count), &precedes);
+                } else {
+                    out.put(0, Some(hit));
+                    sift_down(out, 0, &precedes);
+                }
+            }
+            farthest(out, count)
+        })?;
+        let found = out.span_mut(0, count);
         heapsort(found, precedes);
-        for hit in found.iter_mut().flatten() {
-            hit.distance = libm::sqrt(hit.distance);
-        }
-        found.len()
+        found.iter_mut().flatten().for_each(|hit| hit.distance = libm::sqrt(hit.distance));
+        Ok(count)
     }
 }
 
-/// Objects go to the caller.
-struct Visitor<'v> {
-    /// How far to look; less than zero where the caller has stopped.
-    far: f64,
-    visit: &'v mut dyn FnMut(Hit) -> f64,
+/// Beyond which squared distance nothing matters any more; and for objects that hold the point, beyond which slot: that
+/// spares a look at crowds around it.
+#[derive(Clone, Copy)]
+struct Limit {
+    squared: f64,
+    slot: u32,
 }
 
-impl Wanted for Visitor<'_> {
-    type Output = ();
-
-    /// A little larger than need be, so that no square whose root is rounded to `far` is beyond it.
-    #[inline(always)]
-    fn limit(&self) -> f64 {
-        let far = self.far.max(0.0);
-        far * far * (1.0 + 4.0 * f64::EPSILON)
-    }
-
-    #[inline(always)]
-    fn is_late(&self, _: usize) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn offer(&mut self, id: Id, squared: f64) {
-        let distance = libm::sqrt(squared);
-        if distance <= self.far {
-            self.far = self.far.min((self.visit)(Hit { id, distance }));
-        }
-    }
-
-    #[inline(always)]
-    fn conclude(self) {}
+/// A little larger than need be, so that no square whose root is rounded to `far` is beyond it.
+fn limit_of(far: f64) -> Limit {
+    let far = if far < 0.0 { f64::NAN } else { far };
+    Limit { squared: far * far * (1.0 + 4.0 * f64::EPSILON), slot: u32::MAX }
 }
 
 /// A point meets the nodes that are near enough, by their squared distance.
@@ -216,7 +164,10 @@ impl Probe for Around<'_> {
 
     #[inline(always)]
     fn meet<S: Simd>(&self, _: S, nodes: [&KeyBox; 2]) -> [f64; 2] {
-        nodes.map(|node| if node.is_empty() { f64::NAN } else { squared_distance(self.point, node) })
+        nodes.map(|node| match node.is_empty() {
+            true => f64::NAN,
+            false => squared_distance(self.point, &node.to_aabb()),
+        })
     }
 
     #[inline(always)]
@@ -230,67 +181,79 @@ impl Probe for Around<'_> {
     }
 }
 
+struct Near<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    point: &'q [f32; 3],
+    /// The leaf or sub-leaf of the point.
+    home: usize,
+    limit: Limit,
+    visit: &'q mut dyn FnMut(Hit) -> Limit,
+}
+
 #[inline(always)]
-fn visit_near<S: Simd, W: Wanted, I: Index>(
+fn visit_around<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
     point: [f32; 3],
-    mut wanted: W,
-) -> W::Output {
+    limit: Limit,
+    visit: &mut dyn FnMut(Hit) -> Limit,
+) -> ControlFlow<()> {
     let parts = &world.parts;
-    let offer = |wanted: &mut W, slot: usize| {
-        if wanted.is_late(slot) {
-            return;
-        }
-        let squared = squared_distance(&point, KeyBox::of(parts.boxes.now, slot));
-        if let (true, Some(id)) = (squared <= wanted.limit(), world.id_of(slot)) {
-            wanted.offer(id, squared);
-        }
-    };
-    if world.has_apart() {
-        for slot in world.apart_from_tree() {
-            offer(&mut wanted, slot);
-        }
+    let home = world.has_tree().then(|| home_of(&parts.tree, parts.state, &point.map(key)));
+    let search = &mut Near { world, point: &point, home: home.unwrap_or(0), limit, visit };
+    walk(simd, world, home.map(|home| home >> parts.state.tree.sub_levels()), search)
+}
+
+impl<'q, I: Index> Search for Near<'q, '_, I> {
+    type Probe = Around<'q>;
+
+    #[inline(always)]
+    fn probe(&self) -> Around<'q> {
+        Around { point: self.point, limit: self.limit.squared }
     }
-    if let Some(large) = world.large_objects() {
-        let mut groups = large.visit(Around { point: &point, limit: wanted.limit() });
-        while let Some(group) = groups.next(simd) {
-            for straddler in large.group(group) {
-                let slot = straddler.slot as usize;
-                let near = squared_distance(&point, &straddler.bounds) <= wanted.limit();
-                if near && is_current(parts, slot) {
-                    offer(&mut wanted, slot);
-                }
-            }
-            groups.probe.limit = wanted.limit();
-        }
-    }
-    if world.has_tree() {
-        let sub_levels = parts.state.tree.sub_levels();
-        let home = home_of(&parts.tree, parts.state, &point.map(key));
-        let start = home >> sub_levels;
+
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
+        let parts = &self.world.parts;
+        let first = whole << parts.state.tree.sub_levels();
         // The part around the point first: the others are hardly near enough then.
-        let around_point = 1u32 << (home - (start << sub_levels));
-        let probe = Around { point: &point, limit: wanted.limit() };
-        let mut visit = Visit::new(simd, parts.tree.nodes(), start, probe);
-        while let Some(whole) = visit.next(simd) {
-            let first = if whole == start { around_point } else { 0 };
-            for some in [first, !first].into_iter().filter(|some| *some != 0) {
-                let (record, near) = parts_near(simd, parts, whole, &around(&point, wanted.limit()));
-                let mut mask = near & some;
-                while mask != 0 {
-                    let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
-                    mask &= mask - 1;
-                    let mut members = MembersNear::new(simd, parts, leaf, record);
-                    while let Some((slot, _)) = members.next() {
-                        offer(&mut wanted, slot);
+        let home = 1u32.checked_shl(self.home.wrapping_sub(first) as u32).unwrap_or(0);
+        for some in [home, !home].into_iter().filter(|some| *some != 0) {
+            let (region, near) = parts_near(simd, parts, whole, &around(self.point, self.limit.squared));
+            let (touching, mut mask) = (limit(&region), near & some);
+            while mask != 0 {
+                let leaf = first + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
+                    let mut mask = simd.touching(eight, touching) & first_of_eight(left);
+                    while mask != 0 {
+                        let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
+                        mask &= mask - 1;
+                        if is_current(parts, slot) {
+                            self.object(simd, slot)?;
+                        }
                     }
                 }
             }
-            visit.probe.limit = wanted.limit();
         }
+        ControlFlow::Continue(())
     }
-    wanted.conclude()
+
+    #[inline(always)]
+    fn object<S: Simd>(&mut self, _: S, slot: usize) -> ControlFlow<()> {
+        if self.limit.squared == 0.0 && slot > self.limit.slot as usize {
+            return ControlFlow::Continue(());
+        }
+        let now = KeyBox::of(self.world.parts.boxes.now, slot).to_aabb();
+        let distance = squared_distance(self.point, &now);
+        if let (true, Some(id)) = (distance <= self.limit.squared, self.world.id_of(slot)) {
+            self.limit = (self.visit)(Hit { id, distance });
+            if self.limit.squared.is_nan() {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
 }
 
 /// What overlaps everything up to a squared distance from a point: a little larger than need be.

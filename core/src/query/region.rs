@@ -1,17 +1,16 @@
-//! What overlaps a box, a ball or a point.
+//! What overlaps a box, a ball or a point, or is inside a part of space of the caller's own. The tree asks about the
+//! boxes of its nodes first, and about nothing in a node that is wholly inside or outside.
 
-use super::{MembersNear, is_current, key_above, key_below, parts_near, prefetch_members, prefetch_parts};
+use super::{Among, Search, is_current, key_above, key_below, parts_near, prefetch_parts, walk};
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
-use crate::geometry::key::{KeyBox, value};
+use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
-use crate::memory::prefetch::{REGION_ANSWERS, REGION_LEAVES};
-use crate::simd::Simd;
 use crate::simd::kernels::run;
-use crate::sort::heapsort;
-use crate::tree::visit::Visit;
-use crate::tree::{Record, SUB_LEAVES, leaf_of};
+use crate::simd::{Simd, limit};
+use crate::tree::visit::Probe;
+use crate::tree::{first_of_eight, leaf_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -52,25 +51,75 @@ impl Region {
     pub(super) fn is_valid(&self) -> bool {
         self.bounds().is_some()
     }
+}
 
-    /// Whether a box that overlaps the region's bounds overlaps the region.
-    #[inline(always)]
-    fn meets(&self, bounds: &KeyBox) -> bool {
-        match *self {
-            Self::Aabb(_) | Self::Point(_) => true,
-            Self::Sphere { center, radius } => {
-                squared_distance(&center, bounds) <= widened(radius) * widened(radius)
+/// How a box lies to a part of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Outside. Then each box inside it is outside, too.
+    Outside,
+    /// Neither for certain: it counts as touching.
+    Across,
+    /// Inside. Then each box inside it is inside, too.
+    Inside,
+}
+
+/// A part of space to look for objects: of the caller's own, or [`Planes`].
+pub trait Volume {
+    /// How a box lies to it: that of an object, or one around many. [`Side::Across`] is right for any box that is not
+    /// outside, and for any box around many; more certain answers save time.
+    fn side(&self, aabb: &Aabb) -> Side;
+}
+
+/// What is on the inner side of some planes or touches it: a frustum of six, an oriented box, any convex part of space.
+/// A plane is a normal that points outward, and its distance along that: `x` is inside where `normal * x <= distance`,
+/// in `f64`. A box is outside if it is wholly beyond one plane, so that near edges and corners some boxes that are not
+/// quite inside count, as is usual in culling. Where there is NaN in a plane, or infinities meet, a box counts as
+/// touching.
+#[derive(Clone, Copy, Debug)]
+pub struct Planes<'p>(pub &'p [[f64; 4]]);
+
+impl Volume for Planes<'_> {
+    fn side(&self, aabb: &Aabb) -> Side {
+        let (low, high) = (aabb.min.map(widened), aabb.max.map(widened));
+        let mut side = Side::Inside;
+        for plane in self.0 {
+            // Of the innermost corner and of the outermost. Rounded products and sums rise with their parts, so what
+            // is said of a box holds for each box inside it.
+            let (mut inner, mut outer) = (0.0, 0.0);
+            for k in 0..3 {
+                let normal = plane[k];
+                let (a, b) = if normal == 0.0 { (0.0, 0.0) } else { (normal * low[k], normal * high[k]) };
+                inner += a.min(b);
+                outer += a.max(b);
             }
+            if inner > plane[3] {
+                return Side::Outside;
+            }
+            let is_inside = outer <= plane[3];
+            side = if is_inside { side } else { Side::Across };
         }
+        side
+    }
+}
+
+/// What is left to test of a ball where its bounds are touched.
+struct Ball {
+    center: [f32; 3],
+    squared: f64,
+}
+
+impl Volume for Ball {
+    fn side(&self, aabb: &Aabb) -> Side {
+        if squared_distance(&self.center, aabb) <= self.squared { Side::Across } else { Side::Outside }
     }
 }
 
 /// The squared distance from a finite point to a box, in `f64`.
 #[inline(always)]
-pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
+pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
     let gap = |k: usize| {
-        let x = widened(point[k]);
-        let (low, high) = (widened(value(bounds.min[k])), widened(value(bounds.max[k])));
+        let (x, low, high) = (widened(point[k]), widened(aabb.min[k]), widened(aabb.max[k]));
         let gap = if x < low {
             low - x
         } else if x > high {
@@ -83,10 +132,10 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
     gap(0) + gap(1) + gap(2)
 }
 
-/// What overlaps a box, a ball or a point.
+/// What overlaps a box, a ball or a point, or is inside a part of space of the caller's own.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Planes, Region, Serial, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
@@ -104,13 +153,18 @@ pub(super) fn squared_distance(point: &[f32; 3], bounds: &KeyBox) -> f64 {
 ///     ControlFlow::Break(()) // one is enough
 /// })?;
 /// assert!(touched == Some(a) || touched == Some(b));
+///
+/// // Between two planes: x >= 2 and x + y <= 8.
+/// let wedge = Planes(&[[-1.0, 0.0, 0.0, -2.0], [1.0, 1.0, 0.0, 8.0]]);
+/// assert_eq!(world.within(&wedge, &mut found)?, 1);
+/// assert_eq!(found[0], Some(b));
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
     /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. The same calls give the
-    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that panics
-    /// leaves the world as it was, as do those of [`visit_hits`](Self::visit_hits) and [`visit_nearest`](Self::visit_nearest) and
-    /// the conditions of [`among`](Self::among): queries only look.
+    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that
+    /// panics leaves the world as it was, as do those of [`visit_hits`](Self::visit_hits) and
+    /// [`visit_nearest`](Self::visit_nearest) and the conditions of [`among`](Self::among): queries only look.
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the region is not valid: NaN, a minimum above its maximum, a negative radius.
@@ -120,7 +174,13 @@ impl<I: Index> World<'_, I> {
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let bounds = region.bounds().ok_or(Error::BadQuery { index: 0 })?;
-        run!(self.kernels, |simd| visit_region(simd, self, region, bounds, visit));
+        match *region {
+            Region::Aabb(_) | Region::Point(_) => self.visit_inside(bounds, None, visit),
+            Region::Sphere { center, radius } => {
+                let ball = Ball { center, squared: widened(radius) * widened(radius) };
+                self.visit_inside(bounds, Some(&ball), visit);
+            }
+        }
         Ok(())
     }
 
@@ -130,199 +190,195 @@ impl<I: Index> World<'_, I> {
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
     #[doc(alias("query_aabb", "intersections_with_aabb", "aabb_intersections"))]
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
-        self.overlaps_of(region, out, |_| true)
+        self.among(|_| true).overlaps(region, out)
     }
 
-    /// The same of the objects that may answer.
-    pub(super) fn overlaps_of(
+    /// Visits the objects whose boxes are inside a part of space or across its border, each once, until the visitor
+    /// breaks. The same calls give the same order. O(nodes and objects at the border + answers + movers since the last
+    /// step).
+    pub fn visit_within(&self, volume: &dyn Volume, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) {
+        self.visit_inside(KeyBox::ALL, Some(volume), visit);
+    }
+
+    /// Writes the objects whose boxes are inside a part of space or across its border to `out`, by ascending slot.
+    /// Returns how many there are.
+    ///
+    /// # Errors
+    /// [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    pub fn within(&self, volume: &dyn Volume, out: &mut [Option<Id>]) -> Result<usize, Error> {
+        self.among(|_| true).within(volume, out)
+    }
+
+    fn visit_inside(
         &self,
-        region: &Region,
-        out: &mut [Option<Id>],
-        condition: impl Fn(Id) -> bool,
-    ) -> Result<usize, Error> {
-        collected(out, &condition, |visit| self.visit_overlaps(region, visit))
+        bounds: KeyBox,
+        volume: Option<&dyn Volume>,
+        visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
+    ) {
+        let within = Within { bounds, volume };
+        let _ = run!(self.kernels, |simd| visit_region(simd, self, within, visit));
     }
 }
 
-/// Writes what is visited and may answer to `out`, by ascending slot. Returns how many there are.
-pub(super) fn collected(
-    out: &mut [Option<Id>],
-    condition: &dyn Fn(Id) -> bool,
-    look: impl FnOnce(&mut dyn FnMut(Id) -> ControlFlow<()>) -> Result<(), Error>,
-) -> Result<usize, Error> {
-    let mut count = 0;
-    look(&mut |id| {
-        if condition(id) {
-            if let Some(place) = out.get_mut(count) {
-                *place = Some(id);
-            }
-            count += 1;
-        }
-        ControlFlow::Continue(())
-    })?;
-    if count > out.len() {
-        return Err(Error::OutputFull { needed: count as u64, room: out.len() });
+impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
+    /// See [`World::overlaps`].
+    ///
+    /// # Errors
+    /// Those of [`World::overlaps`].
+    pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
+        self.collect_ids(out, |visit| self.world.visit_overlaps(region, visit))
     }
-    // Slots are the low half of an id, and no two ids here share one.
-    let slot = |id: Option<Id>| id.map_or(0, Id::slot);
-    heapsort(out.span_mut(0, count), |a, b| slot(a) < slot(b));
-    Ok(count)
+
+    /// See [`World::within`].
+    ///
+    /// # Errors
+    /// Those of [`World::within`].
+    pub fn within(&self, volume: &dyn Volume, out: &mut [Option<Id>]) -> Result<usize, Error> {
+        self.collect_ids(out, |visit| {
+            self.world.visit_within(volume, visit);
+            Ok(())
+        })
+    }
+
+    fn collect_ids(
+        &self,
+        out: &mut [Option<Id>],
+        ask: impl FnOnce(&mut dyn FnMut(Id) -> ControlFlow<()>) -> Result<(), Error>,
+    ) -> Result<usize, Error> {
+        let precedes = |a: Option<Id>, b: Option<Id>| a.map(Id::slot) < b.map(Id::slot);
+        self.collect(
+            out,
+            |id| *id,
+            precedes,
+            |take| {
+                ask(&mut |id| {
+                    take(id);
+                    ControlFlow::Continue(())
+                })
+            },
+        )
+    }
+}
+
+/// Nodes and objects that touch some bounds, and are not outside of a volume if there is one.
+#[derive(Clone, Copy)]
+struct Within<'v> {
+    bounds: KeyBox,
+    volume: Option<&'v dyn Volume>,
+}
+
+impl Within<'_> {
+    /// How a box that touches the bounds lies to the volume.
+    #[inline(always)]
+    fn side(&self, of: &KeyBox) -> Side {
+        match self.volume {
+            None => Side::Across,
+            // Of a node without members.
+            Some(_) if of.is_empty() => Side::Outside,
+            Some(volume) => volume.side(&of.to_aabb()),
+        }
+    }
+}
+
+impl Probe for Within<'_> {
+    type When = bool;
+
+    const AT_ONCE: bool = true;
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
+        [
+            simd.overlap(a, &self.bounds) && self.side(a) != Side::Outside,
+            simd.overlap(b, &self.bounds) && self.side(b) != Side::Outside,
+        ]
+    }
+
+    #[inline(always)]
+    fn is_met(&self, when: bool) -> bool {
+        when
+    }
+
+    #[inline(always)]
+    fn is_right_first(&self, left: bool, _: bool) -> bool {
+        !left
+    }
+}
+
+struct InRegion<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    within: Within<'q>,
+    /// Whether records can decide: they are of swept boxes, which without margins are the boxes themselves.
+    decides: bool,
+    visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
 }
 
 #[inline(always)]
 fn visit_region<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
-    region: &Region,
-    bounds: KeyBox,
+    within: Within<'_>,
     visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
-) {
-    let parts = &world.parts;
-    if world.has_tree() {
-        let tree = &parts.tree;
-        let sub_levels = parts.state.tree.sub_levels();
-        let home = leaf_of(tree.splits, &bounds.min);
-        let mut visits = Visit::new(simd, tree.nodes(), home, bounds);
-        let mut wholes = [0; REGION_LEAVES];
-        let mut near = Near {
-            world,
-            region,
-            bounds,
-            records: [Record::NOTHING; REGION_LEAVES],
-            leaves: [(0, 0); REGION_LEAVES * SUB_LEAVES],
-            leaf_count: 0,
-            slots: [(0, false); REGION_ANSWERS],
-            slot_count: 0,
-        };
-        loop {
-            let mut count = 0;
-            while let Some(place) = wholes.get_mut(count) {
-                let Some(whole) = visits.next(simd) else { break };
-                prefetch_parts(simd, parts, whole);
-                *place = whole;
-                count += 1;
-            }
-            for (index, &whole) in wholes.span(0, count).iter().enumerate() {
-                let (record, mut mask) = parts_near(simd, parts, whole, &bounds);
-                near.records.put(index, record);
-                while mask != 0 {
-                    let leaf = (whole << sub_levels) + mask.trailing_zeros() as usize;
-                    mask &= mask - 1;
-                    simd.prefetch(tree.leaves, leaf);
-                    near.leaves.put(near.leaf_count, (leaf as u32, index as u32));
-                    near.leaf_count += 1;
-                }
-            }
-            if near.scan(simd, visit) {
-                return;
-            }
-            if count < REGION_LEAVES {
-                break;
-            }
-        }
-        if near.flush(simd, visit) {
-            return;
-        }
-    }
-    if let Some(large) = world.large_objects() {
-        let mut groups = large.visit(bounds);
-        while let Some(group) = groups.next(simd) {
-            for straddler in large.group(group) {
-                let slot = straddler.slot as usize;
-                if simd.overlap(&straddler.bounds, &bounds)
-                    && is_current(parts, slot)
-                    && meet(simd, world, region, &bounds, slot, visit)
-                {
-                    return;
-                }
-            }
-        }
-    }
-    if world.has_apart() {
-        for slot in world.apart_from_tree() {
-            if meet(simd, world, region, &bounds, slot, visit) {
-                return;
-            }
-        }
-    }
+) -> ControlFlow<()> {
+    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &within.bounds.min));
+    let decides = world.parts.boxes.fat.is_empty() && within.volume.is_none();
+    walk(simd, world, home, &mut InRegion { world, within, decides, visit })
 }
 
-/// Leaves that a region touches, and members that may overlap it, collected to be prefetched together.
-struct Near<'n, 'm, I: Index> {
-    world: &'n World<'m, I>,
-    region: &'n Region,
-    bounds: KeyBox,
-    /// The region in the frames of whole leaves.
-    records: [Record; REGION_LEAVES],
-    /// A leaf, and which of these records is in its frame.
-    leaves: [(u32, u32); REGION_LEAVES * SUB_LEAVES],
-    leaf_count: usize,
-    /// A slot, and whether the object certainly overlaps the region.
-    slots: [(usize, bool); REGION_ANSWERS],
-    slot_count: usize,
-}
+impl<'q, I: Index> Search for InRegion<'q, '_, I> {
+    type Probe = Within<'q>;
 
-impl<I: Index> Near<'_, '_, I> {
-    /// Looks for objects in the leaves. Returns whether to stop.
     #[inline(always)]
-    fn scan<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
+    fn probe(&self) -> Within<'q> {
+        self.within
+    }
+
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         let parts = &self.world.parts;
-        // Records are those of swept boxes. Without margins these are the boxes themselves, so records can decide.
-        let decides = parts.boxes.fat.is_empty() && !matches!(self.region, Region::Sphere { .. });
-        for index in 0..self.leaf_count {
-            prefetch_members(simd, parts, self.leaves.at(index).0 as usize);
+        prefetch_parts(simd, parts, whole);
+        let side = self.within.side(parts.tree.nodes().around(whole));
+        if side == Side::Outside {
+            return ControlFlow::Continue(());
         }
-        for index in 0..self.leaf_count {
-            let (leaf, record) = self.leaves.at(index);
-            let region = self.records.at(record as usize);
-            let mut members = MembersNear::new(simd, parts, leaf as usize, region);
-            while let Some((slot, certain)) = members.next() {
-                let certain = certain && decides;
-                if !certain {
-                    simd.prefetch(parts.boxes.now, slot);
-                }
-                simd.prefetch(parts.generations, slot);
-                self.slots.put(self.slot_count, (slot, certain));
-                self.slot_count += 1;
-                if self.slot_count == REGION_ANSWERS && self.flush(simd, visit) {
-                    return true;
+        let (region, mut mask) = parts_near(simd, parts, whole, &self.within.bounds);
+        let touching = limit(&region);
+        while mask != 0 {
+            let leaf = (whole << parts.state.tree.sub_levels()) + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
+                let mut mask = simd.touching(eight, touching) & first_of_eight(left);
+                while mask != 0 {
+                    let record = eight.at(mask.trailing_zeros() as usize);
+                    let slot = record.slot() as usize;
+                    mask &= mask - 1;
+                    if !is_current(parts, slot) {
+                        continue;
+                    }
+                    let decided = self.decides && !simd.contact(&region, &record).tied;
+                    if decided || side == Side::Inside {
+                        self.found(slot)?;
+                    } else {
+                        self.object(simd, slot)?;
+                    }
                 }
             }
         }
-        self.leaf_count = 0;
-        false
+        ControlFlow::Continue(())
     }
 
-    /// Visits the objects that overlap the region. Returns whether to stop.
     #[inline(always)]
-    fn flush<S: Simd>(&mut self, simd: S, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) -> bool {
-        let Self { world, region, bounds, .. } = *self;
-        for &(slot, certain) in self.slots.span(0, self.slot_count) {
-            let stop = if certain {
-                world.id_of(slot).is_some_and(|id| visit(id).is_break())
-            } else {
-                meet(simd, world, region, &bounds, slot, visit)
-            };
-            if stop {
-                return true;
-            }
+    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
+        let now = KeyBox::of(self.world.parts.boxes.now, slot);
+        if simd.overlap(now, &self.within.bounds) && self.within.side(now) != Side::Outside {
+            self.found(slot)?;
         }
-        self.slot_count = 0;
-        false
+        ControlFlow::Continue(())
     }
 }
 
-/// Visits an object if it overlaps the region. Returns whether to stop.
-#[inline(always)]
-fn meet<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    region: &Region,
-    bounds: &KeyBox,
-    slot: usize,
-    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
-) -> bool {
-    let now = KeyBox::of(world.parts.boxes.now, slot);
-    let overlaps = simd.overlap(now, bounds) && region.meets(now);
-    overlaps && world.id_of(slot).is_some_and(|id| visit(id).is_break())
+impl<I: Index> InRegion<'_, '_, I> {
+    #[inline(always)]
+    fn found(&mut self, slot: usize) -> ControlFlow<()> {
+        self.world.id_of(slot).map_or(ControlFlow::Continue(()), &mut self.visit)
+    }
 }
