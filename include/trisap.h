@@ -963,8 +963,8 @@ TRISAP_NOEXCEPT;
 /// Puts the result of the last step into an order of its own, and writes it to `result`: the pairs that the complete step
 /// before had in ascending order, behind them the found ones in ascending order; the lost ones ascend, too. So worlds
 /// with the same objects in the same slots give the same bytes, whatever their room, their workers and their past are.
-/// After `TRISAP_STATUS_PAIRS_FULL` nothing is sorted. O(pairs) for each byte of a pair, in place, about as long as a
-/// step takes to find that many; the next step with few movers looks at all pairs once more.
+/// After `TRISAP_STATUS_PAIRS_FULL` nothing is sorted. O(pairs log pairs), in place; the next step with
+/// few movers looks at all pairs once more.
 TRISAP_NODISCARD
 trisap_status trisap_world_sort_results(struct trisap_world *world,
                                         struct trisap_result *result)

@@ -201,7 +201,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("lists", 310),
     ("memory", 2100),
     ("objects", 765),
-    ("pairs", 770),
+    ("pairs", 560),
     ("parallel", 680),
     ("query", 1390),
     ("simd", 3095),

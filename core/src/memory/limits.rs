@@ -45,8 +45,6 @@ pub(crate) const PAIR_BLOCKS: usize = 32;
 pub(crate) const PAIRS_PER_BLOCK: usize = 8192;
 /// Pairs that are tested before the first of them changes its place: a bit each in one word.
 pub(crate) const PAIRS_TOGETHER: usize = usize::BITS as usize;
-/// So many of them change places, if so many pass, without a branch that asks how many do.
-pub(crate) const PLACES_UNASKED: usize = 4;
 /// Pairs that a worker of a shared sweep writes to one chunk.
 pub(crate) const CHUNK: usize = 512;
 /// Pairs that a worker copies at a time when chunks are put in order.

@@ -1,17 +1,33 @@
 //! Divides lists of pairs by a test of their boxes, or of sets of slots.
 
-use crate::access::Access;
-use crate::filter::FILTERS;
+use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER, PLACES_UNASKED};
+use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::memory::prefetch::{BOXES_NEAR, BOXES_OF_SOME_NEAR};
-use crate::pairs::persistent::is_clear_of;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::simd::Simd;
 use crate::simd::kernels::run;
-use core::cell::Cell;
+use crate::simd::{Simd, call};
+
+/// A test of a pair.
+#[derive(Clone, Copy)]
+pub(crate) enum Test<'b, I> {
+    /// The boxes overlap.
+    Overlap(&'b [KeyBox]),
+    /// The boxes do not overlap now; or did not before, if there are boxes of before: then other objects had the slots.
+    Ended { now: &'b [KeyBox], before: &'b [KeyBox] },
+    /// Neither object is in a set.
+    ClearOf(&'b [u32]),
+    /// Whatever the caller looks for.
+    Holds(&'b (dyn Fn(&Pair<I>) -> bool + Sync)),
+}
+
+/// Whether neither object of a pair is in a set.
+#[inline(always)]
+pub(crate) fn is_clear_of<I: Index>(set: &[u32], pair: &Pair<I>) -> bool {
+    !(bits::test(set, pair[0].at()) | bits::test(set, pair[1].at()))
+}
 
 /// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then pairs
 /// on the wrong side of the border change places.
@@ -20,7 +36,7 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
-    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, &test));
+    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
     if context.is_small() {
         return to_front(pairs);
     }
@@ -43,109 +59,87 @@ pub(crate) fn partition<I: Index>(
     border
 }
 
-/// Brings the pairs of one block that pass a test to the front, in order, and returns how many there are.
+/// Brings the pairs of one block that pass a test to the front and returns how many there are. The first pair that does not pass
+/// changes places with the last one that passes, and so on.
 #[inline(always)]
-pub(crate) fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: &Test<'_, I>) -> usize {
-    if cfg!(any(not(feature = "large"), target_family = "wasm")) {
-        // A small processor guesses no branches, and a module for the web is loaded over a network: this takes the least code.
-        let (cells, mut front) = (Cell::from_mut(pairs).as_slice_of_cells(), 0);
-        for pair in cells {
-            let next = pair.get();
-            if test.hold(simd, &[next]) != 0 {
-                if let Some(first) = cells.get(front) {
-                    pair.set(first.get());
-                    first.set(next);
-                }
-                front += 1;
-            }
+fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
+    // Pairs are tested together, since which ones pass is hard to predict: the next ones from either end. These have bits where
+    // pairs wait to change places.
+    let (mut start, mut end) = (0, pairs.len());
+    let (mut failing, mut first, mut passing) = (0, 0, 0usize);
+    loop {
+        let len = PAIRS_TOGETHER.min(end - start);
+        if failing == 0 && len > 0 {
+            test.prefetch(simd, pairs, start + len);
+            let next = pairs.span(start, len);
+            failing = ones(len) & !call!(simd, test.hold(simd, next));
+            (first, start) = (start, start + len);
+        } else if passing == 0 && len > 0 {
+            end -= len;
+            test.prefetch(simd, pairs, end.saturating_sub(PAIRS_TOGETHER));
+            let next = pairs.span(end, len);
+            passing = call!(simd, test.hold(simd, next));
+        } else if failing != 0 && passing != 0 {
+            exchange_bits(pairs, (first, &mut failing), (end, &mut passing));
+        } else {
+            break;
         }
-        return front;
     }
-    let [boxes, _] = test.boxes();
-    let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
-    let far = boxes.len() > near;
-    let (mut front, mut start) = (0, 0);
-    while start < pairs.len() {
-        let end = pairs.len().min(start + PAIRS_TOGETHER);
-        if far {
-            for pair in pairs.get(end..pairs.len().min(end + PAIRS_TOGETHER)).unwrap_or_default() {
-                simd.prefetch(boxes, pair[0].at());
-                simd.prefetch(boxes, pair[1].at());
-            }
-        }
-        // Noted for all of them first, since which ones pass is hard to predict.
-        let mut passing = test.hold(simd, pairs.span(start, end - start));
-        // How many pass is so, too: where there are few, no branch asks for it.
-        for _ in 0..PLACES_UNASKED {
-            let (to, from) = if passing == 0 {
-                (start, start)
-            } else {
-                (front, start + passing.trailing_zeros() as usize)
-            };
-            pairs.swap_at(to, from);
-            front += usize::from(passing != 0);
-            passing &= passing.wrapping_sub(1);
-        }
-        while passing != 0 {
-            pairs.swap_at(front, start + passing.trailing_zeros() as usize);
-            passing &= passing - 1;
-            front += 1;
-        }
-        start = end;
+    // One group is left to be divided: the last one from the front, or from the end.
+    if failing != 0 {
+        (end, passing) = (first, ones(start - first) & !failing);
     }
-    front
+    let front = passing.count_ones() as usize;
+    failing = ones(front) & !passing;
+    passing &= !ones(front);
+    while failing != 0 {
+        exchange_bits(pairs, (end, &mut failing), (end, &mut passing));
+    }
+    end + front
 }
 
-/// A test of a pair.
-#[derive(Clone, Copy)]
-pub(crate) enum Test<'b, I> {
-    /// The boxes overlap.
-    Overlap(&'b [KeyBox]),
-    /// They do not.
-    Apart(&'b [KeyBox]),
-    /// The boxes do not overlap now, or did not before: then other objects had the slots.
-    Ended { now: &'b [KeyBox], before: &'b [KeyBox] },
-    /// The same, or the filters no longer let the pair through: an object is in the set `asked`, and the pair does not stay.
-    Dropped { now: &'b [KeyBox], before: &'b [KeyBox], asked: &'b [u32], staying: &'b [Pair<I>] },
-    /// Neither object is in a set.
-    ClearOf(&'b [u32]),
-    /// An object is in a set.
-    Touch(&'b [u32]),
-    /// The pair is in an ascending list.
-    Among(&'b [Pair<I>]),
+/// Exchanges the pair of the lowest bit of a word with that of the highest bit of another one, and clears both bits.
+#[inline(always)]
+fn exchange_bits<I: Index>(pairs: &mut [Pair<I>], low: (usize, &mut usize), high: (usize, &mut usize)) {
+    let (lowest, highest) =
+        (low.1.trailing_zeros() as usize, PAIRS_TOGETHER - 1 - high.1.leading_zeros() as usize);
+    pairs.swap_at(low.0 + lowest, high.0 + highest);
+    *low.1 &= low.1.wrapping_sub(1);
+    *high.1 &= !(1 << highest);
 }
 
-impl<'b, I: Index> Test<'b, I> {
-    /// The boxes that it looks at, if any, now and before.
-    const fn boxes(&self) -> [&'b [KeyBox]; 2] {
-        match *self {
-            Self::Overlap(now) | Self::Apart(now) => [now, &[]],
-            Self::Ended { now, before } | Self::Dropped { now, before, .. } => [now, before],
-            Self::ClearOf(_) | Self::Touch(_) | Self::Among(_) => [&[]; 2],
-        }
-    }
+/// So many bits.
+const fn ones(count: usize) -> usize {
+    if count == 0 { 0 } else { usize::MAX >> (PAIRS_TOGETHER - count) }
+}
 
-    /// Which of at most [`PAIRS_TOGETHER`] pairs pass, of at least one: a bit each.
+impl<I: Index> Test<'_, I> {
+    /// Which of at most [`PAIRS_TOGETHER`] pairs pass: a bit each.
     #[inline(always)]
-    fn hold<S: Simd>(&self, simd: S, pairs: &[Pair<I>]) -> usize {
-        let all = usize::MAX >> (PAIRS_TOGETHER - pairs.len());
-        let [now, before] = self.boxes();
-        let mut overlap = if now.is_empty() { all } else { simd.overlaps(now, pairs) };
-        if !before.is_empty() {
-            overlap &= simd.overlaps(before, pairs);
-        }
-        match *self {
-            Self::Overlap(_) => overlap,
-            // The tests below are of filters.
-            _ if !FILTERS => all & !overlap,
-            Self::Apart(_) | Self::Ended { .. } => all & !overlap,
-            Self::Dropped { asked, staying, .. } => {
-                let stays = |pair: &Pair<I>| is_clear_of(asked, pair) || staying.binary_search(pair).is_ok();
-                all & !(overlap & each(pairs, stays))
+    fn hold<S: Simd>(self, simd: S, pairs: &[Pair<I>]) -> usize {
+        match self {
+            Self::Overlap(now) => simd.overlaps(now, pairs),
+            Self::Ended { now, before } => {
+                let mut overlap = simd.overlaps(now, pairs);
+                if !before.is_empty() {
+                    overlap &= simd.overlaps(before, pairs);
+                }
+                ones(pairs.len()) & !overlap
             }
             Self::ClearOf(set) => each(pairs, |pair| is_clear_of(set, pair)),
-            Self::Touch(set) => each(pairs, |pair| !is_clear_of(set, pair)),
-            Self::Among(list) => each(pairs, |pair| list.binary_search(pair).is_ok()),
+            Self::Holds(test) => each(pairs, test),
+        }
+    }
+
+    /// Prefetches the boxes of the pairs from a position on that are tested next, where boxes may not be in the cache.
+    #[inline(always)]
+    fn prefetch<S: Simd>(self, simd: S, pairs: &[Pair<I>], start: usize) {
+        let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
+        let (Self::Overlap(boxes) | Self::Ended { now: boxes, .. }) = self else { return };
+        if boxes.len() > near {
+            for slot in pairs.iter().skip(start).take(PAIRS_TOGETHER).flatten() {
+                simd.prefetch(boxes, slot.at());
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Turns overlaps of swept boxes into the result: the exact test, and which pairs are found and lost.
+//! Turns overlaps of swept boxes into the result: the exact test, which pairs are found and lost, and their order on request.
 //!
 //! A pair is found exactly if its boxes did not overlap when the last complete step reported them. It is lost exactly
 //! if that step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
@@ -10,9 +10,9 @@ use crate::filter::FILTERS;
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
-use crate::pairs::partition::Test::{Among, Apart, ClearOf, Dropped, Ended, Overlap, Touch};
-use crate::pairs::partition::partition;
-use crate::pairs::persistent;
+use crate::pairs::partition::Test::{ClearOf, Ended, Holds, Overlap};
+use crate::pairs::partition::{is_clear_of, partition};
+use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
@@ -39,7 +39,7 @@ pub(crate) fn sort_out<I: Index>(
     }
     if events {
         // If a step has no room for all its pairs, the next one needs all of the last complete result.
-        persistent::set_aside(parts, if complete { staying } else { parked });
+        set_aside(parts, if complete { staying } else { parked });
     }
     let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
     let pairs = parts.output.pairs.span_mut(parked, swept - parked);
@@ -54,16 +54,20 @@ pub(crate) fn sort_out<I: Index>(
         // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not have
         // overlapped then.
         let asked = &*parts.filters.changed.words;
-        let lost = if FILTERS && parts.filters.changed.count() > 0 {
-            let known = known(context, new.span_mut(0, persisting), previous, asked);
+        let asks = FILTERS && parts.filters.changed.count() > 0;
+        let mut known = 0..0;
+        if asks {
+            known = stay_known(context, new.span_mut(0, persisting), previous, asked);
             persisting = known.end;
-            let staying = new.span(known.start, known.len());
-            partition(context, previous, Dropped { now, before, asked, staying })
-        } else if parts.state.objects.has_inserted != 0 {
-            partition(context, previous, Ended { now, before })
-        } else {
-            partition(context, previous, Apart(now))
-        };
+        }
+        let before = if asks || parts.state.objects.has_inserted != 0 { before } else { &[] };
+        let mut lost = partition(context, previous, Ended { now, before });
+        if asks {
+            // Or if the filters no longer let it through.
+            let known = new.span(known.start, known.len());
+            let dropped = |pair: &Pair<I>| !is_clear_of(asked, pair) && known.binary_search(pair).is_err();
+            lost += partition(context, previous.span_mut(lost, previous.len() - lost), Holds(&dropped));
+        }
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;
     } else {
@@ -78,14 +82,6 @@ pub(crate) fn sort_out<I: Index>(
     exchange(pairs.span_mut(0, coming + persisting), coming);
     exchange(pairs.span_mut(coming + persisting, others + result - persisting), others);
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
-}
-
-/// Brings the pairs from position `from` on to the front. The order inside both parts may change.
-pub(super) fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
-    let count = pairs.len();
-    for at in 0..from.min(count - from) {
-        pairs.swap_at(at, count - 1 - at);
-    }
 }
 
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have kept
@@ -103,21 +99,44 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// Which pairs stay, of those whose boxes overlapped before and do now. If a filter may answer differently, only the
-/// pairs of then can tell. Returns the range of those that they tell, in order, behind all others that stay.
-fn known<I: Index>(
+/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: only the previous result tells
+/// whether such a pair stays. Brings the pairs that stay to the front, and returns where those are that the result told, in order.
+fn stay_known<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
     previous: &mut [Pair<I>],
     asked: &[u32],
 ) -> core::ops::Range<usize> {
     let others = partition(context, pairs, ClearOf(asked));
-    let known = partition(context, previous, Touch(asked));
+    let known = partition(context, previous, Holds(&|pair| !is_clear_of(asked, pair)));
     let known = previous.span_mut(0, known);
     heapsort(known, |a, b| a < b);
-    let open = pairs.len() - others;
-    let open = pairs.span_mut(others, open);
-    let stay = partition(context, open, Among(known));
+    let open = pairs.span_mut(others, pairs.len() - others);
+    let stay = partition(context, open, Holds(&|pair| known.binary_search(pair).is_ok()));
     heapsort(open.span_mut(0, stay), |a, b| a < b);
     others..others + stay
+}
+
+/// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs nothing is
+/// done: which pairs fitted has no rule.
+pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
+    let Parts { state, output, .. } = parts;
+    if state.pairs.complete == 0 {
+        return;
+    }
+    // The parked surplus in front of the result goes behind it. Then nothing is parked.
+    let surplus = core::mem::take(&mut state.pairs.surplus_parked) as usize;
+    let (result, found) = (state.pairs.reported as usize, state.pairs.found as usize);
+    let persisting = result - found;
+    exchange(output.pairs.span_mut(0, surplus + persisting), surplus);
+    exchange(output.pairs.span_mut(persisting, surplus + found), surplus);
+    (state.pairs.parked, state.pairs.active) = (0, u32::MAX);
+    sort(output.pairs.span_mut(0, persisting));
+    sort(output.pairs.span_mut(persisting, found));
+    sort(output.previous.span_mut(0, state.pairs.lost as usize));
+}
+
+/// O(pairs * log(pairs)).
+fn sort<I: Index>(pairs: &mut [Pair<I>]) {
+    if cfg!(feature = "large") { pairs.sort_unstable() } else { heapsort(pairs, |a, b| a < b) }
 }

@@ -29,7 +29,7 @@ pub(super) fn full<I: Index>(
 ) -> (Route, Progress) {
     let anew = route.path == Path::Rebuilt;
     let kept = if route.path == Path::MoversByLeaf {
-        Some(persistent::persistent(parts))
+        Some(persistent::persistent(parts, context))
     } else {
         persistent::start_over(parts);
         None

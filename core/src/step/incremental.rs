@@ -25,7 +25,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let moved = relocate(parts, context)?;
     let moved = order_movers(parts, moved);
     let (count, spared) = leave_out(parts, moved);
-    let kept = persistent::persistent(parts);
+    let kept = persistent::persistent(parts, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
     let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(MOVERS_PER_BLOCK);

@@ -25,7 +25,7 @@ pub(crate) fn find<I: Index>(
 ) -> (Route, Progress) {
     parts.state.pairs.unkept = 0;
     match route.path {
-        Path::Unchanged => (route, unchanged(parts)),
+        Path::Unchanged => (route, unchanged(parts, context)),
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
@@ -70,7 +70,7 @@ pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
 }
 
 /// Nothing has moved: all pairs stay.
-fn unchanged<I: Index>(parts: &mut Parts<'_, I>) -> Progress {
+fn unchanged<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
     let leaves = parts.state.leaves();
-    Progress { pairs: persistent::persistent(parts), leaves, ..Progress::default() }
+    Progress { pairs: persistent::persistent(parts, context), leaves, ..Progress::default() }
 }

@@ -10,7 +10,7 @@ use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::{PairState, State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::margins;
-use crate::pairs::persistent;
+use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -244,7 +244,7 @@ fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
     let (mut looked, mut stay) = (0, 0);
     for pair in list.iter().step_by((list.len() / PAIR_SAMPLE).max(1)) {
         looked += 1;
-        stay += u64::from(persistent::is_clear_of(parts.moved.words, pair));
+        stay += u64::from(is_clear_of(parts.moved.words, pair));
     }
     pairs.saturating_mul(saved).saturating_mul(stay) > cost.saturating_mul(looked)
 }

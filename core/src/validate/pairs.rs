@@ -9,7 +9,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
-use crate::pairs::persistent::is_clear_of;
+use crate::pairs::partition::is_clear_of;
 use crate::simd::kernels::{Kernels, run};
 use crate::simd::{Simd, limit};
 use crate::snapshot::check::{Invalid, check};
@@ -26,7 +26,10 @@ pub(super) fn pairs<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let [a, b] = pair.map(Index::at);
         check(a < b && b < state.objects.slots as usize, "a pair is not of two slots in order", at)?;
         let is_parked = at < state.pairs.parked as usize;
-        check(!is_parked || is_clear_of(parts.active, pair), "a pair of an active object is parked", at)?;
+        let parks = !parts.active.is_empty() && is_clear_of(parts.active, pair);
+        let unknown = state.pairs.active == u32::MAX;
+        check(parks || !is_parked, "a pair of an active object is parked", at)?;
+        check(is_parked || !parks || unknown, "a pair of no active object is not parked", at)?;
         if !is_kept(parts, pair) || state.pairs.unkept != 0 {
             continue;
         }

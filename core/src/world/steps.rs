@@ -7,7 +7,7 @@ use crate::filter::Rule;
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index, Pair};
 use crate::memory::stats::Stats;
-use crate::pairs::order;
+use crate::pairs::results;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{Executor, Serial};
 use crate::simd::kernels::Kernels;
@@ -237,8 +237,8 @@ impl<I: Index> World<'_, I> {
     /// contacts in order and has to agree with another machine. After [`Error::PairsFull`](crate::Error::PairsFull)
     /// nothing is done.
     ///
-    /// O(pairs), for each byte of a pair, in place: about as long as a step takes to find that many. The next step with
-    /// few movers looks at all pairs once more, as those at rest are no longer set aside.
+    /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as those at rest are no
+    /// longer set aside.
     ///
     /// ```
     /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
@@ -254,7 +254,7 @@ impl<I: Index> World<'_, I> {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn sort_results(&mut self) {
-        order::sort_results(&mut self.parts);
+        results::sort_results(&mut self.parts);
     }
 
     /// What the last step did.
