@@ -261,16 +261,16 @@ typedef struct trisap_config {
     float margin_min;
     /// Upper bound of the margin, a length. By default the largest float.
     float margin_max;
-    /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when one in 32 objects has left its
-    /// own, and are left unused for some steps where they do not last three.
+    /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
+    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
     uint32_t fixed_margins;
     /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
     uint32_t test_hooks;
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     uint32_t values;
-    /// 1 if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which things lie,
-    /// hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object. By default 0.
+    /// 1, the default, if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which
+    /// things lie, hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object.
     uint32_t predicted_boxes;
 } trisap_config;
 
@@ -380,10 +380,10 @@ typedef struct trisap_result {
 
 /// A rule of the caller: returns not 0 if the objects in two slots, the lower one first, make a pair.
 ///
-/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same until one of the objects is given to `trisap_world_refilter`,
-/// since pairs of resting objects are not asked about again. Must not call into the same world, which is refused as
-/// busy.
+/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap with what is
+/// around them (margins, predicted boxes) and that the filters let through. Has to answer the same until one of the
+/// objects is given to `trisap_world_refilter`, since pairs of resting objects are not asked about again. Must not call
+/// into the same world, which is refused as busy.
 typedef uint32_t (*trisap_rule)(void *user, uint32_t a, uint32_t b);
 
 /// Two objects by id.

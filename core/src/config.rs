@@ -153,8 +153,8 @@ impl Hooks {
 ///
 /// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones have a
 /// margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are left
-/// unused: see [`Config::fixed_margins`]. Where objects move steadily, fat boxes that are
-/// [predicted](Config::predicted) last longer.
+/// unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, fat boxes are also [predicted](Config::predicted), so
+/// that they hold objects that move steadily.
 #[doc(alias("fat_aabb", "skin", "speculative_margin"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -246,7 +246,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Exact pairs, one worker; no margin, events, filters or values.
+    /// Exact pairs, one worker; predicted boxes; no margin, events, filters or values.
     #[must_use]
     pub const fn new(capacity: Capacity) -> Self {
         Self {
@@ -259,7 +259,7 @@ impl Config {
             lean: false,
             workers: 1,
             fixed_margins: false,
-            predicted: false,
+            predicted: true,
             hooks: Hooks::AUTOMATIC,
         }
     }
@@ -327,10 +327,10 @@ impl Config {
         self
     }
 
-    /// The same with fat boxes that are predicted: see [`predicted`](Self::predicted).
+    /// The same without predicted boxes: see [`predicted`](Self::predicted).
     #[must_use]
-    pub const fn with_predicted_boxes(mut self) -> Self {
-        self.predicted = true;
+    pub const fn without_predicted_boxes(mut self) -> Self {
+        self.predicted = false;
         self
     }
 

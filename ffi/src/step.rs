@@ -102,10 +102,10 @@ pub unsafe extern "C" fn trisap_world_refresh(
 
 /// A rule of the caller: returns not 0 if the objects in two slots, the lower one first, make a pair.
 ///
-/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap and that
-/// the filters let through. Has to answer the same until one of the objects is given to `trisap_world_refilter`,
-/// since pairs of resting objects are not asked about again. Must not call into the same world, which is refused as
-/// busy.
+/// Called from any worker at any time during the step, from several at once, and only for boxes that overlap with what is
+/// around them (margins, predicted boxes) and that the filters let through. Has to answer the same until one of the
+/// objects is given to `trisap_world_refilter`, since pairs of resting objects are not asked about again. Must not call
+/// into the same world, which is refused as busy.
 pub type trisap_rule = Option<unsafe extern "C" fn(user: *mut c_void, a: u32, b: u32) -> u32>;
 
 /// As `trisap_world_step_over`, or if `boxes` is null as `trisap_world_step`, with a rule that decides the pairs that

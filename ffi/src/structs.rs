@@ -60,16 +60,16 @@ pub struct trisap_config {
     pub margin_min: f32,
     /// Upper bound of the margin, a length. By default the largest float.
     pub margin_max: f32,
-    /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when one in 32 objects has left its
-    /// own, and are left unused for some steps where they do not last three.
+    /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
+    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
     pub fixed_margins: u32,
     /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
     pub test_hooks: u32,
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     pub values: u32,
-    /// 1 if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which things lie,
-    /// hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object. By default 0.
+    /// 1, the default, if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which
+    /// things lie, hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object.
     pub predicted_boxes: u32,
 }
 

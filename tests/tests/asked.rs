@@ -60,12 +60,11 @@ fn told(world: &World<'_>) -> Told {
 #[test]
 fn a_refresh_between_steps_changes_no_step() {
     let boxes = uniform(2000, 5);
-    let plain = Config::new(ample(2200, 20_000)).with_events();
+    let predicted = Config::new(ample(2200, 20_000)).with_events();
+    let plain = predicted.without_predicted_boxes();
     let margin = plain.with_margin(Margin::length(0.1));
     let fine = plain.with_fine_leaves(Choice::Always);
-    for config in
-        [plain, fine, margin, plain.with_predicted_boxes(), margin.with_mode(trisap_core::Mode::Fat)]
-    {
+    for config in [plain, fine, margin, predicted, margin.with_mode(trisap_core::Mode::Fat)] {
         let live = |refreshes: bool| {
             let mut slab = Slab::new::<u32>(&config);
             let mut world = slab.world::<u32>(&config);

@@ -29,7 +29,8 @@ fn stats(config: Config, thousandths: usize) -> Vec<Stats> {
     outcomes.iter().map(|outcome| outcome.stats).collect()
 }
 
-const PLAIN: Config = Config::new(ample(0, 0));
+/// Kinds of steps are those of boxes as given.
+const PLAIN: Config = Config::new(ample(0, 0)).without_predicted_boxes();
 
 fn routes(stats: &[Stats]) -> Vec<(Path, Reason)> {
     stats.iter().map(|stats| (stats.path, stats.reason)).collect()
@@ -63,7 +64,8 @@ fn the_number_of_movers_chooses_the_path_or_the_caller_does() {
 
 #[test]
 fn other_reasons_have_their_names() {
-    let config = Config::new(ample(COUNT, 400 * COUNT)).with_fine_leaves(Choice::Never);
+    let config =
+        Config::new(ample(COUNT, 400 * COUNT)).with_fine_leaves(Choice::Never).without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut world = Checked::<u32>::new(slab.world(&config));
     let setup = Setup::REFERENCE;
@@ -180,11 +182,11 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
     let plain = Config::new(ample(COUNT, 20 * COUNT));
     for config in [plain, plain.with_events()] {
         let frames = drift(0.02, 24);
-        let predicted = on_every_setup(config.with_predicted_boxes(), &frames, &Jobs::USUAL);
+        let predicted = on_every_setup(config, &frames, &Jobs::USUAL);
         // They are made anew about every eighth step, in the step in which many would leave theirs.
         let steps = quiet(&predicted);
         assert!(steps >= 19, "{steps} quiet steps of 24");
-        let grown = config.with_margin(Margin::length(0.1));
+        let grown = config.without_predicted_boxes().with_margin(Margin::length(0.1));
         let grown = on_every_setup(grown, &frames, &Jobs::USUAL);
         assert!(quiet(&grown) < steps, "{} of grown boxes, {steps} of predicted ones", quiet(&grown));
     }
@@ -192,7 +194,7 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
 
 #[test]
 fn predicted_boxes_are_left_unused_where_all_move_far() {
-    let config = Config::new(ample(COUNT, 20 * COUNT)).with_predicted_boxes();
+    let config = Config::new(ample(COUNT, 20 * COUNT));
     for config in [config, config.with_events()] {
         let outcomes = on_every_setup(config, &drift(0.7, 20), &Jobs::USUAL);
         let used = outcomes.iter().filter(|outcome| outcome.stats.surplus > 0).count();
@@ -202,7 +204,7 @@ fn predicted_boxes_are_left_unused_where_all_move_far() {
 
 #[test]
 fn a_teleport_predicts_nothing() {
-    let config = Config::new(ample(COUNT, 20 * COUNT)).with_events().with_predicted_boxes();
+    let config = Config::new(ample(COUNT, 20 * COUNT)).with_events();
     let mut frames = drift(0.01, 12);
     for frame in frames.iter_mut().skip(6) {
         for aabb in frame.iter_mut().step_by(100) {
@@ -217,7 +219,7 @@ fn a_teleport_predicts_nothing() {
 /// Boxes that are large for one frame leave no large boxes behind, in which small ones would stay for ever.
 #[test]
 fn large_boxes_of_one_frame_are_forgotten() {
-    let config = Config::new(ample(COUNT, 300 * COUNT)).with_predicted_boxes();
+    let config = Config::new(ample(COUNT, 300 * COUNT));
     for config in [config, config.with_events()] {
         let mut frames = drift(0.01, 16);
         for aabb in &mut frames[5] {

@@ -56,7 +56,9 @@ fn counted(world: &World<'_, u32>) -> (Stats, u64) {
 
 /// What the second step of a fresh world over these boxes counts.
 fn fresh(boxes: &[Aabb]) -> (Stats, u64) {
-    let config = Config::new(ample(boxes.len(), 40 * boxes.len())).with_movers_only(Choice::Never);
+    let config = Config::new(ample(boxes.len(), 40 * boxes.len()))
+        .without_predicted_boxes()
+        .with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     world.insert_many(Boxes::new(boxes)).expect("room and good boxes");
@@ -193,7 +195,10 @@ fn strips_cost_what_is_near_them() {
 /// A world that steps over frames, all checked, and then over one frame until it must be as a fresh world.
 fn recovers(what: &str, frames: &[Vec<Aabb>], then: impl Fn(usize) -> Vec<Aabb>) {
     let count = frames[0].len();
-    let config = Config::new(ample(count, 150 * count)).with_events().with_movers_only(Choice::Never);
+    let config = Config::new(ample(count, 150 * count))
+        .without_predicted_boxes()
+        .with_events()
+        .with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut checked = Checked::<u32>::new(slab.world(&config));
     checked.insert_many(&frames[0]);
@@ -316,7 +321,7 @@ fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
         boxes.sort_by(|a, b| a.min[0].total_cmp(&b.min[0]));
         boxes
     };
-    let config = Config::new(ample(8000, 80_000));
+    let config = Config::new(ample(8000, 80_000)).without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut checked = Checked::<u32>::new(slab.world(&config));
     let mut count = 400;
@@ -352,7 +357,7 @@ fn walks(chunk: usize, frames: usize, shifts: bool, looks: usize) {
             .collect()
     };
     let count = COLUMNS * COLUMNS * chunk;
-    let config = Config::new(ample(count, 4 * count));
+    let config = Config::new(ample(count, 4 * count)).without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     let mut insert = |world: &mut World<'_, u32>, x: f32| -> Vec<Id> {
@@ -472,7 +477,7 @@ fn trees_that_have_grown_too_deep_are_made_anew() {
 #[test]
 fn objects_that_were_large_for_a_while_leave_no_trace() {
     let boxes = uniform(2000, 13);
-    let config = Config::new(ample(2000, 80_000)).with_events();
+    let config = Config::new(ample(2000, 80_000)).without_predicted_boxes().with_events();
     let mut slab = Slab::new::<u32>(&config);
     let mut checked = Checked::<u32>::new(slab.world(&config));
     let ids = checked.insert_many(&boxes);
@@ -498,7 +503,7 @@ fn objects_that_were_large_for_a_while_leave_no_trace() {
 #[test]
 fn few_movers_for_long_leave_no_trace() {
     let boxes = uniform(2000, 17);
-    let config = Config::new(ample(2000, 20_000));
+    let config = Config::new(ample(2000, 20_000)).without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
@@ -545,7 +550,8 @@ fn huge_boxes_have_no_huge_margins() {
         Aabb::new([-1e4, -1.0, -1e4], [1e4, 0.0, 1e4]),
         Aabb::new([-infinite; 3], [infinite, 0.0, infinite]),
     ] {
-        let config = Config::new(ample(1001, 20_000)).with_margin(Margin::share(0.1));
+        let config =
+            Config::new(ample(1001, 20_000)).without_predicted_boxes().with_margin(Margin::share(0.1));
         let mut slab = Slab::new::<u32>(&config);
         let mut checked = Checked::<u32>::new(slab.world(&config));
         checked.insert_many(&raised);
@@ -563,7 +569,10 @@ fn huge_boxes_have_no_huge_margins() {
 #[test]
 fn margins_that_do_not_help_are_left_unused() {
     const COUNT: usize = 1200;
-    let config = Config::new(ample(COUNT, 20 * COUNT)).with_margin(Margin::length(0.1)).with_events();
+    let config = Config::new(ample(COUNT, 20 * COUNT))
+        .without_predicted_boxes()
+        .with_margin(Margin::length(0.1))
+        .with_events();
     for fixed in [false, true] {
         let config = if fixed { config.with_fixed_margins() } else { config };
         let (mut slab, cubes) = (Slab::new::<u32>(&config), uniform(COUNT, 9));

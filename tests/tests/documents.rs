@@ -6,6 +6,7 @@ mod chart;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use trisap_core::{Capacity, Config, layout};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -388,5 +389,31 @@ fn words_of_other_libraries_are_found() {
     for word in ALIASES {
         let word = format!("\"{word}\"");
         assert!(sources.iter().any(|line| line.contains(&word)), "{word} is no alias");
+    }
+}
+
+/// Room for four pairs an object; small worlds are lean.
+#[test]
+fn the_bytes_of_small_worlds_are_as_the_table_says() {
+    let readme = read("tests/firmware/README.md");
+    let mut rows = 0;
+    for row in section(&readme, "## Memory").lines().filter(|line| line.starts_with("| ")) {
+        let cells: Vec<Option<u32>> =
+            row.split('|').map(|cell| cell.trim().replace(',', "").parse().ok()).collect();
+        let [_, Some(objects), Some(pairs), lean, exact, events, _] = cells[..] else { continue };
+        let config = Config::new(Capacity::for_objects(objects).with_pairs(pairs));
+        let bytes = |config: &Config| Some(layout::<u16>(config).expect("a world").bytes as u32);
+        let may = (objects <= 256).then(|| config.with_lean());
+        let told = [may.and_then(|config| bytes(&config)), bytes(&config), bytes(&config.with_events())];
+        assert_eq!([lean, exact, events], told, "{objects} objects");
+        rows += 1;
+    }
+    assert!(rows >= 7, "{rows} rows");
+    for (objects, bytes) in [(256, "25,216"), (128, "12,800")] {
+        let config =
+            Config::new(Capacity::for_objects(objects).with_pairs(4 * objects)).with_lean().with_events();
+        let told = layout::<u16>(&config).expect("a world").bytes;
+        assert_eq!(bytes.replace(',', ""), told.to_string(), "{objects} objects, with events");
+        assert!(readme.contains(bytes), "{bytes} is not in the document");
     }
 }

@@ -82,7 +82,7 @@ fn live<I: Index>(config: Config, count: usize, setup: Setup, seed: u64) {
 
 #[test]
 fn disabled_objects_are_in_no_pair_and_in_no_answer() {
-    let plain = Config::new(ample(0, 0));
+    let plain = Config::new(ample(0, 0)).without_predicted_boxes();
     let margin = plain.with_margin(Margin::length(0.15));
     let configs = [
         plain,
@@ -90,7 +90,7 @@ fn disabled_objects_are_in_no_pair_and_in_no_answer() {
         margin.with_events(),
         margin,
         margin.with_mode(Mode::Fat),
-        plain.with_predicted_boxes().with_events(),
+        Config::new(ample(0, 0)).with_events(),
     ];
     for setup in Setup::each(&Jobs::USUAL) {
         for (seed, config) in configs.into_iter().enumerate() {

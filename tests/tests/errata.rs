@@ -12,7 +12,7 @@ use trisap_tests::{SlotPair, oracle, recordings, sorted};
 const NO_PAIRS: [SlotPair; 0] = [];
 
 /// `play` sets the capacity.
-const EXACT: Config = Config::new(ample(0, 0));
+const EXACT: Config = Config::new(ample(0, 0)).without_predicted_boxes();
 
 const fn with_margin(length: f32) -> Config {
     EXACT.with_margin(Margin::length(length))

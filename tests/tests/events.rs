@@ -13,9 +13,9 @@ const COUNT: usize = 3000;
 /// Room for all pairs of the scenes here.
 const PAIRS: usize = 20 * COUNT;
 
-/// Events in all modes.
+/// Events in all modes, of kinds of steps that predicted boxes would change.
 fn configs() -> [Config; 3] {
-    let exact = Config::new(ample(COUNT + 10, PAIRS)).with_events();
+    let exact = Config::new(ample(COUNT + 10, PAIRS)).with_events().without_predicted_boxes();
     let margin = exact.with_margin(Margin::length(0.2));
     [exact, margin, margin.with_mode(Mode::Fat)]
 }

@@ -93,7 +93,7 @@ impl Places {
     }
 }
 
-const PLAIN: Config = Config::new(ample(700, 9000));
+const PLAIN: Config = Config::new(ample(700, 9000)).without_predicted_boxes();
 
 fn setups() -> [Setup; 2] {
     [Setup::REFERENCE, Setup { kernels: Kernels::detect(), jobs: Jobs::Threads(2) }]

@@ -177,7 +177,7 @@ fn lists_are_swept_for_those_that_meet() {
 #[test]
 fn movers_that_meet_nobody_are_left_out() {
     let boxes = scenes::uniform(3000, 8);
-    let config = Config::new(ample(3000, 30_000)).with_filters().with_events();
+    let config = Config::new(ample(3000, 30_000)).without_predicted_boxes().with_filters().with_events();
     let mut slab = Slab::new::<u32>(&config);
     let mut world = Checked::<u32>::new(slab.world(&config));
     let ids = world.insert_many(&boxes);

@@ -560,7 +560,7 @@ fn slow_creep_inside_the_fat_box_is_filtered_tightly() {
             scenes::walk(&mut next, 300, 0.04, &mut rng);
             frames.push(next);
         }
-        let outcomes = on_every_setup(with_margin(0.5), &frames, jobs);
+        let outcomes = on_every_setup(with_margin(0.5).without_predicted_boxes(), &frames, jobs);
         let resting = &outcomes[1..];
         assert!(resting.iter().all(|outcome| outcome.stats.moved == 0), "nobody leaves so large a margin");
         assert!(resting.iter().any(|outcome| !outcome.found.is_empty()), "creeping made no pair");

@@ -517,7 +517,8 @@ fn batches_are_the_same_under_every_executor() {
 fn a_leaf_that_was_empty_is_found_again() {
     let count = 3000;
     for setup in Setup::each(&Jobs::USUAL).into_iter().step_by(3) {
-        let config = setup.configure(Config::new(ample(count, 12 * count)).with_events());
+        let config =
+            setup.configure(Config::new(ample(count, 12 * count)).without_predicted_boxes().with_events());
         let mut slab = Slab::new::<u32>(&config);
         let mut world = Checked::<u32>::new(slab.world(&config));
         let mut boxes = scenes::uniform(count, 5);

@@ -267,7 +267,10 @@ fn the_first_step_after_a_load_is_one_that_finds_all_pairs() {
 #[test]
 fn margins_that_are_left_unused_are_no_special_case() {
     const COUNT: usize = 700;
-    let config = Config::new(ample(COUNT + 50, 40 * COUNT)).with_margin(Margin::length(0.1)).with_events();
+    let config = Config::new(ample(COUNT + 50, 40 * COUNT))
+        .without_predicted_boxes()
+        .with_margin(Margin::length(0.1))
+        .with_events();
     let mut larger = config;
     larger.capacity = ample(2 * COUNT, 80 * COUNT);
     let (mut slab, mut other) = (Slab::new::<u32>(&config), Slab::new::<u32>(&larger));

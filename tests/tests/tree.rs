@@ -82,7 +82,7 @@ fn look<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>]) {
 fn leaves_and_planes_agree() {
     for setup in Setup::each(&Jobs::USUAL) {
         for scene in scenes::all(1600, 3) {
-            let config = setup.configure(Config::new(ample(1600, 400_000)));
+            let config = setup.configure(Config::new(ample(1600, 400_000)).without_predicted_boxes());
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             assert_eq!(world.world().leaves().count() + world.world().planes().count(), 0);
@@ -175,8 +175,10 @@ fn boxes_around_members_become_tight_again() {
     for kernels in Kernels::all() {
         for fine in [Choice::Always, Choice::Never] {
             let setup = Setup { kernels, jobs: Jobs::Serial };
-            let config =
-                Config::new(ample(count, 40 * count)).with_fine_leaves(fine).with_movers_only(Choice::Always);
+            let config = Config::new(ample(count, 40 * count))
+                .without_predicted_boxes()
+                .with_fine_leaves(fine)
+                .with_movers_only(Choice::Always);
             let mut slab = Slab::new::<u32>(&config);
             let mut world = Checked::<u32>::new(slab.world(&config));
             let scene = scenes::uniform(count, 6);

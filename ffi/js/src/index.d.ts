@@ -41,7 +41,7 @@ export interface Config {
   marginMax?: number;
   /** Margins stay in use however fast objects are. By default false. */
   fixedMargins?: boolean;
-  /** Objects that go on as they do cost little: their boxes are predicted for some steps. By default false. */
+  /** Objects that go on as they do cost little: their boxes are predicted for some steps. By default true. */
   predictedBoxes?: boolean;
   /**
    * Objects and pairs that do not fit make the world move to more memory: no error, but all views are taken away in that call.

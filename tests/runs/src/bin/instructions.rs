@@ -18,7 +18,8 @@ fn main() {
     let recording =
         recordings::all().into_iter().find(|r| r.name == name).expect("a recording of the repository");
     let objects = recording.objects();
-    let config = Config::new(ample(objects, 20 * objects)).with_events();
+    // Counted are steps that search, so in worlds without predicted boxes.
+    let config = Config::new(ample(objects, 20 * objects)).with_events().without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");

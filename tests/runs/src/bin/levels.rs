@@ -20,7 +20,7 @@ fn main() {
     let levels: Vec<Kernels> = Kernels::all().collect();
     for recording in recordings::own() {
         let objects = recording.objects();
-        let config = Config::new(ample(objects, 20 * objects));
+        let config = Config::new(ample(objects, 20 * objects)).without_predicted_boxes();
         let mut slabs: Vec<Slab> = levels.iter().map(|_| Slab::new::<u32>(&config)).collect();
         let mut worlds: Vec<World<'_>> = slabs.iter_mut().map(|slab| slab.world(&config)).collect();
         for world in &mut worlds {
