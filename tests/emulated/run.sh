@@ -90,9 +90,9 @@ cp -r ../recordings "$work/copy/tests"
 mkdir "$work/copy/tests/emulated"
 cp -r Cargo.toml Cargo.lock build.rs machine.ld src "$work/copy/tests/emulated"
 copy=$work/copy/core/src/simd
-sed -i -e '0,/_mm256_subs_epu8/s/_mm256_subs_epu8/_mm256_subs_epi8/' -e 's/count.min(WINDOW)/count.min(WINDOW - 1)/' "$copy/avx2.rs"
-sed -i 's/_mm_subs_epu8/_mm_subs_epi8/' "$copy/narrow/sse41.rs"
-[ "$(diff -r ../../core/src/simd "$copy" | grep -c '^>')" = 3 ]
+sed -i -e '0,/_mm256_subs_epu8/s/_mm256_subs_epu8/_mm256_subs_epi8/' -e 's/count.min(WINDOW)/count.min(WINDOW - 1)/' "$copy/vectors/avx2.rs"
+sed -i 's/_mm_subs_epu8/_mm_subs_epi8/' "$copy/vectors/sse41.rs"
+[ "$(diff -r ../../core/src/simd "$copy" | grep -c '^>')" = 4 ]
 rom "$work/copy/tests/emulated" "$target" wrong
 boot corei7_icelake_u wrong
 for level in sse4.1 avx2; do

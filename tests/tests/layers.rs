@@ -204,7 +204,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("pairs", 560),
     ("parallel", 680),
     ("query", 1390),
-    ("simd", 3095),
+    ("simd", 2510),
     ("snapshot", 650),
     ("step", 675),
     ("sweep", 1730),

@@ -106,8 +106,7 @@ impl<'a> Boxes<'a> {
     #[must_use]
     #[inline(always)]
     pub fn get(&self, index: usize) -> Option<Aabb> {
-        let [min, max] = self.corners(self.items_from(index))?;
-        Some(Aabb { min: bytemuck::cast(*min), max: bytemuck::cast(*max) })
+        self.first(self.items_from(index))
     }
 
     /// The bytes of the items from `index` on.
@@ -120,10 +119,10 @@ impl<'a> Boxes<'a> {
         self.bytes.get(index * self.stride..).unwrap_or_default()
     }
 
-    /// All items but the first.
+    /// All items but the first so many.
     #[inline(always)]
-    pub(crate) fn items_after(&self, items: &'a [u8]) -> &'a [u8] {
-        items.get(self.stride..).unwrap_or_default()
+    pub(crate) fn items_after(&self, count: usize, items: &'a [u8]) -> &'a [u8] {
+        items.get(count * self.stride..).unwrap_or_default()
     }
 
     /// The first four of some items, if there are as many; in `room`, if there is something between their numbers.
@@ -144,17 +143,16 @@ impl<'a> Boxes<'a> {
         }
     }
 
-    /// Those after the first four of some items.
+    /// The first of some items, if it is not cut off.
     #[inline(always)]
-    pub(crate) fn items_after_four(&self, items: &'a [u8]) -> &'a [u8] {
-        items.get(4 * self.stride..).unwrap_or_default()
-    }
-
-    /// The bytes of the corners of the first of some items, if it is not cut off.
-    #[inline(always)]
-    pub(crate) fn corners(&self, items: &'a [u8]) -> Option<[&'a [u8; CORNER]; 2]> {
+    pub(crate) fn first(&self, items: &[u8]) -> Option<Aabb> {
         let item = items.get(..self.end)?;
-        Some([item.first_chunk()?, item.last_chunk()?])
+        // Word by word: a copy of twelve bytes would be a call.
+        let corner = |b: &[u8; CORNER]| {
+            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
+            [word(0), word(4), word(8)]
+        };
+        Some(Aabb { min: corner(item.first_chunk()?), max: corner(item.last_chunk()?) })
     }
 }
 

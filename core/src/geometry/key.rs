@@ -79,11 +79,6 @@ impl KeyBox {
     /// The box that holds all others.
     pub(crate) const ALL: Self = Self { min: [NEGATIVE_INFINITY; 3], max: [POSITIVE_INFINITY; 3] };
 
-    /// The box of one point.
-    pub(crate) const fn at(corner: [i32; 3]) -> Self {
-        Self { min: corner, max: corner }
-    }
-
     /// The box of a slot, by reference.
     #[inline(always)]
     pub(crate) fn of(boxes: &[Self], slot: usize) -> &Self {
@@ -118,6 +113,13 @@ impl KeyBox {
             self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
         };
         !(wrong(0) || wrong(1) || wrong(2))
+    }
+
+    /// Whether all keys are the same. With `==` it would be a call.
+    #[inline(always)]
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let differs = |k: usize| (self.min[k] ^ other.min[k]) | (self.max[k] ^ other.max[k]);
+        differs(0) | differs(1) | differs(2) == 0
     }
 
     /// Whether it is the box of a free slot.

@@ -198,12 +198,13 @@ impl SidesMet {
 }
 
 impl Slabs {
-    /// As [`Simd::span`](crate::simd::Simd::span).
+    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is above the second.
+    /// Each number rises with the box's sides, so a larger box is met no later and left no earlier.
     #[inline(always)]
-    pub(crate) fn span(&self, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
+    pub(crate) fn span(&self, bounds: &KeyBox, far: f64) -> (f64, f64) {
         let (mut from, mut to) = (0.0, far);
         for k in 0..3 {
-            let (low, high) = (widened(value(min[k])), widened(value(max[k])));
+            let (low, high) = (widened(value(bounds.min[k])), widened(value(bounds.max[k])));
             let (low, high) = if self.back[k] != 0 { (high, low) } else { (low, high) };
             let (first, last) =
                 ((low - self.first[k]) * self.inverse[k], (high - self.last[k]) * self.inverse[k]);

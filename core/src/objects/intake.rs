@@ -243,16 +243,15 @@ fn take_in<S: Simd, const EVENTS: bool>(
     }
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
-        items = bounds.items_after(items);
+        items = bounds.items_after(1, items);
         let skipped = resting & 1 != 0 || old.is_empty();
         (changed, resting) = (changed >> 1, resting >> 1);
         if skipped {
             continue;
         }
-        match bounds.corners(item).and_then(|[min, max]| simd.encode(min, max)) {
-            Some(keys) if simd.same(keys, simd.keys(old)) => {}
-            Some(keys) => {
-                let bounds = simd.bounds(keys);
+        match bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
+            Some(bounds) if bounds.is_same(old) => {}
+            Some(bounds) => {
                 if EVENTS && kept >> (at % 32) & 1 == 0 {
                     before.put(at % 32, fat.reported(*mode, at, old));
                 }
@@ -297,7 +296,7 @@ fn take_in_quiet<S: Simd>(simd: S, quiet: Quiet<'_, '_>) -> (u32, u32) {
         // The caller's boxes are seldom in the cache.
         simd.prefetch(items, 1024);
         simd.prefetch(items, 1024 + CACHE_LINE);
-        items = bounds.items_after_four(items);
+        items = bounds.items_after(4, items);
         let mut new = [KeyBox::EMPTY; 4];
         if skipped >> (4 * four) & 0b1111 != 0 {
             continue;
@@ -345,7 +344,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items, &mut room) else { break };
-        items = bounds.items_after_four(items);
+        items = bounds.items_after(4, items);
         if resting >> first & 0b1111 != 0 {
             continue;
         }

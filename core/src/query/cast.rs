@@ -272,9 +272,9 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     }
 
     #[inline(always)]
-    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
-        let KeyBox { min: [a, b, c], max: [d, e, f] } = *KeyBox::of(self.world.parts.boxes.now, slot);
-        let (distance, to) = simd.span(&self.line.slabs, [a, b, c, 0], [d, e, f, 0], self.far);
+    fn object<S: Simd>(&mut self, _: S, slot: usize) -> ControlFlow<()> {
+        let now = KeyBox::of(self.world.parts.boxes.now, slot);
+        let (distance, to) = self.line.slabs.span(now, self.far);
         if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
             self.far = self.far.min((self.visit)(Hit { id, distance }));
             if self.far < 0.0 {

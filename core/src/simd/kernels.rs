@@ -1,8 +1,7 @@
 //! The instruction set that a step uses.
 
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-use super::detect::Avx2;
-use super::{narrow, scalar::Scalar};
+use super::levels::{Narrow, Wide};
+use super::scalar::Scalar;
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
 /// levels give the same bytes; only their speed differs.
@@ -12,9 +11,8 @@ pub struct Kernels(Level);
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Level {
     Scalar(Scalar),
-    Narrow(narrow::Level),
-    #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-    Avx2(Avx2),
+    Narrow(Narrow),
+    Wide(Wide),
 }
 
 impl PartialEq for Kernels {
@@ -26,29 +24,10 @@ impl PartialEq for Kernels {
 impl Eq for Kernels {}
 
 /// The best vectors that every CPU of the target has.
-const GUARANTEED: Option<Level> = {
-    #[cfg(all(
-        target_arch = "x86_64",
-        feature = "avx2",
-        target_feature = "avx2",
-        target_feature = "bmi1",
-        target_feature = "bmi2",
-        target_feature = "popcnt"
-    ))]
-    let best = Some(Level::Avx2(Avx2(())));
-    #[cfg(not(all(
-        target_arch = "x86_64",
-        feature = "avx2",
-        target_feature = "avx2",
-        target_feature = "bmi1",
-        target_feature = "bmi2",
-        target_feature = "popcnt"
-    )))]
-    let best = match narrow::Level::GUARANTEED {
-        Some(level) => Some(Level::Narrow(level)),
-        None => None,
-    };
-    best
+const GUARANTEED: Option<Level> = match (Wide::GUARANTEED, Narrow::GUARANTEED) {
+    (Some(level), _) => Some(Level::Wide(level)),
+    (None, Some(level)) => Some(Level::Narrow(level)),
+    (None, None) => None,
 };
 
 /// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed vectors
@@ -78,16 +57,13 @@ impl Kernels {
     /// module is compiled with it.
     #[must_use]
     pub fn narrow() -> Option<Self> {
-        narrow::Level::detect().map(|level| Self(Level::Narrow(level)))
+        Narrow::detect().map(|level| Self(Level::Narrow(level)))
     }
 
     /// AVX2 of x86-64, where this CPU has it.
     #[must_use]
     pub fn avx2() -> Option<Self> {
-        #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-        return Avx2::detect().map(|token| Self(Level::Avx2(token)));
-        #[cfg(not(all(target_arch = "x86_64", feature = "avx2")))]
-        return None;
+        Wide::detect().map(|level| Self(Level::Wide(level)))
     }
 
     /// Every level of this CPU, the plainest first.
@@ -100,9 +76,8 @@ impl Kernels {
     pub const fn name(self) -> &'static str {
         match self.0 {
             Level::Scalar(_) => "scalar",
-            Level::Narrow(_) => narrow::Level::NAME,
-            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-            Level::Avx2(_) => "avx2",
+            Level::Narrow(_) => Narrow::NAME,
+            Level::Wide(_) => Wide::NAME,
         }
     }
 
@@ -128,9 +103,8 @@ macro_rules! run {
     ($kernels:expr, |$simd:ident| $call:expr) => {
         match $kernels.level() {
             $crate::simd::kernels::Level::Scalar($simd) => $call,
-            $crate::simd::kernels::Level::Narrow($simd) => $crate::simd::narrow::run!($simd, $call),
-            #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-            $crate::simd::kernels::Level::Avx2($simd) => $crate::simd::call!($simd, $call),
+            $crate::simd::kernels::Level::Narrow($simd) => $crate::simd::levels::run_narrow!($simd, $call),
+            $crate::simd::kernels::Level::Wide($simd) => $crate::simd::levels::run_wide!($simd, $call),
         }
     };
 }

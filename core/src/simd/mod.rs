@@ -8,43 +8,24 @@
 #[cfg(any(test, agreement))]
 #[path = "../../tests/kernels/agreement.rs"]
 mod agreement;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod avx2;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod casts;
 #[cfg(test)]
 #[path = "../../tests/kernels/coordinates.rs"]
 mod coordinates;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-pub(crate) mod detect;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod encode;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod fours;
 pub(crate) mod kernels;
+pub(crate) mod levels;
+pub(crate) mod scalar;
 #[cfg(any(
-    all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
+    all(target_arch = "x86", feature = "sse41"),
+    all(target_arch = "x86_64", any(feature = "sse41", feature = "avx2")),
     all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
     all(target_arch = "wasm32", target_feature = "simd128")
 ))]
-pub(crate) mod narrow;
-#[cfg(not(any(
-    all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),
-    all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
-    all(target_arch = "wasm32", target_feature = "simd128")
-)))]
-#[path = "absent.rs"]
-pub(crate) mod narrow;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod overlaps;
-#[cfg(all(target_arch = "x86_64", feature = "avx2"))]
-mod predict;
-pub(crate) mod scalar;
+mod vectors;
 
 use crate::access::Access;
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
-use crate::geometry::line::{Crossing, Slabs, Walk};
+use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair, pair};
 
@@ -137,12 +118,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The box of some keys.
-    fn bounds(self, keys: Self::Keys) -> KeyBox;
-
-    /// As [`KeyBox::from_aabb`], from the bytes of the two corners.
-    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<Self::Keys>;
-
     /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None` where one of them is bad
     /// or not inside `held[k]`, or one of the old ones empty; the new keys mean nothing then.
     #[inline(always)]
@@ -167,7 +142,10 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 
     /// As [`KeyBox::overlaps`].
-    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool;
+    #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        a.overlaps(b)
+    }
 
     /// Which of some pairs of slots have overlapping boxes: a bit each of at most [`PAIRS_TOGETHER`].
     #[inline(always)]
@@ -202,7 +180,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     }
 
     /// Prefetches an item.
-    fn prefetch<T>(self, items: &[T], index: usize);
+    #[inline(always)]
+    fn prefetch<T>(self, _items: &[T], _index: usize) {}
 
     /// Prefetches `N` items from a position on, a cache line at a time.
     #[inline(always)]
@@ -211,18 +190,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
             self.prefetch(items, start + offset);
         }
     }
-
-    /// Whether all keys are the same.
-    fn same(self, a: Self::Keys, b: Self::Keys) -> bool;
-
-    /// The lower of each two keys.
-    fn lower(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
-
-    /// The upper of each two keys.
-    fn upper(self, a: Self::Keys, b: Self::Keys) -> Self::Keys;
-
-    /// Whether the two keys of an axis are less than four apart.
-    fn narrow(self, keys: Self::Keys) -> bool;
 
     /// As [`KeyBox::predicted`].
     #[inline(always)]
@@ -319,10 +286,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// Which of some records touch the one whose [`limit`] this is: bit `i` for record `i`.
     fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32;
-
-    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is above
-    /// the second. Only the first three axes count.
-    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64);
 
     /// When a cast enters the boxes of two nodes, between zero and `until`; NaN if it does not. The sides must be
     /// numbers.

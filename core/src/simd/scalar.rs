@@ -2,31 +2,13 @@
 
 use super::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::access::Access;
-use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, value};
-use crate::geometry::line::{Crossing, Slabs, Walk};
+use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
 
 /// No more than the target's baseline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
-
-/// Which of the first rows have no byte below the query's.
-#[inline(always)]
-fn inside(rows: &[Row], count: usize, query: Row) -> u64 {
-    // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
-    const HIGH: u32 = 0x8080_8080;
-    let query = u32::from_ne_bytes(query);
-    let mut mask = 0;
-    for (index, row) in rows.iter().take(count).enumerate() {
-        let row = u32::from_ne_bytes(*row);
-        let rest = (row | HIGH) - (query & !HIGH);
-        // High bits decide where they differ, else the bits below them.
-        let inside = (row & !query) | (!(row ^ query) & rest);
-        mask |= u64::from(inside & HIGH == HIGH) << index;
-    }
-    mask
-}
 
 impl Simd for Scalar {
     type Keys = KeyBox;
@@ -46,21 +28,6 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn bounds(self, keys: KeyBox) -> KeyBox {
-        keys
-    }
-
-    #[inline(always)]
-    fn encode(self, min: &[u8; 12], max: &[u8; 12]) -> Option<KeyBox> {
-        // Word by word: a copy of twelve bytes would be a call.
-        let corner = |b: &[u8; 12]| {
-            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
-            [word(0), word(4), word(8)]
-        };
-        KeyBox::from_aabb(&Aabb { min: corner(min), max: corner(max) })
-    }
-
-    #[inline(always)]
     fn above(self, a: KeyBox, b: KeyBox) -> u32 {
         let mut mask = 0;
         for k in 0..3 {
@@ -68,38 +35,6 @@ impl Simd for Scalar {
             mask |= u32::from(a.max[k] > b.max[k]) << (3 + k);
         }
         mask
-    }
-
-    #[inline(always)]
-    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
-        a.overlaps(b)
-    }
-
-    #[inline(always)]
-    fn prefetch<T>(self, _: &[T], _: usize) {}
-
-    #[inline(always)]
-    fn same(self, a: KeyBox, b: KeyBox) -> bool {
-        // Not with `==`, which would be a call.
-        let differs = |k: usize| (a.min[k] ^ b.min[k]) | (a.max[k] ^ b.max[k]);
-        differs(0) | differs(1) | differs(2) == 0
-    }
-
-    #[inline(always)]
-    fn lower(self, a: KeyBox, b: KeyBox) -> KeyBox {
-        let each = |a: [i32; 3], b: [i32; 3]| [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])];
-        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
-    }
-
-    #[inline(always)]
-    fn upper(self, a: KeyBox, b: KeyBox) -> KeyBox {
-        let each = |a: [i32; 3], b: [i32; 3]| [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])];
-        KeyBox { min: each(a.min, b.min), max: each(a.max, b.max) }
-    }
-
-    #[inline(always)]
-    fn narrow(self, keys: KeyBox) -> bool {
-        keys.is_narrow()
     }
 
     #[inline(always)]
@@ -119,7 +54,18 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
-        inside(rows, count, query)
+        // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
+        const HIGH: u32 = 0x8080_8080;
+        let query = u32::from_ne_bytes(query);
+        let mut mask = 0;
+        for (index, row) in rows.iter().take(count).enumerate() {
+            let row = u32::from_ne_bytes(*row);
+            let rest = (row | HIGH) - (query & !HIGH);
+            // High bits decide where they differ, else the bits below them.
+            let inside = (row & !query) | (!(row ^ query) & rest);
+            mask |= u64::from(inside & HIGH == HIGH) << index;
+        }
+        mask
     }
 
     #[inline(always)]
@@ -145,11 +91,6 @@ impl Simd for Scalar {
             mask |= u32::from(inside) << index;
         }
         mask
-    }
-
-    #[inline(always)]
-    fn span(self, slabs: &Slabs, min: [i32; 4], max: [i32; 4], far: f64) -> (f64, f64) {
-        slabs.span(min, max, far)
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use super::shape::join;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Split, Straddler, are_few, large, leaf_of, most};
 use crate::access::Access;
-use crate::geometry::extent::{BoundsScan, Extent};
+use crate::geometry::extent::BoundsScan;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
@@ -107,9 +107,6 @@ fn count_block<S: Simd, I: Index>(
     let (counts, large) = histogram.as_chunks_mut::<2>();
     // Of one length, so that one check of an index is enough.
     let Some(counts) = counts.get_mut(..cells.len()) else { return (BoundsScan::NONE, 0) };
-    let finite = Extent::FINITE;
-    let (least, most) = (simd.keys(&KeyBox::at(finite.low)), simd.keys(&KeyBox::at(finite.high)));
-    let (mut low, mut high) = (most, least);
     let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
     for (bounds, home) in boxes.iter().zip(homes) {
         if bounds.is_empty() {
@@ -117,19 +114,14 @@ fn count_block<S: Simd, I: Index>(
             continue;
         }
         let keys = simd.keys(bounds);
-        if simd.narrow(keys) {
+        if bounds.is_narrow() {
             bounds_scan.examine(bounds);
         }
-        // Without infinite coordinates and large objects, which would make frames too coarse.
-        let mut include = || {
-            low = simd.lower(low, simd.upper(keys, least));
-            high = simd.upper(high, simd.lower(keys, most));
-        };
         let leaf = home.at();
         if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
             let classified = cell.classify(simd, keys);
             if classified.is_home() && !classified.is_large() {
-                include();
+                bounds_scan.extent.include(&bounds.min);
                 *members += 1;
                 *straddlers += u32::from(classified.straddles());
                 continue;
@@ -143,13 +135,14 @@ fn count_block<S: Simd, I: Index>(
             *home = I::LARGE;
             large.put(0, large.at(0) + 1);
         } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
-            include();
+            bounds_scan.extent.include(&bounds.min);
             *home = I::from_slot(leaf as u32);
             *members += 1;
             *straddlers += u32::from(classified.straddles());
         }
     }
-    bounds_scan.extent = Extent { low: simd.bounds(low).min, high: simd.bounds(high).min };
+    // Infinite coordinates would make frames too coarse, as would large objects.
+    bounds_scan.extent.make_finite();
     (bounds_scan, left)
 }
 

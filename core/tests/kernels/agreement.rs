@@ -6,8 +6,8 @@
 use super::{EIGHT, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
-use crate::geometry::line::{Line, Slabs, Walk};
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::geometry::line::{Line, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
 use crate::memory::limits::PAIRS_TOGETHER;
@@ -59,27 +59,17 @@ fn boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         b = KeyBox { min: a.min, max: [a.max[0], b.max[1].max(a.min[1]), b.max[2].max(a.min[2])] };
     }
     let (keys, other) = (simd.keys(&a), simd.keys(&b));
-    let corners = [(); 2].map(|()| bytemuck::cast::<[f32; 3], [u8; 12]>([(); 3].map(|()| random.float())));
-    let valid: [[u8; 12]; 2] = [a.min, a.max].map(|corner| bytemuck::cast(corner.map(value)));
-    let encode = |[min, max]: &[[u8; 12]; 2]| Scalar.encode(min, max);
     let frame = random.frame();
     let tag = random.bits() as u32;
     let margin = [0.0, 1e-37, 0.25, f32::MAX][random.below(4)];
     // Moved a little.
     let near = KeyBox { min: a.min.map(|k| k.saturating_sub(random.below(1 << 21) as i32)), max: a.max };
     rounds.check([
-        ("keys", simd.bounds(keys) == a),
-        ("encode", simd.encode(&corners[0], &corners[1]).map(|keys| simd.bounds(keys)) == encode(&corners)),
-        ("encode", simd.encode(&valid[0], &valid[1]).map(|keys| simd.bounds(keys)) == encode(&valid)),
         ("above", simd.above(keys, other) == Scalar.above(a, b)),
         ("overlap", simd.overlap(&a, &b) == Scalar.overlap(&a, &b)),
-        ("same", simd.same(keys, other) == (a == b) && simd.same(keys, simd.keys(&a))),
-        ("lower", simd.bounds(simd.lower(keys, other)) == Scalar.lower(a, b)),
-        ("upper", simd.bounds(simd.upper(keys, other)) == Scalar.upper(a, b)),
         ("contains", simd.contains(&a, &b) == a.contains(&b) && simd.contains(&near, &a)),
         ("predict", simd.predict(&b, &a, margin) == a.predicted(&b, margin)),
         ("predict", simd.predict(&a, &near, margin) == near.predicted(&a, margin)),
-        ("narrow", simd.narrow(keys) == Scalar.narrow(a)),
         ("record", simd.record(&frame, keys, tag) == Scalar.record(&frame, a, tag)),
     ]);
 }
@@ -210,26 +200,10 @@ fn overlaps<S: Simd, I: Index>(simd: S, rounds: &mut Rounds<'_>) {
 #[inline(always)]
 fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let random = &mut rounds.random;
-    let KeyBox { min, max } = random.bounds();
-    let four = |[x, y, z]: [i32; 3]| [x, y, z, 0];
     let direction = [(); 3].map(|()| [0.0, 1.0, -1.0, 0.3, -1e-3][random.below(5)]);
-    let along = |k: usize| if k < 3 { direction[k] } else { 0.0 };
-    let start = [(); 4].map(|()| random.below(7) as f64 - 3.0);
-    let place = |k: usize| if k < 3 { start[k] } else { 0.0 };
-    let slabs = Slabs {
-        back: [0, 1, 2, 3].map(|k| -i32::from(along(k) < 0.0)),
-        first: [0, 1, 2, 3].map(place),
-        last: [0, 1, 2, 3].map(place),
-        inverse: [0, 1, 2, 3].map(|k| if along(k) == 0.0 { f64::INFINITY } else { 1.0 / along(k) }),
-    };
-    let far = [1.0, 7.5, 1e30][random.below(3)];
-    let span = simd.span(&slabs, four(min), four(max), far);
-    rounds.check([("span", span == Scalar.span(&slabs, four(min), four(max), far))]);
-
-    let random = &mut rounds.random;
     let start =
         [(); 3].map(|()| [random.below(9) as f32 - 4.0, 1e-30, -3e20][random.below(8).saturating_sub(5)]);
-    let cast = Cast::ray(start, direction.map(|d| d as f32), 1.0);
+    let cast = Cast::ray(start, direction, 1.0);
     let walk = Walk::new(&Line::new(&cast.start, cast.direction, cast.distance));
     let until = [1.0, 7.5, f32::INFINITY][random.below(3)];
     let crossing = walk.crossing(&random.frame(), until);

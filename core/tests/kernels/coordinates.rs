@@ -2,6 +2,8 @@
 
 use super::Simd;
 use super::kernels::run;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
 use crate::geometry::record::Frame;
 use crate::simd::kernels::Kernels;
@@ -20,6 +22,11 @@ fn corners() -> Vec<i32> {
     corners
 }
 
+/// The box of one point on the diagonal.
+fn at(x: i32) -> KeyBox {
+    KeyBox { min: [x; 3], max: [x; 3] }
+}
+
 /// In a frame, records of ascending coordinates ascend, and a minimum is never above the maximum at the same place.
 /// So boxes that overlap have records that overlap.
 #[inline(always)]
@@ -27,7 +34,7 @@ fn ascends<S: Simd>(simd: S, frame: Frame, keys: impl Iterator<Item = i32>) -> b
     let mut last = [0; 6];
     let mut holds = true;
     for x in keys {
-        let lanes = simd.record(&frame, simd.keys(&KeyBox::at([x; 3])), 0).lanes;
+        let lanes = simd.record(&frame, simd.keys(&at(x)), 0).lanes;
         for k in 0..3 {
             let (min, max) = (lanes[k], !lanes[3 + k]);
             holds &= last[k] <= min && last[3 + k] <= max && min <= max;
@@ -78,10 +85,16 @@ fn encodes<S: Simd>(simd: S) -> Option<f32> {
     (0..=u16::MAX).flat_map(|top| [0, 1, 0x8000, 0xffff].map(|low| u32::from(top) << 16 | low)).find_map(
         |bits| {
             let x = f32::from_bits(bits);
-            let corner: [u8; 12] = bytemuck::cast([x; 3]);
-            let keys = simd.encode(&corner, &corner).map(|keys| simd.bounds(keys));
-            let expected = if x.is_nan() { None } else { Some(KeyBox::at([key(x); 3])) };
-            (keys != expected).then_some(x)
+            let expected = if x.is_nan() { None } else { Some(at(key(x))) };
+            let mut new = [KeyBox::EMPTY; 4];
+            let boxes = [Aabb::new([x; 3], [x; 3]); 4];
+            let four = Four::Packed(bytemuck::cast_ref(&boxes));
+            let changed = simd.encode_four(four, &[KeyBox::ALL; 4], &[at(1); 4], &mut new);
+            let four_right = match expected {
+                Some(keys) if S::ENCODES_FOUR => changed.is_some() && new == [keys; 4],
+                _ => changed.is_none(),
+            };
+            (KeyBox::from_aabb(&boxes[0]) != expected || !four_right).then_some(x)
         },
     )
 }

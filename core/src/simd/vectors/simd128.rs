@@ -1,6 +1,6 @@
 //! The 128-bit vectors of WebAssembly, in modules that are compiled with them.
 
-use super::vectors::{Vectors, operations};
+use super::operations::{Half, Vectors, operations};
 use core::arch::wasm32::*;
 
 /// Proof of simd128. A module that is compiled with vectors runs nowhere else.
@@ -16,6 +16,8 @@ impl Vectors for Simd128 {
     const TESTS_SOME_PAIRS: bool = false;
 
     type Vector = v128;
+
+    type Bytes = [u8; 16];
 
     #[inline(never)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
@@ -50,11 +52,6 @@ impl Vectors for Simd128 {
     }
 
     #[inline(always)]
-    fn with_fourth(self, a: v128, word: u32) -> v128 {
-        u32x4_replace_lane::<3>(a, word)
-    }
-
-    #[inline(always)]
     fn any(self, a: v128) -> bool {
         v128_any_true(a)
     }
@@ -65,10 +62,8 @@ impl Vectors for Simd128 {
         xor(a, b) = v128_xor(a, b);
         select(mask, a, b) = v128_bitselect(a, b, mask);
         shuffle(a, places) = u8x16_swizzle(a, places);
-        equal8(a, b) = u8x16_eq(a, b);
         equal16(a, b) = u16x8_eq(a, b);
         equal32(a, b) = u32x4_eq(a, b);
-        excess8(a, b) = u8x16_sub_sat(a, b);
         excess16(a, b) = u16x8_sub_sat(a, b);
         // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = i8x16_narrow_i16x8(a, b);
@@ -97,8 +92,28 @@ impl Vectors for Simd128 {
         maximum(a, b) = f32x4_pmax(b, a);
         minimum(a, b) = f32x4_pmin(b, a);
         at_most(a, b) = f32x4_le(a, b);
+    }
+}
+
+impl Half for Simd128 {
+    #[inline(always)]
+    fn with_fourth(self, a: v128, word: u32) -> v128 {
+        u32x4_replace_lane::<3>(a, word)
+    }
+
+    operations! {
+        even32(a, b) = u32x4_shuffle::<0, 2, 4, 6>(a, b);
+        odd32(a, b) = u32x4_shuffle::<1, 3, 5, 7>(a, b);
         // Both saturate, and NaN gives zero.
         steps16(a, b) = u16x8_narrow_i32x4(i32x4_trunc_sat_f32x4(a), i32x4_trunc_sat_f32x4(b));
+    }
+
+    #[inline(always)]
+    fn reached(self, [a, b, c, d]: [v128; 4], query: v128) -> v128 {
+        // How much the query's bytes exceed the others: zero where none does.
+        let (a, b) = (u8x16_sub_sat(query, a), u8x16_sub_sat(query, b));
+        let (c, d) = (u8x16_sub_sat(query, c), u8x16_sub_sat(query, d));
+        u8x16_eq(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))
     }
 
     #[inline(always)]
@@ -107,7 +122,9 @@ impl Vectors for Simd128 {
     }
 
     #[inline(always)]
-    fn bits16(self, mask: v128) -> u32 {
-        u32::from(i8x16_bitmask(mask))
+    fn bits64(self, [a, b, c, d]: [v128; 4]) -> u64 {
+        let (a, b) = (u64::from(i8x16_bitmask(a)), u64::from(i8x16_bitmask(b)));
+        let (c, d) = (u64::from(i8x16_bitmask(c)), u64::from(i8x16_bitmask(d)));
+        a | b << 16 | c << 32 | d << 48
     }
 }

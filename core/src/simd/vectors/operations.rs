@@ -1,9 +1,13 @@
-//! The operations that an instruction set of 128 bits must offer.
+//! The operations that an instruction set must offer.
 
-/// The operations of one instruction set on 16 bytes: lanes of 8, 16 or 32 bits, as the name of an operation says. A
-/// value of the type is the proof that the CPU has it. A mask has lanes of all ones or all zeros.
+use crate::geometry::key::KeyBox;
+use crate::simd::{Row, WINDOW};
+
+/// The operations of one instruction set on vectors of one half or two halves, of 16 bytes each: lanes of 8, 16 or 32 bits, as the
+/// name of an operation says. Both halves do the same. A value of the type is the proof that the CPU has the instructions. A mask
+/// has lanes of all ones or all zeros.
 pub(crate) trait Vectors: Copy + Send + Sync {
-    /// Its name, as [`Kernels::name`](crate::Kernels::name) gives it.
+    /// The name of its level, as [`Kernels::name`](crate::Kernels::name) gives it.
     const NAME: &'static str;
 
     /// The proof, if the target guarantees it.
@@ -18,8 +22,11 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     /// Whether pairs are tested four at a time. It takes more code.
     const TESTS_SOME_PAIRS: bool = true;
 
-    /// 16 bytes in a register, the first one lowest.
+    /// A vector in registers, the first byte lowest.
     type Vector: Copy;
+
+    /// A vector in memory.
+    type Bytes;
 
     /// As [`Simd::call`](crate::simd::Simd::call).
     fn call<R>(self, work: impl FnOnce() -> R) -> R;
@@ -28,16 +35,14 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     #[inline(always)]
     fn prefetch<T>(self, _: &[T], _: usize) {}
 
-    fn load(self, bytes: &[u8; 16]) -> Self::Vector;
-    fn store(self, bytes: &mut [u8; 16], a: Self::Vector);
-    /// Four words.
+    fn load(self, bytes: &Self::Bytes) -> Self::Vector;
+    fn store(self, bytes: &mut Self::Bytes, a: Self::Vector);
+    /// Four words, in each half.
     fn words(self, words: [u32; 4]) -> Self::Vector;
-    /// One word, four times.
+    /// One word everywhere.
     fn splat(self, word: u32) -> Self::Vector;
     /// The first word.
     fn first(self, a: Self::Vector) -> u32;
-    /// The first three words, then another one.
-    fn with_fourth(self, a: Self::Vector, word: u32) -> Self::Vector;
 
     fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -46,28 +51,26 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn select(self, mask: Self::Vector, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether a bit is set.
     fn any(self, a: Self::Vector) -> bool;
-    /// Whether a bit is set in the first three words.
+    /// Whether a bit is set in the first three words of a half.
     #[inline(always)]
     fn any_of_three(self, a: Self::Vector) -> bool {
         self.any(self.and(a, self.words([u32::MAX, u32::MAX, u32::MAX, 0])))
     }
-    /// The bytes at these places; zero for the place [`NO_BYTE`].
+    /// The bytes at these places of the same half; zero for the place [`NO_BYTE`].
     fn shuffle(self, a: Self::Vector, places: Self::Vector) -> Self::Vector;
 
-    fn equal8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn equal16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn equal32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// How much `a` exceeds `b`, or zero.
-    fn excess8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn excess16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A lane of 8 bits for each two lanes of `a` and then of `b`: zero where both are.
     fn join8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
     fn join16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
-    /// Lanes of the first halves, one of `a` and one of `b` in turn.
+    /// The first lanes, one of `a` and one of `b` in turn.
     fn zip_first16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The same of the last halves.
+    /// The same of the last lanes.
     fn zip_last16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_first32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn zip_last32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -106,7 +109,7 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn floats(self, a: Self::Vector) -> Self::Vector {
         self.or(self.magnitude32(a), self.and(a, self.splat(1 << 31)))
     }
-    /// Shifts the lower halves up, above zeros.
+    /// Shifts the lower halves of words up, above zeros.
     fn raised32(self, a: Self::Vector) -> Self::Vector;
 
     /// The sum of `f32`. Those below are of `f32` too.
@@ -119,48 +122,117 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn minimum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether `a` is at most `b`.
     fn at_most(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+}
+
+/// Vectors of one half.
+pub(crate) trait Half: Vectors<Bytes = [u8; 16]> {
+    /// The first three words, then another one.
+    fn with_fourth(self, a: Self::Vector, word: u32) -> Self::Vector;
+    /// The first and the third word of `a` and of `b`.
+    fn even32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The second and the last word of `a` and of `b`.
+    fn odd32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives zero, what is above 65,535
     /// that.
     fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-
     /// A mask of 16 bytes, one for each four of four vectors: whether none of them is below that of the query.
-    #[inline(always)]
-    fn reached(self, [a, b, c, d]: [Self::Vector; 4], query: Self::Vector) -> Self::Vector {
-        // How much the query's bytes exceed the others: zero where none does.
-        let (a, b) = (self.excess8(query, a), self.excess8(query, b));
-        let (c, d) = (self.excess8(query, c), self.excess8(query, d));
-        self.equal8(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))
-    }
-
+    fn reached(self, rows: [Self::Vector; 4], query: Self::Vector) -> Self::Vector;
     /// A bit for each lane of a mask of 32 bits.
     fn bits4(self, mask: Self::Vector) -> u32;
-    /// The same, and how many bits are set.
-    #[inline(always)]
-    fn counted4(self, mask: Self::Vector) -> (u32, u32) {
-        let bits = self.bits4(mask);
-        (bits, bits.count_ones())
-    }
-    /// A bit for each of six lanes of 32 bits in two masks: the first four and the last four, of which two are in both.
-    #[inline(always)]
-    fn bits6(self, [first, last]: [Self::Vector; 2]) -> u32 {
-        self.bits4(first) | self.bits4(last) << 2
-    }
-    /// A bit for each lane of a mask of 8 bits.
-    fn bits16(self, mask: Self::Vector) -> u32;
     /// The same of two masks.
     #[inline(always)]
-    fn bits32(self, [a, b]: [Self::Vector; 2]) -> u32 {
-        self.bits16(a) | self.bits16(b) << 16
+    fn bits8(self, a: Self::Vector, b: Self::Vector) -> u32 {
+        self.bits4(a) | self.bits4(b) << 4
     }
-    /// The same of four masks.
-    #[inline(always)]
-    fn bits64(self, [a, b, c, d]: [Self::Vector; 4]) -> u64 {
-        u64::from(self.bits32([a, b])) | u64::from(self.bits32([c, d])) << 32
-    }
+    /// A bit for each lane of four masks of 8 bits.
+    fn bits64(self, masks: [Self::Vector; 4]) -> u64;
 }
+
+/// The vectors of one half of some vectors.
+pub(crate) type HalfOf<W> = <<W as Halves>::Half as Vectors>::Vector;
+
+/// Vectors of two halves.
+pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
+    /// The operations on one half.
+    type Half: Half;
+
+    /// The proof of these.
+    fn half(self) -> Self::Half;
+    /// The halves.
+    fn split(self, a: Self::Vector) -> [HalfOf<Self>; 2];
+    /// A vector of two halves.
+    fn joined(self, first: HalfOf<Self>, last: HalfOf<Self>) -> Self::Vector;
+    /// Both halves from memory.
+    #[inline(always)]
+    fn pick(self, first: &[u8; 16], last: &[u8; 16]) -> Self::Vector {
+        self.joined(self.half().load(first), self.half().load(last))
+    }
+    /// The same half twice.
+    #[inline(always)]
+    fn both(self, bytes: &[u8; 16]) -> Self::Vector {
+        self.pick(bytes, bytes)
+    }
+    /// The halves in each other's place.
+    fn swap(self, a: Self::Vector) -> Self::Vector;
+    /// The first half of `a`, then the last half of `b`.
+    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The bits of both halves of `a`, then those of both halves of `b`.
+    fn or_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    /// The six keys of a box, in an order of the instruction set.
+    fn sides(self, bounds: &KeyBox) -> Self::Vector;
+    /// These in another order: the minima in the first three words of the first half, the maxima in those of the last one.
+    fn halved(self, sides: Self::Vector) -> Self::Vector;
+    /// The bits of a mask of six such lanes, as in [`Simd::above`](crate::simd::Simd::above).
+    fn six(self, mask: Self::Vector) -> u32;
+    /// A bit for each lane of a mask of 32 bits.
+    fn bits8(self, mask: Self::Vector) -> u32;
+    /// Whether lanes of 64 bits are zero, a bit each.
+    fn zeros64(self, a: Self::Vector) -> u32;
+    /// As [`Simd::window`](crate::simd::Simd::window).
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Vector) -> u64;
+
+    /// The lanes of 64 bits whose bit is set.
+    fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]);
+}
+
+/// For each mask of four lanes those that it keeps.
+pub(crate) const KEPT: [[u8; 4]; 16] = {
+    let mut table = [[0; 4]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        let (mut lane, mut kept) = (0, 0);
+        while lane < 4 {
+            if mask >> lane & 1 != 0 {
+                table[mask][kept] = lane;
+                kept += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// The same as the places of bytes, for lanes of 32 bits.
+pub(crate) const KEPT_BYTES: [[u8; 16]; 16] = {
+    let mut table = [[0; 16]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        table[mask] = places(KEPT[mask]);
+        mask += 1;
+    }
+    table
+};
 
 /// A place for [`Vectors::shuffle`] that gives zero.
 pub(crate) const NO_BYTE: u8 = u8::MAX;
+
+/// The places of the bytes of four words.
+pub(crate) const fn places([a, b, c, d]: [u8; 4]) -> [u8; 16] {
+    let [a, b, c, d] = [4 * a, 4 * b, 4 * c, 4 * d];
+    [a, a + 1, a + 2, a + 3, b, b + 1, b + 2, b + 3, c, c + 1, c + 2, c + 3, d, d + 1, d + 2, d + 3]
+}
 
 /// Functions whose operands and results are all vectors.
 macro_rules! operations {

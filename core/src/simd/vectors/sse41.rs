@@ -1,6 +1,6 @@
 //! 128-bit integers of x86: SSE4.1 with POPCNT. Nehalem, Bulldozer, Jaguar and later.
 
-use super::vectors::{Vectors, operations};
+use super::operations::{Half, Vectors, operations};
 use crate::geometry::record::GRID_MAX;
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -11,7 +11,7 @@ cpufeatures::new!(detected, "ssse3", "sse4.1", "popcnt");
 
 /// Proof that the CPU has SSSE3, SSE4.1 and POPCNT.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sse41(());
+pub(crate) struct Sse41(pub(super) ());
 
 /// Operations that the token proves.
 macro_rules! proven {
@@ -34,6 +34,8 @@ impl Vectors for Sse41 {
     }
 
     type Vector = __m128i;
+
+    type Bytes = [u8; 16];
 
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
@@ -83,12 +85,6 @@ impl Vectors for Sse41 {
     }
 
     #[inline(always)]
-    fn with_fourth(self, a: __m128i, word: u32) -> __m128i {
-        // SAFETY: `self` proves SSE4.1.
-        unsafe { _mm_insert_epi32::<3>(a, word as i32) }
-    }
-
-    #[inline(always)]
     fn any(self, a: __m128i) -> bool {
         // SAFETY: `self` proves SSE4.1.
         unsafe { _mm_testz_si128(a, a) == 0 }
@@ -100,10 +96,8 @@ impl Vectors for Sse41 {
         xor(a, b) = _mm_xor_si128(a, b);
         select(mask, a, b) = _mm_blendv_epi8(b, a, mask);
         shuffle(a, places) = _mm_shuffle_epi8(a, places);
-        equal8(a, b) = _mm_cmpeq_epi8(a, b);
         equal16(a, b) = _mm_cmpeq_epi16(a, b);
         equal32(a, b) = _mm_cmpeq_epi32(a, b);
-        excess8(a, b) = _mm_subs_epu8(a, b);
         excess16(a, b) = _mm_subs_epu16(a, b);
         // Zero only where both are: saturation keeps every other number above zero.
         join8(a, b) = _mm_packs_epi16(a, b);
@@ -133,6 +127,19 @@ impl Vectors for Sse41 {
         maximum(a, b) = _mm_castps_si128(_mm_max_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         minimum(a, b) = _mm_castps_si128(_mm_min_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         at_most(a, b) = _mm_castps_si128(_mm_cmple_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+    }
+}
+
+impl Half for Sse41 {
+    #[inline(always)]
+    fn with_fourth(self, a: __m128i, word: u32) -> __m128i {
+        // SAFETY: `self` proves SSE4.1.
+        unsafe { _mm_insert_epi32::<3>(a, word as i32) }
+    }
+
+    proven! {
+        even32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
+        odd32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         // NaN stays, as the second operand. Of it and of what is too low the conversion makes the least number, of which the packing
         // makes zero, as of all below zero.
         steps16(a, b) = _mm_packus_epi32(
@@ -142,14 +149,29 @@ impl Vectors for Sse41 {
     }
 
     #[inline(always)]
+    fn reached(self, [a, b, c, d]: [__m128i; 4], query: __m128i) -> __m128i {
+        // SAFETY: `self` proves SSE2.
+        unsafe {
+            // How much the query's bytes exceed the others: zero where none does.
+            let (a, b) = (_mm_subs_epu8(query, a), _mm_subs_epu8(query, b));
+            let (c, d) = (_mm_subs_epu8(query, c), _mm_subs_epu8(query, d));
+            let bytes = self.join8(self.join16(a, b), self.join16(c, d));
+            _mm_cmpeq_epi8(bytes, _mm_setzero_si128())
+        }
+    }
+
+    #[inline(always)]
     fn bits4(self, mask: __m128i) -> u32 {
         // SAFETY: `self` proves SSE2.
         unsafe { _mm_movemask_ps(_mm_castsi128_ps(mask)) as u32 }
     }
 
     #[inline(always)]
-    fn bits16(self, mask: __m128i) -> u32 {
+    fn bits64(self, [a, b, c, d]: [__m128i; 4]) -> u64 {
         // SAFETY: `self` proves SSE2.
-        unsafe { _mm_movemask_epi8(mask) as u32 }
+        let [a, b, c, d] = unsafe {
+            [_mm_movemask_epi8(a), _mm_movemask_epi8(b), _mm_movemask_epi8(c), _mm_movemask_epi8(d)]
+        };
+        u64::from((a | b << 16) as u32) | u64::from((c | d << 16) as u32) << 32
     }
 }

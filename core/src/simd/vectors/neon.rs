@@ -1,6 +1,6 @@
 //! The 128-bit vectors of AArch64. Every CPU that runs an operating system has them.
 
-use super::vectors::{Vectors, operations};
+use super::operations::{Half, Vectors, operations};
 use core::arch::aarch64::*;
 
 /// Proof of NEON. A program that is compiled with vectors runs nowhere else.
@@ -38,8 +38,8 @@ macro_rules! guaranteed {
 /// A bit for each byte of eight, in each half.
 const BIT: [u8; 16] = [1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128];
 
-/// A bit for each of six lanes, by their places in two vectors that share two of them.
-const BIT_OF_SIX: [u8; 16] = [1, 0, 2, 0, 4, 0, 8, 0, 0, 0, 0, 0, 16, 0, 32, 0];
+/// A bit for each of eight lanes of 16 bits.
+const BIT_OF_EIGHT: [u8; 16] = [1, 0, 2, 0, 4, 0, 8, 0, 16, 0, 32, 0, 64, 0, 128, 0];
 
 impl Vectors for Neon {
     const NAME: &'static str = "neon";
@@ -47,6 +47,8 @@ impl Vectors for Neon {
     const GUARANTEED: Option<Self> = Some(Self(()));
 
     type Vector = uint8x16_t;
+
+    type Bytes = [u8; 16];
 
     #[inline(never)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
@@ -83,12 +85,6 @@ impl Vectors for Neon {
     }
 
     #[inline(always)]
-    fn with_fourth(self, a: uint8x16_t, word: u32) -> uint8x16_t {
-        // SAFETY: as in `guaranteed`.
-        unsafe { vreinterpretq_u8_u32(vsetq_lane_u32::<3>(word, words(a))) }
-    }
-
-    #[inline(always)]
     fn any(self, a: uint8x16_t) -> bool {
         // SAFETY: as in `guaranteed`.
         unsafe {
@@ -103,10 +99,8 @@ impl Vectors for Neon {
         xor(a, b) = veorq_u8(a, b);
         select(mask, a, b) = vbslq_u8(mask, a, b);
         shuffle(a, places) = vqtbl1q_u8(a, places);
-        equal8(a, b) = vceqq_u8(a, b);
         equal16(a, b) = vreinterpretq_u8_u16(vceqq_u16(shorts(a), shorts(b)));
         equal32(a, b) = vreinterpretq_u8_u32(vceqq_u32(words(a), words(b)));
-        excess8(a, b) = vqsubq_u8(a, b);
         excess16(a, b) = vreinterpretq_u8_u16(vqsubq_u16(shorts(a), shorts(b)));
         join8(a, b) = vpmaxq_u8(a, b);
         join16(a, b) = vreinterpretq_u8_u16(vpmaxq_u16(shorts(a), shorts(b)));
@@ -134,8 +128,6 @@ impl Vectors for Neon {
         maximum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcgtq_f32(floats(a), floats(b))), a, b);
         minimum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcltq_f32(floats(a), floats(b))), a, b);
         at_most(a, b) = vreinterpretq_u8_u32(vcleq_f32(floats(a), floats(b)));
-        // Both saturate, and NaN gives zero.
-        steps16(a, b) = vreinterpretq_u8_u16(vqmovn_high_u32(vqmovn_u32(vcvtq_u32_f32(floats(a))), vcvtq_u32_f32(floats(b))));
     }
 
     #[inline(always)]
@@ -146,6 +138,21 @@ impl Vectors for Neon {
             let halves = vget_lane_u64::<0>(vreinterpret_u64_u16(vqmovn_u32(words(a))));
             halves & 0xffff_ffff_ffff != 0
         }
+    }
+}
+
+impl Half for Neon {
+    #[inline(always)]
+    fn with_fourth(self, a: uint8x16_t, word: u32) -> uint8x16_t {
+        // SAFETY: as in `guaranteed`.
+        unsafe { vreinterpretq_u8_u32(vsetq_lane_u32::<3>(word, words(a))) }
+    }
+
+    guaranteed! {
+        even32(a, b) = vreinterpretq_u8_u32(vuzp1q_u32(words(a), words(b)));
+        odd32(a, b) = vreinterpretq_u8_u32(vuzp2q_u32(words(a), words(b)));
+        // Both saturate, and NaN gives zero.
+        steps16(a, b) = vreinterpretq_u8_u16(vqmovn_high_u32(vqmovn_u32(vcvtq_u32_f32(floats(a))), vcvtq_u32_f32(floats(b))));
     }
 
     #[inline(always)]
@@ -166,46 +173,16 @@ impl Vectors for Neon {
     }
 
     #[inline(always)]
-    fn counted4(self, mask: uint8x16_t) -> (u32, u32) {
-        // The count stands above the bits.
-        let bit = self.words([1 | 1 << 8, 2 | 1 << 8, 4 | 1 << 8, 8 | 1 << 8]);
-        // SAFETY: as in `guaranteed`.
-        let sum = unsafe { vaddvq_u32(words(self.and(mask, bit))) };
-        (sum & 0b1111, sum >> 8)
-    }
-
-    #[inline(always)]
-    fn bits6(self, [first, last]: [uint8x16_t; 2]) -> u32 {
+    fn bits8(self, a: uint8x16_t, b: uint8x16_t) -> u32 {
         // SAFETY: as in `guaranteed`.
         unsafe {
-            let masks = vreinterpretq_u8_u16(vuzp1q_u16(shorts(first), shorts(last)));
-            u32::from(vaddvq_u16(shorts(self.and(masks, self.load(&BIT_OF_SIX)))))
-        }
-    }
-
-    #[inline(always)]
-    fn bits16(self, mask: uint8x16_t) -> u32 {
-        // SAFETY: as in `guaranteed`.
-        unsafe {
-            let bits = vandq_u8(mask, self.load(&BIT));
-            u32::from(vaddv_u8(vget_low_u8(bits))) | u32::from(vaddv_u8(vget_high_u8(bits))) << 8
+            let masks = vreinterpretq_u8_u16(vuzp1q_u16(shorts(a), shorts(b)));
+            u32::from(vaddvq_u16(shorts(self.and(masks, self.load(&BIT_OF_EIGHT)))))
         }
     }
 
     // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that no two bits are in one
     // place, and make three operations of each sum.
-
-    #[inline(always)]
-    fn bits32(self, [a, b]: [uint8x16_t; 2]) -> u32 {
-        // SAFETY: as in `guaranteed`.
-        unsafe {
-            let bit = self.load(&BIT);
-            let sums = vpaddq_u8(vminq_u8(a, bit), vminq_u8(b, bit));
-            let sums = vpaddq_u8(sums, sums);
-            vgetq_lane_u32::<0>(words(vpaddq_u8(sums, sums)))
-        }
-    }
-
     #[inline(always)]
     fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
         // SAFETY: as in `guaranteed`.

@@ -1,0 +1,268 @@
+//! 256-bit vectors of x86-64: Haswell, Zen and later.
+
+use super::operations::{Halves, KEPT, Vectors, operations};
+use super::sse41::Sse41;
+use crate::geometry::key::KeyBox;
+use crate::simd::{Row, WINDOW};
+use core::arch::x86_64::*;
+
+cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
+
+/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system saves the wide registers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(());
+
+/// Operations that the token proves.
+macro_rules! proven {
+    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
+        operations! { $($name($($operand),+) =
+            // SAFETY: `self` proves that the CPU has them.
+            unsafe { $result };)+ }
+    };
+}
+
+/// Which of 32 rows have no byte below that of the query. A plain function: a closure would not have the instruction set of its
+/// function.
+#[inline(always)]
+fn reached(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
+    // SAFETY: the token proves AVX2; each load reads eight rows.
+    unsafe {
+        // How much the query's bytes exceed a row's: zero where none does.
+        let a = _mm256_subs_epu8(query, _mm256_loadu_si256(a.as_ptr().cast()));
+        let b = _mm256_subs_epu8(query, _mm256_loadu_si256(b.as_ptr().cast()));
+        let c = _mm256_subs_epu8(query, _mm256_loadu_si256(c.as_ptr().cast()));
+        let d = _mm256_subs_epu8(query, _mm256_loadu_si256(d.as_ptr().cast()));
+        // A byte for each row, zero where all four are: saturation keeps every other number above zero. The packing
+        // interleaves the halves of the vectors, so groups of four are put back in order.
+        let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
+        let inside = _mm256_cmpeq_epi8(bytes, _mm256_setzero_si256());
+        _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(inside, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7)))
+            as u32
+    }
+}
+
+/// The words of the lanes in [`KEPT`].
+const KEPT_WORDS: [[u32; 8]; 16] = {
+    let mut table = [[0; 8]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        let mut word = 0;
+        while word < 8 {
+            table[mask][word] = 2 * KEPT[mask][word / 2] as u32 + word as u32 % 2;
+            word += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+impl Vectors for Avx2 {
+    const NAME: &'static str = "avx2";
+
+    const GUARANTEED: Option<Self> = if cfg!(all(
+        target_feature = "avx2",
+        target_feature = "bmi1",
+        target_feature = "bmi2",
+        target_feature = "popcnt"
+    )) {
+        Some(Self(()))
+    } else {
+        None
+    };
+
+    #[inline(always)]
+    fn detect() -> Option<Self> {
+        detected::get().then_some(Self(()))
+    }
+
+    type Vector = __m256i;
+
+    type Bytes = [u8; 32];
+
+    #[inline(always)]
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
+        fn compiled<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        // SAFETY: `self` proves that the CPU has these features.
+        unsafe { compiled(work) }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        self.half().prefetch(items, index);
+    }
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 32]) -> __m256i {
+        // SAFETY: `self` proves AVX2; the 32 bytes are read.
+        unsafe { _mm256_loadu_si256(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 32], a: __m256i) {
+        // SAFETY: `self` proves AVX2; the 32 bytes are written.
+        unsafe { _mm256_storeu_si256(bytes.as_mut_ptr().cast(), a) }
+    }
+
+    #[inline(always)]
+    fn words(self, words: [u32; 4]) -> __m256i {
+        self.both(&bytemuck::cast(words))
+    }
+
+    #[inline(always)]
+    fn splat(self, word: u32) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_set1_epi32(word as i32) }
+    }
+
+    #[inline(always)]
+    fn first(self, a: __m256i) -> u32 {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_cvtsi256_si32(a) as u32 }
+    }
+
+    #[inline(always)]
+    fn any(self, a: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_testz_si256(a, a) == 0 }
+    }
+
+    #[inline(always)]
+    fn any_of_three(self, a: __m256i) -> bool {
+        // SAFETY: `self` proves AVX2. Of a test with a mask the compiler makes four operations.
+        unsafe { _mm256_movemask_epi8(a) & 0x0fff_0fff != 0 }
+    }
+
+    proven! {
+        and(a, b) = _mm256_and_si256(a, b);
+        or(a, b) = _mm256_or_si256(a, b);
+        xor(a, b) = _mm256_xor_si256(a, b);
+        select(mask, a, b) = _mm256_blendv_epi8(b, a, mask);
+        shuffle(a, places) = _mm256_shuffle_epi8(a, places);
+        equal16(a, b) = _mm256_cmpeq_epi16(a, b);
+        equal32(a, b) = _mm256_cmpeq_epi32(a, b);
+        excess16(a, b) = _mm256_subs_epu16(a, b);
+        join8(a, b) = _mm256_packs_epi16(a, b);
+        join16(a, b) = _mm256_packs_epi32(a, b);
+        zip_first16(a, b) = _mm256_unpacklo_epi16(a, b);
+        zip_last16(a, b) = _mm256_unpackhi_epi16(a, b);
+        zip_first32(a, b) = _mm256_unpacklo_epi32(a, b);
+        zip_last32(a, b) = _mm256_unpackhi_epi32(a, b);
+        zip_first64(a, b) = _mm256_unpacklo_epi64(a, b);
+        zip_last64(a, b) = _mm256_unpackhi_epi64(a, b);
+        fourth_on(a, b) = _mm256_alignr_epi8::<12>(b, a);
+        third_on(a, b) = _mm256_alignr_epi8::<8>(b, a);
+        three_and_last(a, b) = _mm256_blend_epi32::<0b1000_1000>(a, b);
+        above32(a, b) = _mm256_cmpgt_epi32(a, b);
+        lower32(a, b) = _mm256_min_epi32(a, b);
+        upper32(a, b) = _mm256_max_epi32(a, b);
+        least32(a, b) = _mm256_min_epu32(a, b);
+        most32(a, b) = _mm256_max_epu32(a, b);
+        minus32(a, b) = _mm256_sub_epi32(a, b);
+        magnitude32(a) = _mm256_abs_epi32(a);
+        keys(a) = _mm256_sign_epi32(_mm256_and_si256(a, _mm256_set1_epi32(i32::MAX)), a);
+        raised32(a) = _mm256_slli_epi32::<16>(a);
+        add(a, b) = _mm256_castps_si256(_mm256_add_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+        subtract(a, b) = _mm256_castps_si256(_mm256_sub_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+        multiply(a, b) = _mm256_castps_si256(_mm256_mul_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+        maximum(a, b) = _mm256_castps_si256(_mm256_max_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+        minimum(a, b) = _mm256_castps_si256(_mm256_min_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+        at_most(a, b) =
+            _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LE_OQ>(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+    }
+}
+
+impl Halves for Avx2 {
+    type Half = Sse41;
+
+    #[inline(always)]
+    fn half(self) -> Sse41 {
+        Sse41(())
+    }
+
+    #[inline(always)]
+    fn split(self, a: __m256i) -> [__m128i; 2] {
+        // SAFETY: `self` proves AVX2.
+        unsafe { [_mm256_castsi256_si128(a), _mm256_extracti128_si256::<1>(a)] }
+    }
+
+    #[inline(always)]
+    fn joined(self, first: __m128i, last: __m128i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_set_m128i(last, first) }
+    }
+
+    #[inline(always)]
+    fn swap(self, a: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_permute4x64_epi64::<0b01_00_11_10>(a) }
+    }
+
+    #[inline(always)]
+    fn first_and_last(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_blend_epi32::<0b1111_0000>(a, b) }
+    }
+
+    #[inline(always)]
+    fn or_halves(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            _mm256_or_si256(_mm256_permute2x128_si256::<0x20>(a, b), _mm256_permute2x128_si256::<0x31>(a, b))
+        }
+    }
+
+    /// Behind them stands zero.
+    #[inline(always)]
+    fn sides(self, bounds: &KeyBox) -> __m256i {
+        let keys: &[i32; 6] = bytemuck::cast_ref(bounds);
+        // SAFETY: `self` proves AVX2; the mask keeps the read inside the 24 bytes.
+        unsafe { _mm256_maskload_epi32(keys.as_ptr(), _mm256_setr_epi32(-1, -1, -1, -1, -1, -1, 0, 0)) }
+    }
+
+    #[inline(always)]
+    fn halved(self, sides: __m256i) -> __m256i {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_permutevar8x32_epi32(sides, _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6)) }
+    }
+
+    #[inline(always)]
+    fn six(self, mask: __m256i) -> u32 {
+        self.bits8(mask)
+    }
+
+    #[inline(always)]
+    fn bits8(self, mask: __m256i) -> u32 {
+        // SAFETY: `self` proves AVX2.
+        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32 }
+    }
+
+    #[inline(always)]
+    fn zeros64(self, a: __m256i) -> u32 {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let zeros = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
+            _mm256_movemask_pd(_mm256_castsi256_pd(zeros)) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: __m256i) -> u64 {
+        let [first, last]: &[[[u8; 32]; 4]; 2] = bytemuck::cast_ref(rows);
+        let mask = u64::from(reached(self, first, query)) | u64::from(reached(self, last, query)) << 32;
+        // SAFETY: `self` proves BMI2.
+        unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
+    }
+
+    #[inline(always)]
+    fn kept64(self, a: __m256i, mask: u32, to: &mut [u8; 32]) {
+        // SAFETY: `self` proves AVX2.
+        unsafe {
+            let kept = bytemuck::cast(KEPT_WORDS[mask as usize & 15]);
+            self.store(to, _mm256_permutevar8x32_epi32(a, kept));
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The keys of four boxes at a time.
+//!
+//! Each half of three vectors has the twelve numbers of two boxes: the first one of a box to the first of its maxima; its other two
+//! maxima and the first two minima of the next box; the rest of that.
+
+use super::operations::{Halves, NO_BYTE, Vectors, places};
+use crate::geometry::boxes::Four;
+use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
+
+/// The places of the bytes of two boxes, six each, as lanes of eight bytes.
+const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 11, NO_BYTE, NO_BYTE];
+
+/// The 24 numbers of four boxes.
+#[inline(always)]
+fn numbers<W: Halves>(w: W, boxes: Four<'_>) -> [W::Vector; 3] {
+    match boxes {
+        Four::Packed(boxes) => three(w, bytemuck::cast_ref(boxes)),
+        Four::Padded(boxes) => {
+            let [a, b]: &[[[u8; 16]; 4]; 2] = bytemuck::cast_ref(boxes);
+            let (min, max) = (w.pick(&a[0], &b[0]), w.pick(&a[1], &b[1]));
+            let (next_min, next_max) = (w.pick(&a[2], &b[2]), w.pick(&a[3], &b[3]));
+            let max = w.shuffle(max, w.both(&places([1, 2, 2, 0])));
+            let third = w.shuffle(next_min, w.both(&places([2; 4])));
+            [w.three_and_last(min, max), w.zip_first64(max, next_min), w.fourth_on(third, next_max)]
+        }
+    }
+}
+
+/// The three vectors of 96 bytes.
+#[inline(always)]
+fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] {
+    [w.pick(a, d), w.pick(b, e), w.pick(c, f)]
+}
+
+/// As [`Simd::encode_four`](crate::simd::Simd::encode_four).
+#[inline(always)]
+pub(super) fn encode_four<W: Halves>(
+    w: W,
+    boxes: Four<'_>,
+    held: &[KeyBox; 4],
+    old: &[KeyBox; 4],
+    new: &mut [KeyBox; 4],
+) -> Option<u32> {
+    let [a, b, c] = numbers(w, boxes);
+    let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
+    let [held_a, held_b, held_c] = three(w, bytemuck::cast_ref(held));
+    let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
+    // The minima above the maxima of the first box, then of the second one. What stands behind them means nothing.
+    let second_maxima = w.shuffle(c, w.both(&places([1, 2, 3, 0])));
+    let first = w.above32(a, w.fourth_on(a, b));
+    let second = w.above32(w.third_on(b, c), second_maxima);
+    let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
+    let outside = w.or(
+        outside(w, a, held_a, [u32::MAX, u32::MAX, u32::MAX, 0]),
+        w.or(outside(w, b, held_b, [0, 0, u32::MAX, u32::MAX]), outside(w, c, held_c, [u32::MAX, 0, 0, 0])),
+    );
+    // No key of an object is above +infinity, but the first one of an empty box is.
+    let empty = w.above32(w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
+    if w.any(w.or(w.or(upside_down, outside), empty)) {
+        return None;
+    }
+    let [first, second, third, fourth, fifth, sixth]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);
+    for (vector, first, last) in [(a, first, fourth), (b, second, fifth), (c, third, sixth)] {
+        let halves = w.split(vector);
+        w.half().store(first, halves[0]);
+        w.half().store(last, halves[1]);
+    }
+    // Two bytes for each two keys, zero if they are the same.
+    let (a, b, c) = (w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c));
+    let others = w.join16(w.join16(a, b), w.join16(c, c));
+    Some(!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111)
+}
+
+/// Where keys are outside those that hold them, which are minima where the mask is set.
+#[inline(always)]
+fn outside<W: Halves>(w: W, keys: W::Vector, held: W::Vector, minima: [u32; 4]) -> W::Vector {
+    let minima = w.words(minima);
+    w.above32(w.select(minima, held, keys), w.select(minima, keys, held))
+}

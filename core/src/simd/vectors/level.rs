@@ -1,0 +1,210 @@
+//! The level of some vectors, whatever the instruction set.
+
+use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, places};
+use super::{casts, encode, fours, overlaps, predict};
+use crate::geometry::boxes::Four;
+use crate::geometry::key::KeyBox;
+use crate::geometry::line::{Crossing, Walk};
+use crate::geometry::record::{Frame, Record};
+use crate::id::{Index, Pair};
+use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
+
+/// The level of some vectors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level<W>(W);
+
+impl<W: Halves> Level<W> {
+    /// The name of the level.
+    pub(crate) const NAME: &'static str = W::NAME;
+
+    /// The level, where the target guarantees it.
+    pub(crate) const GUARANTEED: Option<Self> = match W::GUARANTEED {
+        Some(vectors) => Some(Self(vectors)),
+        None => None,
+    };
+
+    /// The level, where this CPU has it.
+    pub(crate) fn detect() -> Option<Self> {
+        W::detect().map(Self)
+    }
+}
+
+/// The places of the high bytes of four lanes, four times.
+#[inline(always)]
+fn high_bytes<W: Halves>(w: W, lanes: [usize; 4]) -> HalfOf<W> {
+    w.half().splat(u32::from_le_bytes(lanes.map(|lane| 2 * lane as u8 + 1)))
+}
+
+/// The places of the six lanes of a record, of which the maxima stand in the last half.
+const SIX_LANES: [u8; 16] = [0, 1, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, NO_BYTE, NO_BYTE, NO_BYTE, NO_BYTE];
+
+impl<W: Halves> Simd for Level<W> {
+    type Keys = W::Vector;
+
+    type Axis = [HalfOf<W>; 2];
+
+    type Query = W::Vector;
+
+    const ENCODES_FOUR: bool = true;
+
+    const TESTS_SOME_PAIRS: bool = W::TESTS_SOME_PAIRS;
+
+    #[inline(always)]
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        self.0.call(work)
+    }
+
+    #[inline(always)]
+    fn keys(self, bounds: &KeyBox) -> W::Vector {
+        self.0.sides(bounds)
+    }
+
+    #[inline(always)]
+    fn encode_four(
+        self,
+        boxes: Four<'_>,
+        held: &[KeyBox; 4],
+        old: &[KeyBox; 4],
+        new: &mut [KeyBox; 4],
+    ) -> Option<u32> {
+        encode::encode_four(self.0, boxes, held, old, new)
+    }
+
+    #[inline(always)]
+    fn above(self, a: W::Vector, b: W::Vector) -> u32 {
+        self.0.six(self.0.above32(a, b))
+    }
+
+    #[inline(always)]
+    fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
+        overlaps::overlap(self.0, a, b)
+    }
+
+    #[inline(always)]
+    unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
+        // SAFETY: the caller vouches for the slots.
+        unsafe { overlaps::eight_overlap(self.0, boxes, pairs) }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        self.0.prefetch(items, index);
+    }
+
+    #[inline(always)]
+    fn predict(self, old: &KeyBox, bounds: &KeyBox, margin: f32) -> KeyBox {
+        predict::predict(self.0, old, bounds, margin)
+    }
+
+    #[inline(always)]
+    fn axis(self, axis: usize) -> [HalfOf<W>; 2] {
+        [high_bytes(self.0, row_lanes(axis)), high_bytes(self.0, query_lanes(axis))]
+    }
+
+    #[inline(always)]
+    fn row(self, [row, _]: [HalfOf<W>; 2], record: &Record) -> Row {
+        let h = self.0.half();
+        (!h.first(h.shuffle(h.load(bytemuck::cast_ref(record)), row))).to_le_bytes()
+    }
+
+    #[inline(always)]
+    fn query(self, [_, query]: [HalfOf<W>; 2], record: &Record) -> W::Vector {
+        let h = self.0.half();
+        let query = h.shuffle(h.load(bytemuck::cast_ref(record)), query);
+        self.0.joined(query, query)
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row; WINDOW], count: usize, query: W::Vector) -> u64 {
+        self.0.window(rows, count, query)
+    }
+
+    #[inline(always)]
+    fn four<I: Index>(
+        self,
+        sorted: &[Record],
+        base: u32,
+        bits: u64,
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::four(self.0, sorted, base, bits, pairs)
+    }
+
+    #[inline(always)]
+    fn any_four<I: Index>(
+        self,
+        sorted: &[Record],
+        candidates: &[u32; 4],
+        pairs: &mut [Pair<I>; 4],
+    ) -> Option<usize> {
+        fours::any_four(self.0, sorted, candidates, pairs)
+    }
+
+    #[inline(always)]
+    fn contact(self, a: &Record, b: &Record) -> Contact {
+        let h = self.0.half();
+        let a = h.load(bytemuck::cast_ref(a));
+        let limit = fours::limit(h, h.load(bytemuck::cast_ref(b)), h.load(&fours::HALVES));
+        Contact { touches: !h.any_of_three(h.excess16(a, limit)), tied: h.any_of_three(h.equal16(a, limit)) }
+    }
+
+    #[inline(always)]
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        let w = self.0;
+        let limit = w.both(bytemuck::cast_ref(&limit));
+        let [a, b, c, d] = casts::eight(w, records);
+        let (a, b) = (w.excess16(a, limit), w.excess16(b, limit));
+        let (c, d) = (w.excess16(c, limit), w.excess16(d, limit));
+        // A word for each record, zero if it touches.
+        let apart = w.join16(w.join16(a, b), w.join16(c, d));
+        w.bits8(w.equal32(apart, w.splat(0)))
+    }
+
+    #[inline(always)]
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        casts::enter(self.0, walk, nodes, until)
+    }
+
+    #[inline(always)]
+    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
+        let (_, met) = casts::met(self.0, records, crossing);
+        self.0.bits8(met)
+    }
+
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
+        let w = self.0;
+        let (times, met) = casts::met(w, records, crossing);
+        let mut bytes = [0; 32];
+        w.store(&mut bytes, w.select(met, times, w.splat(f32::NAN.to_bits())));
+        bytemuck::cast(bytes)
+    }
+
+    #[inline(always)]
+    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
+        let w = self.0;
+        let bytes: &mut [u8; 32] = bytemuck::cast_mut(numbers);
+        let all = w.load(bytes);
+        let least = w.least32(all, w.swap(all));
+        let least = w.least32(least, w.shuffle(least, w.both(&places([2, 3, 0, 1]))));
+        let least = w.least32(least, w.shuffle(least, w.both(&places([1, 0, 3, 2]))));
+        w.store(bytes, w.or(all, w.equal32(all, least)));
+        w.first(least)
+    }
+
+    #[inline(always)]
+    fn record(self, frame: &Frame, keys: W::Vector, tag: u32) -> Record {
+        let (w, h) = (self.0, self.0.half());
+        // The first three numbers of their rows.
+        let [[origin, _], [scale, _]]: [&[[u8; 16]; 2]; 2] =
+            [&frame.origin, &frame.scale].map(bytemuck::cast_ref);
+        let at = w.multiply(w.subtract(w.floats(w.halved(keys)), w.both(origin)), w.both(scale));
+        let [minima, maxima] = w.split(at);
+        let lanes = h.shuffle(h.steps16(minima, maxima), h.load(&SIX_LANES));
+        // Maxima are complemented.
+        let lanes = h.xor(lanes, h.words([0, 0xffff_0000, u32::MAX, 0]));
+        let mut bytes = [0; 16];
+        h.store(&mut bytes, h.with_fourth(lanes, tag));
+        bytemuck::cast(bytes)
+    }
+}

@@ -1,0 +1,58 @@
+//! Tests pairs of boxes.
+
+use super::operations::{Halves, places};
+use crate::geometry::key::KeyBox;
+use crate::id::{Index, Pair};
+
+/// As [`KeyBox::overlaps`].
+#[inline(always)]
+pub(super) fn overlap<W: Halves>(w: W, a: &KeyBox, b: &KeyBox) -> bool {
+    let [a, b]: [&[u8; 24]; 2] = [bytemuck::cast_ref(a), bytemuck::cast_ref(b)];
+    // The minima of both; one number, then the maxima of the other one, which they must not exceed. There are as many.
+    let minima = w.pick(a.first_chunk().unwrap_or(&[0; 16]), b.first_chunk().unwrap_or(&[0; 16]));
+    let maxima = w.pick(b.last_chunk().unwrap_or(&[0; 16]), a.last_chunk().unwrap_or(&[0; 16]));
+    let maxima = w.shuffle(maxima, w.both(&places([1, 2, 3, 0])));
+    !w.any_of_three(w.above32(minima, maxima))
+}
+
+/// As [`Simd::eight_overlap`](crate::simd::Simd::eight_overlap).
+///
+/// # Safety
+/// Behind the box of each slot there must be another one.
+#[inline(always)]
+pub(super) unsafe fn eight_overlap<W: Halves, I: Index>(w: W, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
+    let [a, b, c, d, e, f, g, h] = pairs;
+    // SAFETY: the caller vouches for the slots.
+    let (first, last) = unsafe { (four_apart(w, boxes, [a, b, c, d]), four_apart(w, boxes, [e, f, g, h])) };
+    // Four bytes of each pair, of which the last one means nothing.
+    let apart = w.and(w.or_halves(first, last), w.splat(0x00ff_ffff));
+    w.bits8(w.equal32(apart, w.splat(0)))
+}
+
+/// The axes on which the minima of the one or of the other box of four pairs are beyond the maxima: in each half four bytes a pair.
+///
+/// # Safety
+/// Behind the box of each slot there must be another one.
+#[inline(always)]
+unsafe fn four_apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [p, q, r, s]: [&Pair<I>; 4]) -> W::Vector {
+    // SAFETY: the caller vouches for the slots.
+    unsafe {
+        let first = w.join16(apart(w, boxes, p), apart(w, boxes, q));
+        w.join8(first, w.join16(apart(w, boxes, r), apart(w, boxes, s)))
+    }
+}
+
+/// The same of one pair, as masks. The last lane of a half means nothing.
+///
+/// # Safety
+/// Behind the box of each slot there must be another one.
+#[inline(always)]
+unsafe fn apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [a, b]: &Pair<I>) -> W::Vector {
+    // SAFETY: a box is 24 bytes, three minima and three maxima; 28 bytes from its start on are read, all of them in the slice, as the
+    // caller vouches.
+    unsafe {
+        let [a, b]: [*const u8; 2] = [boxes.as_ptr().add(a.at()).cast(), boxes.as_ptr().add(b.at()).cast()];
+        let minima = w.pick(&*a.cast(), &*b.cast());
+        w.above32(minima, w.pick(&*b.add(12).cast(), &*a.add(12).cast()))
+    }
+}

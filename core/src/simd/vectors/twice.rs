@@ -1,0 +1,207 @@
+//! Vectors of two registers.
+
+use super::operations::{Half, HalfOf, Halves, KEPT_BYTES, Vectors, places};
+use crate::geometry::key::KeyBox;
+use crate::simd::{Row, WINDOW};
+
+/// Vectors of two registers of an instruction set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twice<V>(V);
+
+/// Operations on each register.
+macro_rules! on_both {
+    ($($name:ident($($operand:ident),+);)+) => {$(
+        #[inline(always)]
+        fn $name(self, $($operand: Self::Vector),+) -> Self::Vector {
+            (self.0.$name($($operand.0),+), self.0.$name($($operand.1),+))
+        }
+    )+};
+}
+
+impl<V: Half> Vectors for Twice<V> {
+    const NAME: &'static str = V::NAME;
+
+    const GUARANTEED: Option<Self> = match V::GUARANTEED {
+        Some(proof) => Some(Self(proof)),
+        None => None,
+    };
+
+    #[inline(always)]
+    fn detect() -> Option<Self> {
+        V::detect().map(Self)
+    }
+
+    const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
+
+    type Vector = (V::Vector, V::Vector);
+
+    type Bytes = [u8; 32];
+
+    #[inline(always)]
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        self.0.call(work)
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        self.0.prefetch(items, index);
+    }
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 32]) -> Self::Vector {
+        let [first, last]: &[[u8; 16]; 2] = bytemuck::cast_ref(bytes);
+        (self.0.load(first), self.0.load(last))
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 32], a: Self::Vector) {
+        let [first, last]: &mut [[u8; 16]; 2] = bytemuck::cast_mut(bytes);
+        self.0.store(first, a.0);
+        self.0.store(last, a.1);
+    }
+
+    #[inline(always)]
+    fn words(self, words: [u32; 4]) -> Self::Vector {
+        (self.0.words(words), self.0.words(words))
+    }
+
+    #[inline(always)]
+    fn splat(self, word: u32) -> Self::Vector {
+        (self.0.splat(word), self.0.splat(word))
+    }
+
+    #[inline(always)]
+    fn first(self, a: Self::Vector) -> u32 {
+        self.0.first(a.0)
+    }
+
+    #[inline(always)]
+    fn any(self, a: Self::Vector) -> bool {
+        self.0.any(self.0.or(a.0, a.1))
+    }
+
+    #[inline(always)]
+    fn any_of_three(self, a: Self::Vector) -> bool {
+        self.0.any_of_three(self.0.or(a.0, a.1))
+    }
+
+    on_both! {
+        and(a, b);
+        or(a, b);
+        xor(a, b);
+        select(mask, a, b);
+        shuffle(a, places);
+        equal16(a, b);
+        equal32(a, b);
+        excess16(a, b);
+        join8(a, b);
+        join16(a, b);
+        zip_first16(a, b);
+        zip_last16(a, b);
+        zip_first32(a, b);
+        zip_last32(a, b);
+        zip_first64(a, b);
+        zip_last64(a, b);
+        fourth_on(a, b);
+        third_on(a, b);
+        three_and_last(a, b);
+        above32(a, b);
+        lower32(a, b);
+        upper32(a, b);
+        least32(a, b);
+        most32(a, b);
+        minus32(a, b);
+        magnitude32(a);
+        keys(a);
+        raised32(a);
+        add(a, b);
+        subtract(a, b);
+        multiply(a, b);
+        maximum(a, b);
+        minimum(a, b);
+        at_most(a, b);
+    }
+}
+
+impl<V: Half> Halves for Twice<V> {
+    type Half = V;
+
+    #[inline(always)]
+    fn half(self) -> V {
+        self.0
+    }
+
+    #[inline(always)]
+    fn split(self, (first, last): Self::Vector) -> [HalfOf<Self>; 2] {
+        [first, last]
+    }
+
+    #[inline(always)]
+    fn joined(self, first: HalfOf<Self>, last: HalfOf<Self>) -> Self::Vector {
+        (first, last)
+    }
+
+    #[inline(always)]
+    fn swap(self, (first, last): Self::Vector) -> Self::Vector {
+        (last, first)
+    }
+
+    #[inline(always)]
+    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        (a.0, b.1)
+    }
+
+    #[inline(always)]
+    fn or_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        (self.0.or(a.0, a.1), self.0.or(b.0, b.1))
+    }
+
+    /// The first four and the last four: two of them twice, so no lane is empty.
+    #[inline(always)]
+    fn sides(self, bounds: &KeyBox) -> Self::Vector {
+        let bytes: &[u8; 24] = bytemuck::cast_ref(bounds);
+        // There are as many.
+        self.pick(bytes.first_chunk().unwrap_or(&[0; 16]), bytes.last_chunk().unwrap_or(&[0; 16]))
+    }
+
+    #[inline(always)]
+    fn halved(self, (first, last): Self::Vector) -> Self::Vector {
+        (first, self.0.shuffle(last, self.0.load(&places([1, 2, 3, 0]))))
+    }
+
+    #[inline(always)]
+    fn six(self, mask: Self::Vector) -> u32 {
+        self.0.bits4(mask.0) | self.0.bits4(mask.1) << 2
+    }
+
+    #[inline(always)]
+    fn bits8(self, mask: Self::Vector) -> u32 {
+        self.0.bits8(mask.0, mask.1)
+    }
+
+    #[inline(always)]
+    fn zeros64(self, a: Self::Vector) -> u32 {
+        let v = self.0;
+        v.bits4(v.equal32(v.join16(a.0, a.1), v.splat(0)))
+    }
+
+    #[inline(always)]
+    fn window(self, rows: &[Row; WINDOW], count: usize, (query, _): Self::Vector) -> u64 {
+        let v = self.0;
+        let rows: &[[[u8; 16]; 4]; 4] = bytemuck::cast_ref(rows);
+        let mut masks = [query; 4];
+        for (mask, [a, b, c, d]) in masks.iter_mut().zip(rows) {
+            *mask = v.reached([v.load(a), v.load(b), v.load(c), v.load(d)], query);
+        }
+        let below = if count >= WINDOW { u64::MAX } else { !(u64::MAX << count) };
+        v.bits64(masks) & below
+    }
+
+    #[inline(always)]
+    fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]) {
+        let v = self.0;
+        let kept = v.load(&KEPT_BYTES[mask as usize & 15]);
+        let (first, second) = (v.shuffle(v.even32(a.0, a.1), kept), v.shuffle(v.odd32(a.0, a.1), kept));
+        self.store(to, (v.zip_first32(first, second), v.zip_last32(first, second)));
+    }
+}
