@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-packages=(rustc-web cargo-web rust-web-src lld-22 qemu-system-arm)
+packages=(rustc-web cargo-web rust-web-src lld-22 clang qemu-system-arm)
 if ! dpkg -s "${packages[@]}" >/dev/null 2>&1; then
     [ "$(id -u)" = 0 ] || { echo "please install: apt-get install ${packages[*]}" >&2 && exit 2; }
     apt-get update -qq
@@ -102,4 +102,6 @@ build thumbv7em-none-eabihf --bin replay --features panic
 # The table of instructions. Without an exact clock there are no figures.
 [ "$(failure run "$boards/thumbv7em-none-eabihf/release/measure" "")" = 1 ]
 run "$boards/thumbv7em-none-eabihf/release/measure" "" -icount shift=0
+# What others begin with.
+start/run.sh
 echo "the firmware runs, and holds what is said of it"
