@@ -264,8 +264,6 @@ typedef struct trisap_config {
     /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
     /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
     uint32_t fixed_margins;
-    /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
-    uint32_t test_hooks;
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     uint32_t values;
@@ -1511,7 +1509,7 @@ TRISAP_NOEXCEPT;
 TRISAP_SIZE(trisap_status, 4);
 TRISAP_SIZE(trisap_aabb, 24);
 TRISAP_SIZE(trisap_pair, 8);
-TRISAP_SIZE(trisap_config, 68);
+TRISAP_SIZE(trisap_config, 64);
 TRISAP_SIZE(trisap_boxes, 8 + 3 * sizeof(void *));
 TRISAP_SIZE(trisap_jobs, 8 + 2 * sizeof(void *));
 TRISAP_SIZE(trisap_result, 24 + 6 * sizeof(void *));

@@ -53,100 +53,6 @@ pub enum Mode {
     Fat,
 }
 
-/// Whether steps do something: they choose, or the caller has chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Choice {
-    /// Steps choose by counts alone, so equal calls choose equally on every machine.
-    #[default]
-    Automatic,
-    /// Never.
-    Never,
-    /// Wherever possible.
-    Always,
-}
-
-impl Choice {
-    /// The caller's choice, or `None` for automatic.
-    pub(crate) const fn fixed(self) -> Option<bool> {
-        match self {
-            Self::Automatic => None,
-            Self::Never => Some(false),
-            Self::Always => Some(true),
-        }
-    }
-
-    /// The choice of the lowest two bits; `None` if they name none.
-    pub(crate) const fn from_bits(bits: u32) -> Option<Self> {
-        match bits & 3 {
-            0 => Some(Self::Automatic),
-            1 => Some(Self::Never),
-            2 => Some(Self::Always),
-            _ => None,
-        }
-    }
-}
-
-/// What steps choose by counts, fixed for tests and measurements. No choice changes a pair. Snapshots do not hold it.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Hooks {
-    /// Whether steps test only the objects that have moved, and keep the pairs of the others. Automatic: where few
-    /// have moved (see [`Reason::FewMovers`](crate::Reason::FewMovers)). Always: after every complete step. Never:
-    /// every step finds all pairs anew, even if nothing has moved.
-    pub movers_only: Choice,
-    /// Whether leaves are divided in such steps. Automatic: from the second one in a row on, while few move. Always:
-    /// from the first one on.
-    pub fine_leaves: Choice,
-    /// Whether steps are shared between the workers of the executor. Automatic: from 4,096 objects on. Worlds without
-    /// a tree never share.
-    pub sharing: Choice,
-    /// Whether steps that fill all leaves find only the pairs of objects that have moved, and keep the other pairs.
-    /// Automatic: where many have moved and enough pairs stay. Always: after every complete step, if `movers_only` is
-    /// automatic.
-    pub movers_by_leaf: Choice,
-}
-
-impl Hooks {
-    /// Steps choose.
-    pub const AUTOMATIC: Self = Self {
-        movers_only: Choice::Automatic,
-        fine_leaves: Choice::Automatic,
-        sharing: Choice::Automatic,
-        movers_by_leaf: Choice::Automatic,
-    };
-    /// All bits that [`bits`](Self::bits) uses.
-    pub(crate) const MASK: u32 = 0xff;
-
-    /// Two bits a field, the first field lowest.
-    #[must_use]
-    pub const fn bits(self) -> u32 {
-        self.movers_only as u32
-            | (self.fine_leaves as u32) << 2
-            | (self.sharing as u32) << 4
-            | (self.movers_by_leaf as u32) << 6
-    }
-
-    /// The hooks of such bits; `None` if [`bits`](Self::bits) never gives them.
-    #[must_use]
-    pub const fn from_bits(bits: u32) -> Option<Self> {
-        let choices = [
-            Choice::from_bits(bits),
-            Choice::from_bits(bits >> 2),
-            Choice::from_bits(bits >> 4),
-            Choice::from_bits(bits >> 6),
-        ];
-        match choices {
-            [Some(movers_only), Some(fine_leaves), Some(sharing), Some(movers_by_leaf)]
-                if bits <= Self::MASK =>
-            {
-                Some(Self { movers_only, fine_leaves, sharing, movers_by_leaf })
-            }
-            _ => None,
-        }
-    }
-}
-
 /// How far a box may move before it counts as moved. Its fat box is the box of its last move, grown by
 /// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the box, or
 /// less for flat boxes: see [`per_extent`](Self::per_extent).
@@ -232,10 +138,9 @@ pub struct Config {
     /// world. With a margin there is at least that around each box. Costs 24 bytes an object. Worlds without a tree and fat
     /// worlds have none: these return the overlaps of what the caller has put around the boxes.
     pub predicted: bool,
-    /// For tests.
-    #[doc(hidden)]
+    /// What tests have fixed: see [`forced`](Self::forced).
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub hooks: Hooks,
+    pub(crate) forced: u8,
 }
 
 impl Default for Config {
@@ -260,7 +165,7 @@ impl Config {
             workers: 1,
             fixed_margins: false,
             predicted: true,
-            hooks: Hooks::AUTOMATIC,
+            forced: 0,
         }
     }
 
@@ -334,43 +239,37 @@ impl Config {
         self
     }
 
-    /// The same with other [`Hooks`].
+    /// For tests: the same with a choice fixed that steps make by counts, or free again. No choice changes a pair.
+    #[cfg(feature = "validate")]
     #[doc(hidden)]
     #[must_use]
-    pub const fn with_hooks(mut self, hooks: Hooks) -> Self {
-        self.hooks = hooks;
+    pub const fn with_forced(mut self, choice: u8, always: Option<bool>) -> Self {
+        let how = match always {
+            None => 0,
+            Some(false) => 1,
+            Some(true) => 2,
+        };
+        self.forced = self.forced & !(3 << (2 * choice)) | how << (2 * choice);
         self
     }
 
-    /// The same with another [`Hooks::movers_only`].
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn with_movers_only(mut self, choice: Choice) -> Self {
-        self.hooks.movers_only = choice;
-        self
-    }
-
-    /// The same with another [`Hooks::fine_leaves`].
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn with_fine_leaves(mut self, choice: Choice) -> Self {
-        self.hooks.fine_leaves = choice;
-        self
-    }
-
-    /// The same with another [`Hooks::sharing`].
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn with_sharing(mut self, choice: Choice) -> Self {
-        self.hooks.sharing = choice;
-        self
-    }
-
-    /// The same with another [`Hooks::movers_by_leaf`].
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn with_movers_by_leaf(mut self, choice: Choice) -> Self {
-        self.hooks.movers_by_leaf = choice;
-        self
+    /// Whether tests have fixed one of these choices to never or always. Products have none.
+    pub(crate) const fn forced(&self, choice: u8) -> Option<bool> {
+        match self.forced >> (2 * choice) & 3 {
+            _ if !cfg!(feature = "validate") => None,
+            0 => None,
+            how => Some(how == 2),
+        }
     }
 }
+
+/// Whether steps test only the objects that have moved. Always: after every complete step. Never: every step finds all
+/// pairs anew, even if nothing has moved.
+pub(crate) const MOVERS_ONLY: u8 = 0;
+/// Whether leaves are divided in such steps. Always: from the first one on.
+pub(crate) const FINE_LEAVES: u8 = 1;
+/// Whether steps are shared between the workers of the executor.
+pub(crate) const SHARING: u8 = 2;
+/// Whether steps that fill all leaves find only the pairs of objects that have moved. Always: after every complete step,
+/// if [`MOVERS_ONLY`] is free.
+pub(crate) const MOVERS_BY_LEAF: u8 = 3;

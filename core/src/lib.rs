@@ -41,9 +41,7 @@ mod snapshot;
 #[cfg(feature = "validate")]
 mod validate;
 
-#[doc(hidden)]
-pub use config::Hooks;
-pub use config::{Capacity, Choice, Config, Margin, Mode};
+pub use config::{Capacity, Config, Margin, Mode};
 pub use contacts::Contacts;
 pub use error::{Error, Field, Rejected};
 pub use filter::{Filter, Rule};

@@ -3,7 +3,7 @@
 use crate::aabb::trisap_aabb;
 use crate::status::trisap_status;
 use core::ffi::{c_char, c_void};
-use trisap_core::{Capacity, Config, Hit, Hooks, Margin, Mode};
+use trisap_core::{Capacity, Config, Hit, Margin, Mode};
 
 /// Names an object while it lives. Opaque except for its slot; never zero. The id of a removed object stays stale
 /// when its slot is used again.
@@ -63,8 +63,6 @@ pub struct trisap_config {
     /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
     /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
     pub fixed_margins: u32,
-    /// For the library's own tests; leave it 0, the default. It changes the time of a step and none of its pairs.
-    pub test_hooks: u32,
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     pub values: u32,
@@ -97,7 +95,6 @@ impl trisap_config {
         config.lean = flag(self.lean)?;
         config.fixed_margins = flag(self.fixed_margins)?;
         config.predicted = flag(self.predicted_boxes)?;
-        config.hooks = Hooks::from_bits(self.test_hooks).ok_or(trisap_status::InvalidArgument)?;
         Ok(config)
     }
 
@@ -121,7 +118,6 @@ impl trisap_config {
             margin_min: margin.min,
             margin_max: margin.max,
             fixed_margins: u32::from(config.fixed_margins),
-            test_hooks: config.hooks.bits(),
             values: u32::from(config.values),
             predicted_boxes: u32::from(config.predicted),
         }
@@ -322,7 +318,7 @@ const _: () = {
     const POINTER: usize = size_of::<*const c_void>();
     assert!(size_of::<trisap_aabb>() == 24);
     assert!(size_of::<trisap_pair>() == 8);
-    assert!(size_of::<trisap_config>() == 68);
+    assert!(size_of::<trisap_config>() == 64);
     assert!(size_of::<trisap_boxes>() == 8 + 3 * POINTER);
     assert!(size_of::<trisap_jobs>() == 8 + 2 * POINTER);
     assert!(size_of::<trisap_result>() == 24 + 6 * POINTER);

@@ -4,7 +4,6 @@
 
 use std::ffi::{c_char, c_void};
 use std::ptr::{null, null_mut};
-use trisap_core::{Choice, Hooks};
 use trisap_ffi::aabb::*;
 use trisap_ffi::batch::*;
 use trisap_ffi::filter::*;
@@ -297,7 +296,7 @@ fn tasks_run_on_other_threads() {
 }
 
 #[test]
-fn hooks_cross_the_border() {
+fn paths_cross_the_border() {
     const OBJECTS: usize = 600;
     let first: Vec<trisap_aabb> = (0..OBJECTS)
         .map(|slot| {
@@ -308,49 +307,26 @@ fn hooks_cross_the_border() {
     let mut second = first.clone();
     second[0].max[0] += 0.25;
     let plain = trisap_default_config(OBJECTS as u32);
-    assert_eq!(plain.test_hooks, 0);
-    let hooks = |movers_only, fine_leaves, sharing| {
-        Hooks { movers_only, fine_leaves, sharing, ..Hooks::AUTOMATIC }.bits()
-    };
-    let (automatic, never, always) = (Choice::Automatic, Choice::Never, Choice::Always);
-    for (config, path, reason, fine_leaves, shared) in [
-        (plain, TRISAP_PATH_MOVERS, TRISAP_REASON_FEW_MOVERS, 0, u32::from(cfg!(miri))),
-        (
-            trisap_config { test_hooks: hooks(never, automatic, always), ..plain },
-            TRISAP_PATH_FULL,
-            TRISAP_REASON_FIXED,
-            0,
-            1,
-        ),
-        (
-            trisap_config { test_hooks: hooks(always, always, never), ..plain },
-            TRISAP_PATH_MOVERS,
-            TRISAP_REASON_FIXED,
-            1,
-            0,
-        ),
-    ] {
-        let mut world = null_mut();
-        let mut ids = vec![0; OBJECTS];
-        let (mut result, mut stats) = (trisap_default_result(), trisap_default_stats());
-        // SAFETY: everything is as the functions say.
-        unsafe {
-            let bytes = trisap_world_size(&config);
-            let memory = Memory::new(bytes);
-            let made = trisap_world_init(memory.start.cast(), bytes, &config, &mut world);
-            assert_eq!(made, trisap_status::Ok);
-            let view = trisap_default_boxes(first.as_ptr(), OBJECTS);
-            assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
-            assert_eq!(trisap_world_step(world, null(), &mut result), trisap_status::Ok);
-            assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
-            assert_eq!((stats.path, stats.reason), (TRISAP_PATH_REBUILT, TRISAP_REASON_NOTHING_KEPT));
-            let view = trisap_default_boxes(second.as_ptr(), OBJECTS);
-            assert_eq!(trisap_world_step_over(world, &view, null(), &mut result), trisap_status::Ok);
-            assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
-        }
-        let told = (stats.path, stats.reason, stats.fine_leaves, stats.shared);
-        assert_eq!(told, (path, reason, fine_leaves, shared));
+    let mut world = null_mut();
+    let mut ids = vec![0; OBJECTS];
+    let (mut result, mut stats) = (trisap_default_result(), trisap_default_stats());
+    // SAFETY: everything is as the functions say.
+    unsafe {
+        let bytes = trisap_world_size(&plain);
+        let memory = Memory::new(bytes);
+        let made = trisap_world_init(memory.start.cast(), bytes, &plain, &mut world);
+        assert_eq!(made, trisap_status::Ok);
+        let view = trisap_default_boxes(first.as_ptr(), OBJECTS);
+        assert_eq!(trisap_world_insert_many(world, &view, ids.as_mut_ptr()), trisap_status::Ok);
+        assert_eq!(trisap_world_step(world, null(), &mut result), trisap_status::Ok);
+        assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
+        assert_eq!((stats.path, stats.reason), (TRISAP_PATH_REBUILT, TRISAP_REASON_NOTHING_KEPT));
+        let view = trisap_default_boxes(second.as_ptr(), OBJECTS);
+        assert_eq!(trisap_world_step_over(world, &view, null(), &mut result), trisap_status::Ok);
+        assert_eq!(trisap_world_stats(world, &mut stats), trisap_status::Ok);
     }
+    let told = (stats.path, stats.reason, stats.fine_leaves, stats.shared);
+    assert_eq!(told, (TRISAP_PATH_MOVERS, TRISAP_REASON_FEW_MOVERS, 0, u32::from(cfg!(miri))));
 }
 
 #[test]

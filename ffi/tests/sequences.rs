@@ -14,7 +14,9 @@ fn c_says_what_rust_says() {
     let mut file = Vec::new();
     let (mut tally, mut hashes) = (Tally::default(), Vec::new());
     for seed in 0..200 * u64::from(effort()) {
-        let bytes = format::wide(format::random(seed, OPERATIONS));
+        let mut bytes = format::wide(format::random(seed, OPERATIONS));
+        // C has no door to fix what steps choose.
+        bytes[2] = 0;
         file.extend((bytes.len() as u32).to_ne_bytes());
         file.extend(&bytes);
         let played = play(&bytes);

@@ -29,10 +29,6 @@ public:
         config_.has_margin = below(2);
         config_.margin_per_extent = 0.2f;
         config_.fixed_margins = below(2);
-        config_.test_hooks = below(3);
-        config_.test_hooks |= below(3) << 2;
-        config_.test_hooks |= below(3) << 4;
-        config_.test_hooks |= below(3) << 6;
         config_.mode = config_.has_margin != 0 && below(3) == 0 ? TRISAP_MODE_FAT : TRISAP_MODE_EXACT;
         config_.workers = 1 + below(4);
         model_.has_filters = config_.filters != 0;

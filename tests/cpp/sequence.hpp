@@ -118,7 +118,6 @@ public:
         config.values = (bytes_[4] & 4u) != 0;
         config.lean = flag(5) && objects() <= 256;
         config.workers = 2 + bytes_[4] % 4u;
-        config.test_hooks = bytes_[2] % 3u | bytes_[2] / 3u % 3 << 2 | bytes_[2] / 9u % 3 << 4 | bytes_[2] / 27u % 3 << 6;
         config.fixed_margins = flag(6);
         config.predicted_boxes = bytes_[4] >> 3 & 1u;
         return config;
@@ -130,7 +129,6 @@ public:
         config.objects = sizes[argument % 4];
         set_capacity(config, argument / 4);
         config.lean = flag(5) && config.objects <= 256;
-        config.test_hooks = (config.test_hooks & ~3u) | argument % 3;
         return config;
     }
 

@@ -515,7 +515,7 @@ private:
             expected.margin_max = config.margin_max;
         }
         // Numbers of four bytes each, and nothing between them.
-        static_assert(sizeof config == 17 * sizeof(std::uint32_t), "a config with another size");
+        static_assert(sizeof config == 16 * sizeof(std::uint32_t), "a config with another size");
         CHECK(std::memcmp(&config, &expected, sizeof config) == 0);
         CHECK(trisap_world_bytes(world_) == bytes_);
     }

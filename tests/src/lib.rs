@@ -6,6 +6,7 @@
 pub mod checked;
 pub mod denormals;
 pub mod doing;
+pub mod forced;
 pub mod forging;
 pub mod golden;
 pub mod jobs;

@@ -1,7 +1,8 @@
 //! Worlds that are asked between two steps, or without any: [`World::refresh`] brings the tree up to date, and changes nothing else.
 
-use trisap_core::{Aabb, Boxes, Cast, Choice, Config, Error, Id, Margin, Path, Region, Stats, World};
+use trisap_core::{Aabb, Boxes, Cast, Config, Error, Id, Margin, Path, Region, Stats, World};
 use trisap_tests::checked::{Checked, slots};
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::queries::{ask_cast, ask_nearest, ask_region};
 use trisap_tests::scenes::{Rng, at, shifted, uniform};

@@ -1,8 +1,9 @@
 //! Steps that sweep all leaves for the pairs of movers alone, and keep the others: each is compared with brute force, on all
 //! kernels, alone and with workers.
 
-use trisap_core::{Aabb, Choice, Config, Error, Filter, Id, Margin, Mode, Path, Reason, Stats};
+use trisap_core::{Aabb, Config, Error, Filter, Id, Margin, Mode, Path, Reason, Stats};
 use trisap_tests::checked::Checked;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Rng};
 use trisap_tests::worlds::{Setup, Slab, ample};

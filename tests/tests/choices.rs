@@ -1,8 +1,9 @@
 //! What the library chooses by counts, and what the caller may choose instead: the pairs are right either way, the statistics
 //! say what was chosen and why, and fat boxes are there where they gain something.
 
-use trisap_core::{Aabb, Choice, Config, Margin, Path, Reason, Stats};
+use trisap_core::{Aabb, Config, Margin, Path, Reason, Stats};
 use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::play::{assert_identical, on_every_setup};
 use trisap_tests::scenes::{self, Rng, shifted};

@@ -3,9 +3,10 @@
 //! largest worlds are checked against brute force.
 
 use std::collections::VecDeque;
-use trisap_core::{Aabb, Boxes, Choice, Config, Id, Kernels, Margin, Path, Reason, Stats, World};
+use trisap_core::{Aabb, Boxes, Config, Id, Kernels, Margin, Path, Reason, Stats, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::effort;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Brownian, Rng, at, cube, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};

@@ -1,9 +1,10 @@
 //! Where a list is exactly full, a buffer runs out or a number begins again: edges that scenes seldom touch. Each test names
 //! the change to the core that nothing else noticed.
 
-use trisap_core::{Aabb, Choice, Config, Error, Id, Index, Path, World};
+use trisap_core::{Aabb, Config, Error, Id, Index, Path, World};
 use trisap_tests::checked::Checked;
 use trisap_tests::doing::On as _;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::forging::{FRONT, get, put, seal};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;

@@ -1,8 +1,9 @@
 //! Found and lost pairs where steps of one kind follow those of another: each step of these worlds is compared with brute force.
 
-use trisap_core::{Choice, Config, Error, Filter, Id, Margin, Mode, Path, World};
+use trisap_core::{Config, Error, Filter, Id, Margin, Mode, Path, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::doing::On as _;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;
 use trisap_tests::scenes::{self, Brownian, shifted};

@@ -2,9 +2,10 @@
 //! the beginning, and of the model.
 
 use trisap_core::{
-    Aabb, Boxes, Capacity, Choice, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, World,
+    Aabb, Boxes, Capacity, Config, Error, Field, Filter, Id, Index, Kernels, Margin, Mode, World,
 };
 use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::lives::{configs, lived, saved};
 use trisap_tests::model::Model;
 use trisap_tests::scenes::{self, Rng, shifted};

@@ -196,10 +196,10 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1720),
+    ("", 1602),
     ("geometry", 1160),
     ("lists", 310),
-    ("memory", 2100),
+    ("memory", 1911),
     ("objects", 765),
     ("pairs", 560),
     ("parallel", 680),

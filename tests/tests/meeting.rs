@@ -1,8 +1,9 @@
 //! Only what can meet is compared: counters of worlds with filters beside those of worlds in which only those are that can meet; and
 //! random filters, of more kinds than a leaf tells apart, beside brute force.
 
-use trisap_core::{Aabb, Boxes, Choice, Config, Filter, Index, Margin, Path, Stats};
+use trisap_core::{Aabb, Boxes, Config, Filter, Index, Margin, Path, Stats};
 use trisap_tests::checked::Checked;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Rng, at, cube};
 use trisap_tests::worlds::{Setup, Slab, ample};

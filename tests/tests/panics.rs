@@ -6,9 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::thread;
 use trisap_core::{
-    Aabb, Boxes, Choice, Config, Error, Executor, Filter, Id, Kernels, Margin, Mode, Path, Region, Stage,
+    Aabb, Boxes, Config, Error, Executor, Filter, Id, Kernels, Margin, Mode, Path, Region, Stage,
 };
 use trisap_tests::checked::{Checked, Outcome};
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::scenes::{self, Rng};
 use trisap_tests::worlds::{Setup, Slab, ample};
 

@@ -5,11 +5,10 @@
 //! `TRISAP_EFFORT` multiplies the number of cases (1 where it is not set).
 
 use proptest::prelude::*;
-use trisap_core::{
-    Aabb, Boxes, Capacity, Choice, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World,
-};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Filter, Id, Index, Kernels, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome, Saved};
 use trisap_tests::effort;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::model::Model;
 use trisap_tests::queries::Questions;

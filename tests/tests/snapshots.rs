@@ -1,9 +1,10 @@
 //! Snapshots: a world that is loaded goes on with the pairs and events of the one that was saved; and bytes that are
 //! no snapshot are refused. What is forged with care is in `forged`.
 
-use trisap_core::{Aabb, Boxes, Capacity, Choice, Config, Error, Field, Index, Margin, Mode, World};
+use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Field, Index, Margin, Mode, World};
 use trisap_tests::checked::{Checked, Outcome};
 use trisap_tests::doing::On as _;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::{self, Brownian, Rng, shifted, uniform};

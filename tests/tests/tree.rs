@@ -1,7 +1,8 @@
 //! The tree to look at, and what becomes of it when many objects come or go at once.
 
-use trisap_core::{Aabb, Choice, Config, Index, Kernels, Margin, Path, PlaneView, World};
+use trisap_core::{Aabb, Config, Index, Kernels, Margin, Path, PlaneView, World};
 use trisap_tests::checked::Checked;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Brownian, Rng, shifted};
 use trisap_tests::worlds::{Setup, Slab, ample};

@@ -6,7 +6,7 @@ use super::limits::{
 use super::scratch;
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
-use crate::filter::{CLASSES, FILTERS};
+use crate::filter::FILTERS;
 use crate::id::Index;
 use crate::simd::{CACHE_LINE, EIGHT};
 
@@ -18,15 +18,6 @@ pub struct Layout {
     pub bytes: usize,
     /// The alignment of the slab in bytes.
     pub align: usize,
-}
-
-/// For an allocator.
-impl TryFrom<Layout> for core::alloc::Layout {
-    type Error = core::alloc::LayoutError;
-
-    fn try_from(layout: Layout) -> Result<Self, Self::Error> {
-        Self::from_size_align(layout.bytes, layout.align)
-    }
 }
 
 /// Whether there can be values. Small builds leave out their code.
@@ -45,66 +36,28 @@ pub(crate) const ALIGN: usize = CACHE_LINE;
 /// use trisap_core::{Capacity, Config, layout};
 ///
 /// let layout = layout::<u32>(&Config::new(Capacity::for_objects(1000))).unwrap();
-/// let memory = std::alloc::Layout::try_from(layout)?; // for an allocator of your own
-/// assert_eq!((memory.size(), memory.align()), (layout.bytes, layout.align));
+/// let memory = std::alloc::Layout::from_size_align(layout.bytes, layout.align)?; // for an allocator of your own
 /// # Ok::<(), std::alloc::LayoutError>(())
 /// ```
 #[must_use]
 pub const fn layout<I: Index>(config: &Config) -> Option<Layout> {
     match Sizes::of::<I>(config) {
-        Some(sizes) => match sizes.bytes::<I>() {
-            // Below `isize::MAX`, which is no multiple.
-            Some(bytes) => Some(Layout { bytes: bytes.next_multiple_of(ALIGN), align: ALIGN }),
-            None => None,
-        },
-        None => None,
+        Ok(sizes) => Some(Layout { bytes: sizes.bytes, align: ALIGN }),
+        Err(_) => None,
     }
 }
 
-/// Why a configuration with a valid margin has no layout.
-pub(crate) const fn beyond<I: Index>(config: &Config) -> Error {
-    let objects = if config.lean {
-        SMALL as u32
-    } else if cfg!(feature = "large") {
-        I::MAX_OBJECTS
-    } else {
-        TINY as u32
-    };
-    let (field, most) = if config.workers == 0 || config.workers > 32 {
-        (Field::Workers, 32)
-    } else if config.capacity.objects > objects {
-        (Field::Objects, objects as u64)
-    } else if config.filters && !FILTERS {
-        (Field::Filters, 0)
-    } else if config.values && !VALUES {
-        (Field::Values, 0)
-    } else {
-        (Field::Bytes, isize::MAX as u64)
-    };
-    Error::CapacityTooLarge { field, most }
-}
-
 /// How many items of each kind a world has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Sizes {
+    pub(crate) config: Config,
+    /// All of them.
+    pub(crate) bytes: usize,
     pub(crate) objects: usize,
-    /// Objects with a fat box, and with a margin of their own.
+    /// Objects with a fat box.
     pub(crate) fat: usize,
-    pub(crate) margins: usize,
-    /// Objects whose last box is kept for the events.
-    pub(crate) before: usize,
-    /// Bits that tell whether a reported box has changed, one an object. Events need them. An exact world with
-    /// margins and a tree needs them too: it may park a pair only while both boxes stay, also inside their fat boxes.
-    pub(crate) changed: usize,
-    /// Objects with a filter, and rows of the class matrix.
-    pub(crate) filters: usize,
-    pub(crate) classes: usize,
-    /// Objects with a value, and those whose value is kept for the events.
-    pub(crate) values: usize,
-    pub(crate) former_values: usize,
     /// Objects in the tree: all, or none in a world without a tree.
     pub(crate) tree: usize,
-    pub(crate) records: usize,
     pub(crate) straddlers: usize,
     pub(crate) leaves: usize,
     /// Leaves of a full step: half as many again as new planes make. The others are their sub-leaves.
@@ -129,62 +82,72 @@ pub(crate) const fn has_fat(config: &Config) -> bool {
     config.margin.is_some() || config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config)
 }
 
+/// So many, if there are any.
+pub(crate) const fn if_so(there_are: bool, count: usize) -> usize {
+    if there_are { count } else { 0 }
+}
+
 impl Sizes {
-    pub(crate) const fn of<I: Index>(config: &Config) -> Option<Self> {
+    /// # Errors
+    /// Those of [`World::new_in`](crate::World::new_in) that are due to the configuration.
+    pub(crate) const fn of<I: Index>(config: &Config) -> Result<Self, Error> {
         let capacity = &config.capacity;
-        if capacity.objects > I::MAX_OBJECTS || config.workers == 0 || config.workers > 32 {
-            return None;
-        }
+        let most_objects = if config.lean {
+            SMALL as u32
+        } else if cfg!(feature = "large") {
+            I::MAX_OBJECTS
+        } else {
+            TINY as u32
+        };
+        let (field, most) = if config.workers == 0 || config.workers > 32 {
+            (Field::Workers, 32)
+        } else if capacity.objects > most_objects {
+            (Field::Objects, most_objects as u64)
+        } else if config.filters && !FILTERS {
+            (Field::Filters, 0)
+        } else if config.values && !VALUES {
+            (Field::Values, 0)
+        } else {
+            (Field::Bytes, isize::MAX as u64)
+        };
+        let too_large = Err(Error::CapacityTooLarge { field, most });
         if let Some(margin) = &config.margin
             && !margin.is_valid()
         {
-            return None;
+            return Err(Error::BadMargin);
+        }
+        if !matches!(field, Field::Bytes) {
+            return too_large;
         }
         // On a 16-bit host these would not fit; no such target is supported.
-        let objects = capacity.objects as usize;
-        let small = is_small(config);
-        if small && objects > SMALL || !small && !cfg!(feature = "large") {
-            return None;
-        }
-        if config.filters && !FILTERS || config.values && !VALUES {
-            return None;
-        }
+        let (objects, small) = (capacity.objects as usize, is_small(config));
         let pairs = capacity.pairs as usize;
-        let tree = if small { 0 } else { objects };
+        let tree = if_so(!small, objects);
         let made = 1usize << depth_for(tree);
-        let whole_leaves = if tree == 0 {
-            0
-        } else if made == 1 {
-            1
-        } else {
-            made + made / 2 + 2
-        };
+        let whole_leaves = if_so(tree > 0, if made == 1 { 1 } else { made + made / 2 + 2 });
         let (blocks, leaves) = (whole_leaves.div_ceil(LEAVES_PER_BLOCK), whole_leaves << SUB_LEVELS);
-        let has_fat = has_fat(config);
-        let moves_inside_margin = has_fat && matches!(config.mode, Mode::Exact);
-        Some(Self {
+        let mut sizes = Self {
+            config: *config,
+            bytes: 0,
             objects,
-            fat: if has_fat { objects } else { 0 },
-            margins: if config.margin.is_some() { objects } else { 0 },
-            before: if config.events { objects } else { 0 },
-            changed: if config.events || moves_inside_margin && tree > 0 { objects } else { 0 },
-            filters: if config.filters { objects } else { 0 },
-            classes: if config.filters { CLASSES } else { 0 },
-            values: if config.values { objects } else { 0 },
-            former_values: if config.values && config.events { objects } else { 0 },
+            fat: if_so(has_fat(config), objects),
             tree,
-            // Records are read in groups of eight, also behind the last leaf.
-            records: if tree > 0 { tree + tree / 8 + 4 * leaves + EIGHT } else { 0 },
-            straddlers: if tree > 0 { capacity.leaf_refs as usize } else { 0 },
+            straddlers: if_so(tree > 0, capacity.leaf_refs as usize),
             leaves,
             whole_leaves,
             pairs,
-            previous: if config.events { pairs } else { 0 },
+            previous: if_so(config.events, pairs),
             // Each block may leave its last chunk unfinished.
-            staged: if config.workers > 1 && !small { pairs.div_ceil(CHUNK) + blocks + 1 } else { 0 },
+            staged: if_so(config.workers > 1 && !small, pairs.div_ceil(CHUNK) + blocks + 1),
             workers: config.workers as usize,
-            bucket: if small { 0 } else { scratch::bucket(objects) },
-        })
+            bucket: if_so(!small, scratch::bucket(objects)),
+        };
+        match sizes.sum::<I>() {
+            // Below `isize::MAX`, which is no multiple.
+            Some(bytes) => sizes.bytes = bytes.next_multiple_of(ALIGN),
+            None => return too_large,
+        }
+        Ok(sizes)
     }
 
     /// Whether the world has no tree.
@@ -192,9 +155,26 @@ impl Sizes {
         !cfg!(feature = "large") || self.bucket == 0
     }
 
+    /// One item for each object of a world that has some.
+    pub(crate) const fn by_object(&self, has: bool) -> usize {
+        if_so(has, self.objects)
+    }
+
+    /// Bits that tell whether a reported box has changed, one an object. Events need them. An exact world with fat
+    /// boxes and a tree needs them too: it may park a pair only while both boxes stay, also inside their fat boxes.
+    pub(crate) const fn changed(&self) -> usize {
+        let moves_inside_margin = self.fat > 0 && matches!(self.config.mode, Mode::Exact);
+        if_so(self.config.events || moves_inside_margin && self.tree > 0, self.objects)
+    }
+
+    /// Records of all leaves. They are read in groups of eight, also behind the last leaf.
+    pub(crate) const fn records(&self) -> usize {
+        if_so(self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
+    }
+
     /// Entries of the histogram.
     pub(crate) const fn histogram(&self) -> usize {
-        if self.tree > 0 { SLOT_BLOCKS * histogram_row(self.whole_leaves) } else { 0 }
+        if_so(self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
     }
 
     /// Where sections start: on a cache line, or in worlds without a tree, which are small, where any item may.

@@ -82,16 +82,3 @@ pub(crate) const fn depth_for(objects: usize) -> u32 {
     }
     depth
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_are_few_and_whole() {
-        for slots in [0, 1, 1024, 1025, 100_000, 1 << 27] {
-            let len = block_len(slots);
-            assert!(slots.div_ceil(len) <= SLOT_BLOCKS && len.is_multiple_of(GROUP), "{slots}: {len}");
-        }
-    }
-}

@@ -152,12 +152,20 @@ impl<I> Scratch<'_, I> {
     }
 }
 
-/// Cuts `count` items off the front. By the layout's arithmetic there is always enough.
 fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
-    let taken = core::mem::take(rest);
-    let (section, left) = taken.split_at_mut_checked(of::<T>(count)).unwrap_or_default();
+    cut_off(rest, of::<T>(count), count).unwrap_or_default()
+}
+
+/// Cuts `count` items off the front, which take so many units. By the layout's arithmetic there is always enough.
+pub(super) fn cut_off<'s, U: Pod, T: Pod>(
+    rest: &mut &'s mut [U],
+    units: usize,
+    count: usize,
+) -> Option<&'s mut [T]> {
+    let (section, left) = core::mem::take(rest).split_at_mut_checked(units)?;
     *rest = left;
-    bytemuck::try_cast_slice_mut(section).ok().and_then(|items| items.get_mut(..count)).unwrap_or_default()
+    let bytes = bytemuck::try_cast_slice_mut::<U, u8>(section).ok()?.get_mut(..count * size_of::<T>())?;
+    bytemuck::try_cast_slice_mut(bytes).ok()
 }
 
 /// The sums in the areas of all workers.

@@ -22,9 +22,9 @@ macro_rules! sections {
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
             /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter
             /// has changed since the last complete step.
-            changed: SlotSet<'m> = [u32; SlotSet::len(s.changed)], new 0, saved changed [n.event_words];
+            changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.event_words];
             /// With events: `before` may be out of date, since the slot changed before the last complete step.
-            outdated: SlotSet<'m> = [u32; SlotSet::len(s.before)], new 0;
+            outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.events))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
             active: &'m mut [u32] = [u32; bits::words(s.tree)], new 0;
             /// One bit a slot: it is in the sorted lists.
@@ -46,11 +46,11 @@ macro_rules! sections {
                 /// With margins, or predicted boxes: the fat box (erratum E5).
                 fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
                 /// With margins: the length that the box is grown by (erratum E2).
-                margins: &'m mut [f32] = [f32; s.margins], used state.objects.slots as usize, saved margins [n.margins];
+                margins: &'m mut [f32] = [f32; s.by_object(s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.margins];
                 /// With events: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this is its
                 /// reported box, unless it is [outdated](Parts::outdated).
-                before: &'m mut [KeyBox] = [KeyBox; s.before], used state.objects.slots as usize;
+                before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.config.events)], used state.objects.slots as usize;
                 + /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are
                 /// left unused. Fat boxes then mean nothing.
                 tight: bool = state.step.margins_in > 0;
@@ -58,27 +58,27 @@ macro_rules! sections {
 
             /// With filters: whom the objects meet.
             filters: FilterParts ['m] {
-                of: &'m mut [Filter] = [Filter; s.filters], used state.objects.slots as usize,
+                of: &'m mut [Filter] = [Filter; s.by_object(s.config.filters)], used state.objects.slots as usize,
                     saved filters [n.filters];
                 /// One bit for each class that a class meets.
-                classes: &'m mut [u32] = [u32; s.classes], new u32::MAX, saved classes [n.classes];
+                classes: &'m mut [u32] = [u32; if_so(s.config.filters, CLASSES)], new u32::MAX, saved classes [n.classes];
                 /// The filter may answer differently since the last complete step.
-                changed: SlotSet<'m> = [u32; SlotSet::len(s.filters)], new 0, saved refiltered [n.filter_words];
+                changed: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.filters))], new 0, saved refiltered [n.filter_words];
             }
 
             /// With values: the caller's number for each object.
             values: ValueParts ['m] {
                 /// A free slot keeps the value of the object that had it.
-                of: &'m mut [u64] = [u64; s.values], used state.objects.slots as usize, saved values [n.values];
+                of: &'m mut [u64] = [u64; s.by_object(s.config.values)], used state.objects.slots as usize, saved values [n.values];
                 /// With events: the values of the objects in [`FormerParts::generations`].
-                former: &'m mut [u64] = [u64; s.former_values], used state.objects.slots as usize;
+                former: &'m mut [u64] = [u64; s.by_object(s.config.values && s.config.events)], used state.objects.slots as usize;
             }
 
             /// Which slots new objects have got since the complete step before; with events also who had them, so that
             /// lost pairs can be named.
             former: FormerParts ['m] {
                 /// With events, of these slots: the generation of the former object.
-                generations: &'m mut [u32] = [u32; s.before], used state.objects.slots as usize;
+                generations: &'m mut [u32] = [u32; s.by_object(s.config.events)], used state.objects.slots as usize;
                 /// These slots.
                 reused: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved reused [n.words];
             }
@@ -86,7 +86,7 @@ macro_rules! sections {
             /// The KD-tree.
             tree: TreeParts ['m] {
                 /// The records of all leaves, one leaf after another, each with some room.
-                records: &'m mut [Record] = [Record; s.records], used s.records;
+                records: &'m mut [Record] = [Record; s.records()], used s.records();
                 /// The straddlers of all leaves, one leaf after another; behind them the boxes of the nodes over the large
                 /// objects, and their list.
                 straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],

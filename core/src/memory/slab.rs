@@ -1,32 +1,48 @@
 //! The slab of a world, divided into slices for the layers that own them: see [`sections`].
 
-use super::layout::{ALIGN, Sizes, beyond, layout, section};
+use super::layout::{ALIGN, Sizes, if_so, section};
 use super::leaf::{Cell, Leaf, Nodes, Split, Straddler};
 use super::limits::CHUNK;
-use super::scratch;
+use super::scratch::{self, cut_off};
 use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
 use crate::access::{Access, Watch, bits};
-use crate::config::{Capacity, Config, Mode};
+use crate::config::{Config, Mode};
 use crate::error::Error;
-use crate::filter::Filter;
+use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
 use bytemuck::Pod;
 
 /// An array of a world, or what stands for it.
-pub(crate) trait Section<'m, T: Pod> {
+pub(crate) trait Section<'m, T: Pod>: Sized {
     /// Takes its memory.
     fn of(memory: &'m mut [T]) -> Self;
     /// The items, in up to three slices.
     fn items(&self) -> [&[T]; 3];
-    fn fill(&mut self, value: T);
-    /// Takes over so many items, or all.
-    fn copy(&mut self, from: [&[T]; 3], count: usize);
+    fn items_mut(&mut self) -> [&mut [T]; 3];
+    /// Brings up to date what follows from the first slice.
+    fn derive(&mut self) {}
+
+    fn fill(&mut self, value: T) {
+        self.items_mut().into_iter().for_each(|items| items.fill(value));
+    }
+
+    /// Takes over so many items of each slice, or all.
+    fn copy(&mut self, from: [&[T]; 3], count: usize) {
+        for (to, from) in self.items_mut().into_iter().zip(from) {
+            to.copy_in(from.get(..count).unwrap_or(from));
+        }
+    }
+
     /// Takes over the bytes of the first items.
-    fn load(&mut self, bytes: &[u8]);
+    fn load(&mut self, bytes: &[u8]) {
+        let [items, ..] = self.items_mut();
+        bytemuck::try_cast_slice_mut::<T, u8>(items).unwrap_or_default().copy_in(bytes);
+        self.derive();
+    }
 }
 
 impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
@@ -38,16 +54,8 @@ impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
         [self, &[], &[]]
     }
 
-    fn fill(&mut self, value: T) {
-        <[T]>::fill(self, value);
-    }
-
-    fn copy(&mut self, [from, ..]: [&[T]; 3], count: usize) {
-        self.copy_in(from.get(..count).unwrap_or(from));
-    }
-
-    fn load(&mut self, bytes: &[u8]) {
-        bytemuck::try_cast_slice_mut::<T, u8>(self).unwrap_or_default().copy_in(bytes);
+    fn items_mut(&mut self) -> [&mut [T]; 3] {
+        [self, &mut [], &mut []]
     }
 }
 
@@ -61,15 +69,9 @@ impl<'m, T: Pod> Section<'m, T> for [&'m mut [T]; 3] {
         self.each_ref().map(|part| &**part)
     }
 
-    fn fill(&mut self, value: T) {
-        self.iter_mut().for_each(|part| part.fill(value));
+    fn items_mut(&mut self) -> [&mut [T]; 3] {
+        self.each_mut().map(|part| &mut **part)
     }
-
-    fn copy(&mut self, from: [&[T]; 3], count: usize) {
-        self.iter_mut().zip(from).for_each(|(part, from)| part.copy([from, &[], &[]], count));
-    }
-
-    fn load(&mut self, _: &[u8]) {}
 }
 
 impl<'m> Section<'m, u32> for SlotSet<'m> {
@@ -78,21 +80,14 @@ impl<'m> Section<'m, u32> for SlotSet<'m> {
     }
 
     fn items(&self) -> [&[u32]; 3] {
-        [self.words, &[], &[]]
+        [self.words, self.groups, &[]]
     }
 
-    fn fill(&mut self, value: u32) {
-        self.words.fill(value);
-        self.regroup();
+    fn items_mut(&mut self) -> [&mut [u32]; 3] {
+        [self.words, self.groups, &mut []]
     }
 
-    fn copy(&mut self, from: [&[u32]; 3], count: usize) {
-        self.words.copy(from, count);
-        self.regroup();
-    }
-
-    fn load(&mut self, bytes: &[u8]) {
-        self.words.load(bytes);
+    fn derive(&mut self) {
         self.regroup();
     }
 }
@@ -142,7 +137,7 @@ macro_rules! slab {
 
         impl Sizes {
             /// The bytes of all sections, one after another.
-            pub(super) const fn bytes<I: Index>(&self) -> Option<usize> {
+            pub(super) const fn sum<I: Index>(&self) -> Option<usize> {
                 let $s = self;
                 let mut bytes = section::<State>(1, Some(0), $s);
                 $(bytes = section::<$item>($count, bytes, $s);)*
@@ -156,13 +151,13 @@ macro_rules! slab {
             fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
                 let $s = &sizes;
                 let watch = Watch::over(slab);
-                let mut slab = Carver { rest: slab, sizes };
-                let $state: &mut State = slab.take(1)?.first_mut()?;
+                let rest = &mut &mut *slab;
+                let $state: &mut State = take(rest, 1, $s)?.first_mut()?;
                 let swapped = $state.pairs.swapped != 0;
                 let mut parts = Self {
-                    $($name: Section::of(slab.take::<$item>($count)?),)*
+                    $($name: Section::of(take::<$item>(rest, $count, $s)?),)*
                     $($group: $Group {
-                        $($gname: Section::of(slab.take::<$gitem>($gcount)?),)*
+                        $($gname: Section::of(take::<$gitem>(rest, $gcount, $s)?),)*
                         $($plain: $pvalue,)*
                     },)*
                     state: $state,
@@ -181,14 +176,14 @@ macro_rules! slab {
                 $($(clear!($ghow self.$group.$gname, $gwhat);)*)*
             }
 
-            /// Becomes a copy of a world of the same sizes.
+            /// Becomes a copy of a world of the same capacity and kind.
             pub(crate) fn copy(&mut self, from: &Parts<'_, I>) {
                 let ($s, $state) = (&from.sizes, &*from.state);
                 $(copy!($how self.$name, from.$name, $what);)*
                 $($(copy!($ghow self.$group.$gname, from.$group.$gname, $gwhat);)*
                   $(self.$group.$plain = from.$group.$plain;)*)*
                 let swapped = self.state.pairs.swapped;
-                *self.state = *from.state;
+                (*self.state, self.sizes) = (*from.state, from.sizes);
                 self.state.pairs.swapped = swapped;
             }
         }
@@ -197,19 +192,9 @@ macro_rules! slab {
 
 sections!(slab);
 
-/// Cuts sections off the slab.
-struct Carver<'m> {
-    rest: &'m mut [u8],
-    sizes: Sizes,
-}
-
-impl<'m> Carver<'m> {
-    fn take<T: Pod>(&mut self, count: usize) -> Option<&'m mut [T]> {
-        let bytes = section::<T>(count, Some(0), &self.sizes)?;
-        let (section, rest) = core::mem::take(&mut self.rest).split_at_mut_checked(bytes)?;
-        self.rest = rest;
-        bytemuck::try_cast_slice_mut(section.get_mut(..count * size_of::<T>())?).ok()
-    }
+/// Cuts a section off the slab.
+fn take<'m, T: Pod>(rest: &mut &'m mut [u8], count: usize, sizes: &Sizes) -> Option<&'m mut [T]> {
+    cut_off(rest, section::<T>(count, Some(0), sizes)?, count)
 }
 
 impl TreeParts<'_> {
@@ -266,24 +251,13 @@ impl BoxParts<'_> {
 }
 
 impl<'m, I: Index> Parts<'m, I> {
-    /// The sizes of a world of this configuration.
-    pub(crate) fn sizes(config: &Config) -> Result<Sizes, Error> {
-        if let Some(margin) = config.margin {
-            margin.check()?;
-        }
-        Sizes::of::<I>(config).ok_or(beyond::<I>(config))
-    }
-
     /// Makes a slab into an empty world.
     pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
-        let sizes = Self::sizes(config)?;
-        let needed = layout::<I>(config).ok_or(beyond::<I>(config))?.bytes;
-        check(slab, needed)?;
-        let given = slab.len();
-        let slab = slab.get_mut(..needed).unwrap_or_default();
+        let sizes = Sizes::of::<I>(config)?;
+        let slab = front(slab, sizes.bytes)?;
         // Only the state decides how a slab is carved.
         slab.span_mut(0, size_of::<State>()).fill(0);
-        let mut parts = Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })?;
+        let mut parts = Self::carve(slab, sizes).ok_or(Error::InvariantBroken)?;
         *parts.state = State::new(config, size_of::<I>());
         parts.clear();
         Ok(parts)
@@ -291,26 +265,20 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Opens the world in a slab.
     pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        check(slab, size_of::<State>())?;
-        let state =
-            slab.get(..size_of::<State>()).and_then(|bytes| bytemuck::try_from_bytes::<State>(bytes).ok());
+        let state = bytemuck::try_from_bytes::<State>(front(slab, size_of::<State>())?).ok();
         let config = state.and_then(|state| state.setup.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
-        let sizes = Sizes::of::<I>(&config).ok_or(Error::NotAWorld)?;
-        let needed = layout::<I>(&config).ok_or(Error::NotAWorld)?.bytes;
-        check(slab, needed)?;
-        let given = slab.len();
-        Self::carve(slab, sizes).ok_or(Error::SlabTooSmall { needed, given })
+        let sizes = Sizes::of::<I>(&config).map_err(|_| Error::NotAWorld)?;
+        Self::carve(front(slab, sizes.bytes)?, sizes).ok_or(Error::InvariantBroken)
     }
 
     /// What the world was made for.
-    pub(crate) fn config(&self) -> Config {
-        // Opening a world has checked it.
-        self.state.setup.config(size_of::<I>()).unwrap_or(Config::new(Capacity::for_objects(0)))
+    pub(crate) fn config(&self) -> &Config {
+        &self.sizes.config
     }
 
     /// Which pairs the world returns.
     pub(crate) fn mode(&self) -> Mode {
-        self.state.setup.mode()
+        self.config().mode
     }
 
     /// Whether overlaps of fat boxes may not be pairs.
@@ -319,12 +287,13 @@ impl<'m, I: Index> Parts<'m, I> {
     }
 }
 
-fn check(slab: &[u8], needed: usize) -> Result<(), Error> {
-    if slab.len() < needed {
-        return Err(Error::SlabTooSmall { needed, given: slab.len() });
+/// The front of a slab, if that is as long and as aligned as it has to be.
+fn front(slab: &mut [u8], needed: usize) -> Result<&mut [u8], Error> {
+    let given = slab.len();
+    let slab = slab.get_mut(..needed).ok_or(Error::SlabTooSmall { needed, given })?;
+    if slab.as_ptr().align_offset(ALIGN) == 0 {
+        Ok(slab)
+    } else {
+        Err(Error::SlabMisaligned { align: ALIGN })
     }
-    if slab.as_ptr().align_offset(ALIGN) != 0 {
-        return Err(Error::SlabMisaligned { align: ALIGN });
-    }
-    Ok(())
 }

@@ -14,7 +14,7 @@ pub(crate) struct SlotSet<'m> {
     /// One bit a slot.
     pub(crate) words: &'m mut [u32],
     /// One bit for each word, set if the word has bits. So 1,024 slots without members are passed over at once.
-    groups: &'m mut [u32],
+    pub(super) groups: &'m mut [u32],
 }
 
 impl<'m> From<(&'m mut [u32], &'m mut [u32])> for SlotSet<'m> {
@@ -129,47 +129,5 @@ impl<'m> SlotSet<'m> {
         let mut count = 0;
         self.for_each_word(|_, word| count += word.count_ones());
         count
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use std::collections::BTreeSet;
-    use std::{vec, vec::Vec};
-
-    proptest! {
-        #[test]
-        fn it_is_a_set(
-            slots in 1usize..5000,
-            picks in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>()), 0..99),
-        ) {
-            let mut memory = vec![0; SlotSet::len(slots)];
-            let mut set = SlotSet::carve(&mut memory);
-            let mut expected = BTreeSet::new();
-            for (pick, bits) in picks {
-                let slot = pick.index(slots);
-                set.set(slot);
-                // Only slots that there are.
-                let first = slot / 32 * 32;
-                let bits = bits & u32::MAX >> 32usize.saturating_sub(slots - first);
-                set.add(slot / 32, bits);
-                expected.insert(slot);
-                expected.extend(bits::of_word(bits).map(|bit| first + bit));
-            }
-            let all: Vec<usize> = expected.iter().copied().collect();
-            let mut list = vec![0u32; slots];
-            prop_assert_eq!(set.slots().collect::<Vec<_>>(), all.clone());
-            prop_assert_eq!(set.list(&mut list), all.len());
-            prop_assert!(list.iter().zip(&all).all(|(slot, expected)| slot.at() == *expected));
-            prop_assert_eq!(set.count() as usize, all.len());
-            let groups = set.groups.to_vec();
-            set.groups.fill(u32::MAX);
-            set.regroup();
-            prop_assert_eq!(&*set.groups, &groups[..]);
-            set.clear();
-            prop_assert!(memory.iter().all(|word| *word == 0));
-        }
     }
 }

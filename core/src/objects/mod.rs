@@ -31,7 +31,7 @@ impl<I: Index> Parts<'_, I> {
     /// Whether fat boxes are predicted, and whether each new box gets a new one. Neither in a fat world or one without a tree.
     pub(crate) fn fat_boxes(&self) -> (bool, bool) {
         let may = !self.sizes.is_small() && self.mode() == Mode::Exact;
-        (may && self.state.setup.is_predicted(), may && self.state.step.renews != 0)
+        (may && self.config().predicted, may && self.state.step.renews != 0)
     }
 
     /// The box of an object as it was given last.
@@ -53,7 +53,7 @@ impl<I: Index> Parts<'_, I> {
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
             before: self.boxes.before,
-            mode: self.state.setup.mode(),
+            mode: self.sizes.config.mode,
         }
     }
 }

@@ -27,7 +27,7 @@ pub(crate) fn sort_out<I: Index>(
 ) {
     parts.state.pairs.swept = swept as u64;
     let events = parts.sizes.previous > 0;
-    let (has_surplus, mode) = (parts.has_surplus(), parts.state.setup.mode());
+    let (has_surplus, mode) = (parts.has_surplus(), parts.mode());
     let PairState { parked, kept, kept_result, surplus_parked, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
@@ -87,7 +87,7 @@ pub(crate) fn sort_out<I: Index>(
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have kept
 /// their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
-    let mode = parts.state.setup.mode();
+    let mode = parts.mode();
     let BoxParts { now, fat, before, tight, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() && !*tight { &**fat } else { &**now };
     let changed = &*parts.changed.words;

@@ -56,12 +56,12 @@ fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
-    let margins = stored.state.setup.margin().is_some() || stored.state.setup.is_predicted();
+    let margins = stored.config.margin.is_some() || stored.config.predicted;
     check(margins || objects.moved_inside_margin == 0, "movement in margins that there are not", 0)?;
-    check(stored.state.step.is_known(), "a path that there is not", 0)?;
+    check(stored.state.step.route().is_some(), "a path that there is not", 0)?;
     check(pairs.found <= pairs.reported, "more pairs are found than there are", pairs.found as usize)?;
     check(pairs.lost <= pairs.previous, "more pairs are lost than there were", pairs.lost as usize)?;
-    let events = stored.state.setup.events();
+    let events = stored.config.events;
     check(events || pairs.found == 0 && pairs.previous == 0, "events in a world without events", 0)
 }
 

@@ -13,7 +13,6 @@ use crate::config::Config;
 use crate::error::{Error, Field};
 use crate::id::Index;
 use crate::memory::layout::Sizes;
-use crate::memory::slab::Parts;
 use crate::memory::state::{Setup, State};
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
@@ -31,7 +30,7 @@ struct Header {
 }
 
 /// The version; it also tells the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_000c;
+const MAGIC: u64 = 0x7472_6973_6170_000d;
 
 /// Snapshots: plain bytes, for files, for those who join late, and to go back.
 ///
@@ -158,7 +157,7 @@ impl<I: Index> World<'_, I> {
     /// ```
     #[doc(alias("move_to", "resize", "grow"))]
     pub fn move_into<'n>(&self, slab: &'n mut [u8], config: &Config) -> Result<World<'n, I>, Error> {
-        let sizes = Parts::<I>::sizes(config)?;
+        let sizes = Sizes::of::<I>(config)?;
         let setup = Setup::new(config, size_of::<I>());
         if let Some(field) = self.parts.state.setup.difference(&setup) {
             return Err(Error::OtherConfig { field });

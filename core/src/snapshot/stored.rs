@@ -122,6 +122,7 @@ macro_rules! stored {
         pub(crate) struct Stored<'b, I> {
             /// See [`State::portable`].
             pub(crate) state: State,
+            pub(crate) config: Config,
             $($(pub(crate) $saved: Packed<'b, $item>,)?)*
             $($($(pub(crate) $gsaved: Packed<'b, $gitem>,)?)*)*
             pub(crate) pairs: Packed<'b, Pair<I>>,
@@ -140,13 +141,15 @@ macro_rules! stored {
             /// What is saved of a world.
             pub(crate) fn of(parts: &'b Parts<'_, I>) -> Self {
                 let state = parts.state.portable();
-                let $n = Counts::new(&state, &parts.config());
+                let config = parts.config();
+                let $n = Counts::new(&state, config);
                 let pairs = &parts.state.pairs;
                 let (first, parked) = (pairs.previous() as usize, parts.state.previous_parked());
                 let first = parts.output.previous.span(0, first);
                 let parked = parts.output.pairs.span(parked.start, parked.len());
                 let mut stored = Self {
                     state,
+                    config: *config,
                     $($($saved: Packed::new(parts.$name.items()[0].span(0, $len)),)?)*
                     $($($($gsaved: Packed::new(parts.$group.$gname.items()[0].span(0, $glen)),)?)*)*
                     pairs: Packed::new(parts.output.pairs.span(pairs.result().start, $n.pairs)),
@@ -167,6 +170,7 @@ macro_rules! stored {
                 let bytes = &mut bytes;
                 let mut stored = Self {
                     state,
+                    config: *config,
                     $($($saved: Packed::cut(bytes, $len)?,)?)*
                     $($($($gsaved: Packed::cut(bytes, $glen)?,)?)*)*
                     pairs: Packed::cut(bytes, $n.pairs)?,
@@ -224,7 +228,7 @@ impl<I: Index> Stored<'_, I> {
 
     /// The boxes whose overlaps the last result has.
     pub(crate) fn reported(&self) -> &Packed<'_, KeyBox> {
-        if self.fat.len() > 0 && self.state.setup.mode() == Mode::Fat { &self.fat } else { &self.now }
+        if self.fat.len() > 0 && self.config.mode == Mode::Fat { &self.fat } else { &self.now }
     }
 
     /// What is no more than to [load](Section::load) a section.

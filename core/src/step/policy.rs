@@ -2,7 +2,7 @@
 //! The table of constants in `NOTEBOOK.md` says what was measured.
 
 use crate::access::{Access, bits};
-use crate::config::{Choice, Mode};
+use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY, Mode};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
@@ -70,8 +70,7 @@ fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
 
 /// Whether fat boxes are in use that steps may make anew.
 fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let setup = &parts.state.setup;
-    let fixed = setup.has_fixed_margins() || setup.hooks().movers_only.fixed().is_some();
+    let fixed = parts.config().fixed_margins || parts.config().forced(MOVERS_ONLY).is_some();
     let in_use = !parts.boxes.fat.is_empty() && !parts.boxes.tight && !parts.sizes.is_small();
     in_use && !fixed && parts.mode() == Mode::Exact && parts.state.tree.filled == 1
 }
@@ -103,7 +102,7 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
     let many = u64::from(moved) * MANY_SHARE > live;
-    let has_margin = parts.state.setup.margin().is_some();
+    let has_margin = parts.config().margin.is_some();
     // Far more candidates than pairs: after a step of large boxes, perhaps, in which small ones stay.
     let PairState { swept, reported, .. } = parts.state.pairs;
     let crowded = !has_margin && swept.saturating_sub(reported) > CROWD * live + reported;
@@ -187,7 +186,7 @@ fn lengthen_pause(step: &mut StepState) {
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
     let known = state.pairs.complete != 0 && state.pairs.unkept == 0;
-    let fixed = state.setup.hooks().movers_only.fixed();
+    let fixed = parts.config().forced(MOVERS_ONLY);
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
     } else if parts.sizes.is_small() {
@@ -195,7 +194,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.tree.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let by_leaf = state.setup.hooks().movers_by_leaf.fixed();
+        let by_leaf = parts.config().forced(MOVERS_BY_LEAF);
         match fixed {
             Some(true) => Route { path: Path::Movers, reason: Reason::Fixed },
             Some(false) => anew(parts, Reason::Fixed),
@@ -270,10 +269,10 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
-    let (few, due) = match parts.state.setup.hooks().fine_leaves {
-        Choice::Automatic => (are_few(parts.state, moved), CALM),
-        Choice::Always => (true, 1),
-        Choice::Never => return,
+    let (few, due) = match parts.config().forced(FINE_LEAVES) {
+        None => (are_few(parts.state, moved), CALM),
+        Some(true) => (true, 1),
+        Some(false) => return,
     };
     // Leaves of which a full step comes next are not divided.
     let calm = few && matches!(path, Path::Unchanged | Path::Movers) && parts.state.step.renews == 0;

@@ -2,7 +2,7 @@
 
 use super::shape::{graft, plant};
 use super::{Cell, UNSPLIT, plane};
-use crate::config::{Capacity, Choice, Config};
+use crate::config::{Capacity, Config, FINE_LEAVES, MOVERS_ONLY};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::key;
@@ -81,7 +81,8 @@ fn each_pair_is_counted_in_one_cell_for_all_planes_on_a_lattice() {
     let boxes = boxes();
     let count = boxes.len() as u32;
     let capacity = Capacity::for_objects(4096).with_leaf_refs(16 * count).with_pairs(count * count / 2);
-    let config = Config::new(capacity).with_movers_only(Choice::Never).with_fine_leaves(Choice::Never);
+    let config =
+        Config::new(capacity).with_forced(MOVERS_ONLY, Some(false)).with_forced(FINE_LEAVES, Some(false));
     let bytes = crate::layout::<u16>(&config).unwrap().bytes;
     let mut slab = vec![Line::zeroed(); bytes.div_ceil(64)];
     let mut world = World::<u16>::new_in(bytemuck::cast_slice_mut(&mut slab), &config).unwrap();

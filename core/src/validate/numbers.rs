@@ -62,7 +62,7 @@ fn pairs(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         state.pairs.parked as usize,
     )?;
     check(parked == 0 || sizes.tree > 0, "pairs are parked without a tree", state.pairs.parked as usize)?;
-    let has_surplus = state.setup.mode() == Mode::Exact && sizes.fat > 0;
+    let has_surplus = sizes.config.mode == Mode::Exact && sizes.fat > 0;
     check(has_surplus || surplus_parked == 0 && end == swept, "surplus without margins", swept as usize)?;
     check(
         state.pairs.found <= end - parked,

@@ -36,7 +36,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 
 /// The box of the last complete step is that of the slot, if it has not changed since.
 fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let reported = parts.boxes.reported(parts.state.setup.mode());
+    let reported = parts.boxes.reported(parts.mode());
     for (slot, before) in parts.boxes.before.iter().enumerate().take(parts.state.objects.slots as usize) {
         let known = !bits::test(parts.changed.words, slot) && !bits::test(parts.outdated.words, slot);
         let reported = reported.at(slot);

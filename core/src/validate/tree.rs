@@ -27,7 +27,7 @@ pub(super) fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         end += leaf.room;
         placed += leaf.len as usize;
         // Records are read in groups of eight, also behind the last leaf.
-        check(end as usize + EIGHT <= parts.sizes.records, "more records than there are", index)?;
+        check(end as usize + EIGHT <= parts.sizes.records(), "more records than there are", index)?;
         for (place, record) in
             parts.tree.records.span(leaf.start as usize, leaf.len as usize).iter().enumerate()
         {

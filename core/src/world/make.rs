@@ -80,7 +80,10 @@ impl<'m, I: Index> World<'m, I> {
     pub fn copy_from(&mut self, other: &World<'_, I>) -> Result<(), Error> {
         let (own, others) = (&self.parts, &other.parts);
         let field = others.state.setup.difference(&own.state.setup);
-        if let Some(field) = field.or((own.sizes != others.sizes).then_some(Field::Bytes)) {
+        let [memory, given] = [own, others]
+            .map(|parts| parts.config())
+            .map(|of| (of.capacity, of.workers, of.lean, of.predicted));
+        if let Some(field) = field.or((memory != given).then_some(Field::Bytes)) {
             return Err(Error::OtherConfig { field });
         }
         self.parts.copy(&other.parts);
@@ -90,7 +93,7 @@ impl<'m, I: Index> World<'m, I> {
     /// What the world was made for.
     #[must_use]
     pub fn config(&self) -> Config {
-        self.parts.config()
+        *self.parts.config()
     }
 }
 

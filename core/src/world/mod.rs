@@ -21,6 +21,7 @@ pub use steps::{Step, Stepper};
 pub use view::{LeafView, PlaneView};
 
 use crate::access::Access;
+use crate::config::SHARING;
 use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
@@ -106,8 +107,8 @@ impl<I: Index> World<'_, I> {
 
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
     fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
-        let (sharing, live) = (parts.state.setup.hooks().sharing, parts.state.objects.live);
-        sharing.fixed().unwrap_or(live >= SHARED_FROM) && !context.is_small()
+        let forced = parts.config().forced(SHARING);
+        forced.unwrap_or(parts.state.objects.live >= SHARED_FROM) && !context.is_small()
     }
 
     /// The tree has all objects as they are.

@@ -202,7 +202,7 @@ impl<'m, I: Index> World<'m, I> {
         let former = parts.generations.at(at);
         let generation = former.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
-        if let (Some(margin), Some(length)) = (parts.state.setup.margin(), parts.boxes.margins.get_mut(at)) {
+        if let (Some(margin), Some(length)) = (parts.config().margin, parts.boxes.margins.get_mut(at)) {
             *length = margin_length(&margin, &bounds);
         }
         parts.objects().insert(at, bounds);

@@ -18,8 +18,8 @@ const FIELDS = {
   marginMin: [44, "length"],
   marginMax: [48, "length"],
   fixedMargins: [52, "flag"],
-  values: [60, "flag"],
-  predictedBoxes: [64, "flag"],
+  values: [56, "flag"],
+  predictedBoxes: [60, "flag"],
 };
 const HAS_MARGIN = 36;
 const MARGINS = ["marginPerExtent", "marginMin", "marginMax"];

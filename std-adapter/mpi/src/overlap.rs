@@ -1,7 +1,6 @@
 //! Whether a rank sweeps while messages travel.
 
 use crate::stats::{Stage, Stats};
-use trisap::Choice;
 
 /// From so many objects on a sweep is worth doing while messages travel.
 const FROM: usize = 4096;
@@ -14,7 +13,7 @@ const PROBE: u32 = 32;
 /// Chooses from the times of the steps before, each rank for itself: the answer is the same with one sweep and with two.
 #[derive(Clone, Debug)]
 pub(crate) struct Overlap {
-    choice: Choice,
+    choice: Option<bool>,
     /// The last step with one sweep waited longer than a second sweep takes.
     pays: bool,
     /// Steps with two sweeps since then.
@@ -22,16 +21,15 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
-    pub(crate) fn new(choice: Choice) -> Self {
+    pub(crate) fn new(choice: Option<bool>) -> Self {
         Self { choice, pays: false, since: 0 }
     }
 
     /// Whether to sweep early in a step. Never by itself where planes have moved, since much has to be swept again then.
     pub(crate) fn sweeps_early(&self, objects: usize, planes_moved: bool) -> bool {
         match self.choice {
-            Choice::Never => false,
-            Choice::Always => true,
-            Choice::Automatic => objects >= FROM && !planes_moved && self.pays && self.since < PROBE,
+            Some(always) => always,
+            None => objects >= FROM && !planes_moved && self.pays && self.since < PROBE,
         }
     }
 
@@ -61,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_second_sweep_needs_a_long_wait() {
-        let mut overlap = Overlap::new(Choice::Automatic);
+        let mut overlap = Overlap::new(None);
         assert!(!overlap.sweeps_early(FROM, false), "nothing is known yet");
         overlap.note(&step(20, 100, false));
         assert!(!overlap.sweeps_early(FROM, false));
@@ -81,7 +79,7 @@ mod tests {
 
     #[test]
     fn who_is_told_does_so() {
-        for (choice, sweeps) in [(Choice::Never, false), (Choice::Always, true)] {
+        for (choice, sweeps) in [(Some(false), false), (Some(true), true)] {
             let mut overlap = Overlap::new(choice);
             for wait in [0, 1000] {
                 overlap.note(&step(wait, 10, false));

@@ -2,7 +2,7 @@
 
 use crate::message::VERSION;
 use std::time::Duration;
-use trisap::{Capacity, Choice, Config};
+use trisap::{Capacity, Config};
 
 /// How ranks work together. All ranks should have the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,9 +13,9 @@ pub struct Settings {
     /// Whether planes move when the rank with most objects has more than 1.2 times the mean. They are placed in the first step
     /// with objects in any case.
     pub balance: bool,
-    /// Whether a rank sweeps its own boxes while those of ghosts travel, and then once more for the ghosts. Automatic: where
+    /// Whether a rank sweeps its own boxes while those of ghosts travel, and then once more for the ghosts. `None`: where
     /// there are at least 4,096 objects and the last step with one sweep waited for messages longer than a second sweep takes.
-    pub overlap: Choice,
+    pub overlap: Option<bool>,
     /// After so long without an answer from another rank, all ranks end with a message. Has to be longer than the ranks' times
     /// between two steps may differ.
     pub timeout: Duration,
@@ -28,7 +28,7 @@ impl Default for Settings {
         Self {
             config: Config::new(Capacity::for_objects(1024)),
             balance: true,
-            overlap: Choice::Automatic,
+            overlap: None,
             timeout: Duration::from_secs(60),
             version: VERSION,
         }

@@ -1,7 +1,8 @@
 //! What the bytes of a sequence mean.
 
+use crate::forced::{Choice, Forced as _};
 use crate::scenes::Rng;
-use trisap_core::{Capacity, Choice, Config, Margin, Mode};
+use trisap_core::{Capacity, Config, Margin, Mode};
 
 /// Bytes that say what the world is like.
 pub const HEADER: usize = 8;
@@ -84,8 +85,7 @@ impl Header {
     pub fn grown(&self, config: &Config, argument: usize) -> Config {
         let sizes = [(self.objects() / 2).max(2), self.objects(), self.objects() + 7, 2 * self.objects()];
         let objects = sizes[argument % 4];
-        let choice = [Choice::Automatic, Choice::Never, Choice::Always][argument % 3];
-        let mut config = config.with_capacity(capacity(objects, argument / 4)).with_movers_only(choice);
+        let mut config = config.with_capacity(capacity(objects, argument / 4));
         config.lean = self.flag(5) && objects <= 256;
         config
     }

@@ -7,7 +7,8 @@ pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState,
 pub(crate) use setup::Setup;
 
 use super::layout::is_small;
-use super::stats::Stats;
+use super::scratch::Work;
+use super::stats::{Route, Stats};
 use crate::config::{Config, Mode};
 use bytemuck::{Pod, Zeroable};
 
@@ -39,7 +40,7 @@ impl State {
     }
 
     /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus, and
-    /// without what belongs to the memory, the build or the hooks. The next step finds all pairs anew.
+    /// without what belongs to the memory, the build or a test. The next step finds all pairs anew.
     pub(crate) fn portable(&self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
         Self {
@@ -67,28 +68,30 @@ impl State {
     pub(crate) fn stats(&self) -> Stats {
         let Self { tree, pairs, step, objects, .. } = self;
         let has_tree = step.leaves > 1;
+        let Route { path, reason } = step.route().unwrap_or(Route::UNCHANGED);
+        let Work { copies, candidates, tied, spared } = step.work;
         Stats {
             objects: objects.live,
             moved: step.moved,
-            path: step.path().unwrap_or_default(),
-            reason: step.reason().unwrap_or_default(),
+            path,
+            reason,
             fine_leaves: tree.subdivided != 0 && has_tree,
-            shared: step.is_shared(),
+            shared: step.shared != 0,
             outran: step.outran,
             leaves: step.leaves,
             leaves_in_use: if has_tree { tree.leaves_in_use } else { u32::from(objects.live > 0) },
             fullest_leaf: if has_tree { tree.fullest_leaf } else { objects.live },
-            copies: step.copies,
-            candidates: step.candidates,
-            tied: step.tied,
-            spared: step.spared,
+            copies,
+            candidates,
+            spared,
+            tied,
             pairs: pairs.reported,
             found: pairs.found,
             lost: pairs.lost,
             surplus: pairs.swept - pairs.reported,
             large: if has_tree { tree.large } else { 0 },
             rebalanced: step.rebalanced,
-            coarse_resolution: step.is_coarse(),
+            coarse_resolution: step.coarse != 0,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::geometry::extent::Extent;
 use crate::memory::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
+use crate::memory::scratch::Work;
 use crate::memory::stats::{Path, Progress, Reason, Route};
 use bytemuck::{Pod, Zeroable};
 
@@ -196,10 +197,7 @@ impl PairState {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct StepState {
-    pub(super) copies: u64,
-    pub(super) candidates: u64,
-    pub(super) tied: u64,
-    pub(super) spared: u64,
+    pub(super) work: Work,
     pub(super) moved: u32,
     pub(super) outran: u32,
     pub(super) leaves: u32,
@@ -213,9 +211,11 @@ pub(crate) struct StepState {
     /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have kept
     /// them since all were filled.
     pub(crate) kept: u8,
-    /// The path in the low eight bits, the reason in the next eight, and above them whether the step was shared, and
-    /// whether `f32` was too coarse.
-    pub(super) chosen: u32,
+    pub(super) path: u8,
+    pub(super) reason: u8,
+    pub(super) shared: u8,
+    /// Whether `f32` was too coarse.
+    pub(super) coarse: u8,
     /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
     pub(crate) renews: u16,
     /// What the steps since that was so last have cost beyond quiet ones.
@@ -224,29 +224,12 @@ pub(crate) struct StepState {
     pub(crate) age: u32,
 }
 
-const SHARED: u32 = 1 << 16;
-const COARSE: u32 = 1 << 17;
-
 impl StepState {
-    pub(super) fn path(&self) -> Option<Path> {
-        Path::ALL.get((self.chosen & 0xff) as usize).copied()
-    }
-
-    pub(super) fn reason(&self) -> Option<Reason> {
-        Reason::ALL.get((self.chosen >> 8 & 0xff) as usize).copied()
-    }
-
-    pub(super) const fn is_shared(&self) -> bool {
-        self.chosen & SHARED != 0
-    }
-
-    pub(super) const fn is_coarse(&self) -> bool {
-        self.chosen & COARSE != 0
-    }
-
-    /// Whether a step can have left this.
-    pub(crate) fn is_known(&self) -> bool {
-        self.path().is_some() && self.reason().is_some() && self.chosen >> 18 == 0
+    /// What a step has chosen; `None` if no step can have left this.
+    pub(crate) fn route(&self) -> Option<Route> {
+        let path = *Path::ALL.get(usize::from(self.path))?;
+        let reason = *Reason::ALL.get(usize::from(self.reason))?;
+        (self.shared <= 1 && self.coarse <= 1).then_some(Route { path, reason })
     }
 
     /// Notes what a step did. Whether `f32` is too coarse stays as it was if the step has not looked.
@@ -258,18 +241,9 @@ impl StepState {
         shared: bool,
         progress: &Progress,
     ) {
-        let coarse = progress.coarse.unwrap_or(self.is_coarse());
-        self.moved = moved;
-        self.outran = outran;
-        self.chosen = route.path as u32
-            | (route.reason as u32) << 8
-            | if shared { SHARED } else { 0 }
-            | if coarse { COARSE } else { 0 };
-        self.leaves = progress.leaves;
-        self.rebalanced = progress.rebalanced;
-        self.copies = progress.work.copies;
-        self.candidates = progress.work.candidates;
-        self.tied = progress.work.tied;
-        self.spared = progress.work.spared;
+        let Progress { work, leaves, rebalanced, coarse, .. } = *progress;
+        let (path, reason, shared) = (route.path as u8, route.reason as u8, u8::from(shared));
+        let coarse = coarse.map_or(self.coarse, u8::from);
+        *self = Self { work, moved, outran, leaves, rebalanced, path, reason, shared, coarse, ..*self };
     }
 }

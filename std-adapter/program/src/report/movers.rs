@@ -6,8 +6,8 @@ use super::measure::{Contender, Measured};
 use super::result::{Axis, Figure, Section, Series, Table, Value, milliseconds};
 use anyhow::Result;
 use std::collections::BTreeMap;
+use trisap::Config;
 use trisap::scene::{Kind, Objects, Random};
-use trisap::{Choice, Config};
 
 pub(super) fn movers(lab: &Lab) -> Result<Section> {
     let mut section = Section {
@@ -89,12 +89,14 @@ const WORLDS: [&str; 4] = ["automatic", "full", "movers only", "movers only, lar
 
 fn contenders(clip: &Clip) -> Vec<Contender<'_>> {
     let plain = exact(clip);
-    let movers = plain.with_movers_only(Choice::Always);
+    // What steps choose by counts, as the core's `config.rs` numbers it.
+    let (movers_only, fine_leaves) = (0, 1);
+    let movers = plain.with_forced(movers_only, Some(true));
     let configs: [Config; WORLDS.len()] = [
         plain,
-        plain.with_movers_only(Choice::Never),
-        movers.with_fine_leaves(Choice::Always),
-        movers.with_fine_leaves(Choice::Never),
+        plain.with_forced(movers_only, Some(false)),
+        movers.with_forced(fine_leaves, Some(true)),
+        movers.with_forced(fine_leaves, Some(false)),
     ];
     let contender = |(name, config): (&&str, Config)| Contender {
         name: (*name).into(),

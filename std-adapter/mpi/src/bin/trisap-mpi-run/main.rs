@@ -20,7 +20,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use table::Sums;
-use trisap::{Capacity, Choice, Config, Executor, Serial, Stage};
+use trisap::{Capacity, Config, Executor, Serial, Stage};
 use trisap_mpi::{Settings, SplitWorld};
 
 /// How often the first rank tells how far it is.
@@ -55,9 +55,9 @@ fn settings(args: &Args, rank: usize, objects: u32) -> Settings {
         config: Config::new(capacity),
         balance: !args.fixed_planes,
         overlap: match args.overlap.as_str() {
-            "never" => Choice::Never,
-            "always" => Choice::Always,
-            _ => Choice::Automatic,
+            "never" => Some(false),
+            "always" => Some(true),
+            _ => None,
         },
         timeout: Duration::from_secs_f32(args.timeout),
         version: usual.version + u32::from(other),
