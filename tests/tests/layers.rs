@@ -207,7 +207,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("simd", 2510),
     ("snapshot", 650),
     ("step", 675),
-    ("sweep", 1730),
+    ("sweep", 1445),
     ("tree", 2540),
     ("validate", 510),
     ("world", 1671),

@@ -8,7 +8,7 @@ use crate::id::{Index, Pair};
 use crate::simd::{Row, WINDOW};
 use bytemuck::{Pod, Zeroable};
 
-/// The fewest records in a bucket: `rounds` needs room for the candidates of one round, or it would lose them. Smaller worlds have
+/// The fewest records in a bucket: `scan` needs room for the candidates of one round, or it would lose them. Smaller worlds have
 /// no bucket.
 const LEAST: usize = 128;
 const _: () = assert!(batch(LEAST) + WINDOW >= CANDIDATES_PER_ROUND);

@@ -10,17 +10,6 @@ use crate::simd::kernels::run;
 /// Filters that are looked at first.
 const SAMPLE: usize = 1024;
 
-/// Takes pairs.
-pub(crate) trait Sink<I> {
-    /// Appends pairs.
-    fn take(&mut self, pairs: &mut [Pair<I>]);
-
-    /// Whether more pairs are of no use.
-    fn is_full(&self) -> bool {
-        false
-    }
-}
-
 /// Decides which overlaps are pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct PairFilter<'g> {
@@ -77,27 +66,5 @@ impl<'g> PairFilter<'g> {
         let filters = self.filters.get(pair[0].at()).zip(self.filters.get(pair[1].at()));
         filters.is_none_or(|(a, b)| self.meet(a, b))
             && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
-    }
-}
-
-/// Passes on the pairs that the filter lets through.
-pub(crate) struct Filtered<'s, 'g, I> {
-    pub(crate) pair_filter: &'s PairFilter<'g>,
-    pub(crate) sink: &'s mut dyn Sink<I>,
-}
-
-impl<I: Index> Sink<I> for Filtered<'_, '_, I> {
-    fn take(&mut self, pairs: &mut [Pair<I>]) {
-        let mut kept = 0;
-        for index in 0..pairs.len() {
-            let pair = pairs.at(index);
-            pairs.put(kept, pair);
-            kept += usize::from(self.pair_filter.lets_through(&pair));
-        }
-        self.sink.take(pairs.span_mut(0, kept));
-    }
-
-    fn is_full(&self) -> bool {
-        self.sink.is_full()
     }
 }

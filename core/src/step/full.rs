@@ -107,10 +107,10 @@ fn sweep<I: Index>(
     parts.state.lists.stale = 1;
     let codes = parts.order[2].span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
-    let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
+    let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
     collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
         let first = block * LEAVES_PER_BLOCK;
         let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        run!(kernels, |simd| sweep_leaves(simd, &tree_view, leaves, kinds, scratch, sink));
+        run!(kernels, |simd| sweep_leaves(simd, &tree_view, leaves, &kinds, scratch, sink));
     })
 }

@@ -34,7 +34,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let moved = &*parts.moved.words;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
-    let mut collector = Collector::new(&mut parts.output, &parts.sizes, pair_filter);
+    let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
     let blocks = count.div_ceil(per_block);
     let (pairs, mut work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
         let start = block * per_block;

@@ -63,7 +63,7 @@ fn sweep_parts<I: Index>(
     sweep: &mut dyn FnMut([&[I]; 2]),
 ) -> u64 {
     let kinds = Kinds::new(pair_filter.as_ref(), None, codes.span_mut(0, slots));
-    let plan = kinds.plan(&kinds.count_listed(sorted));
+    let plan = kinds.plan(&kinds.count(sorted.iter().map(|slot| slot.at())));
     if plan.whole {
         sweep([sorted, &[]]);
     } else {

@@ -6,8 +6,7 @@
 //! rows at a time. What passes is tested with whole records. Only where two sides share a step of the grid do the
 //! exact boxes decide.
 
-use super::scan::Scan;
-use super::{Sink, flat};
+use super::{Sink, scan};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -15,99 +14,75 @@ use crate::memory::scratch::LeafScratch;
 use crate::simd::Simd;
 use crate::tree::Record;
 
-/// Where the runs of equal sort bytes end, in a sorted bucket.
+/// Where the runs of equal sort bytes end, in a sorted part of a bucket.
 type Ends = [u16; 256];
 
-/// Where the neighbours of a record start and end.
-type Run = (usize, usize);
+/// The runs of a bucket in one part, and in two, with one run of all records of neither.
+pub(super) const WHOLE: usize = 256;
+pub(super) const PARTS: usize = 2 * 256 + 1;
 
 #[inline(always)]
 const fn high(lane: u16) -> u8 {
     (lane >> 8) as u8
 }
 
-/// Sweeps records along `axis`. They may be in any order.
+/// Sweeps two parts of some records, in any order, against each other along an axis; and the first one alone, if `within_first`.
+/// `part` tells the part of a record of a bucket, 0 or 1, or 2 if it has none; it is 0 if the runs are those of one part.
 #[inline(always)]
-pub(crate) fn sweep<S: Simd, I: Index>(
-    simd: S,
-    buckets: [&[Record]; 2],
-    axis: usize,
-    leaf_scratch: &mut LeafScratch<'_, I>,
-    boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
-) {
-    let axis = axis.min(2);
-    let ends = sort(simd, buckets, axis, leaf_scratch);
-    let count = buckets[0].len() + buckets[1].len();
-    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
-    Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, within(axis, &ends));
-}
-
-/// Sweeps two parts of some records against each other along `axis`; and the first one alone, if `within`. `part` tells the part of
-/// a record, 0 or 1, or 2 if it has none.
-#[inline(always)]
-pub(crate) fn sweep_parts<S: Simd, I: Index>(
+pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
     simd: S,
     buckets: [&[Record]; 2],
     (part, within_first): (impl Fn(usize, &Record) -> usize, bool),
-    axis: usize,
+    (axis, boxes): (usize, &[KeyBox]),
     leaf_scratch: &mut LeafScratch<'_, I>,
-    boxes: &[KeyBox],
-    sink: &mut dyn Sink<I>,
+    sink: &mut Sink<'_, I>,
 ) {
     let axis = axis.min(2);
-    let (ends, first, count) = sort_apart(simd, buckets, axis, leaf_scratch, part);
-    if first == 0 {
-        return;
-    }
-    flat::widen(leaf_scratch.sorted.span_mut(0, count), axis, boxes);
+    let runs = sort::<RUNS, S, I>(simd, buckets, axis, leaf_scratch, part);
+    let ([ends, rest @ ..], _) = runs.as_chunks() else { return };
+    let first = ends[255] as usize;
+    let both = rest.first().map_or(first, |ends| ends[255] as usize);
+    widen(leaf_scratch.sorted.span_mut(0, both), axis, boxes);
     if within_first {
-        Scan::new(axis, first, leaf_scratch, boxes, sink).run(simd, within(axis, &ends[0]));
+        // The neighbours behind each record.
+        let run = move |at: usize, record: &Record| (at + 1, reach_of(record, axis, ends));
+        scan::sweep(simd, (axis, first, boxes), leaf_scratch, run, sink);
     }
-    if count > first {
-        Scan::new(axis, count, leaf_scratch, boxes, sink).run(simd, across(axis, first, &ends));
-    }
-}
-
-/// The neighbours of each record of a bucket: those behind it.
-#[inline(always)]
-fn within(axis: usize, ends: &Ends) -> impl Fn(usize, &Record) -> Run {
-    move |at, record| (at + 1, reach_of(record, axis, ends))
-}
-
-/// The neighbours of each record of a bucket in two parts, of which the first one has `left` records: those of the
-/// other part.
-#[inline(always)]
-fn across(axis: usize, left: usize, ends: &[Ends; 2]) -> impl Fn(usize, &Record) -> Run {
-    let [left_ends, right_ends] = ends;
-    // The record whose run of equal sort bytes comes first meets the other; of equal runs the left one does.
-    move |at, record| {
+    let Some(others) = rest.first().filter(|_| both > first && first > 0) else { return };
+    // The record whose run of equal sort bytes comes first meets the other; of equal runs the first part's does.
+    let run = move |at: usize, record: &Record| {
         let run = high(record.lanes.at(axis)) as usize;
-        if at < left {
-            let first = if run == 0 { left } else { right_ends[run - 1] as usize };
-            (first, reach_of(record, axis, right_ends))
+        if at < first {
+            let start = if run == 0 { first } else { others[run - 1] as usize };
+            (start, reach_of(record, axis, others))
         } else {
-            (left_ends[run] as usize, reach_of(record, axis, left_ends))
+            (ends[run] as usize, reach_of(record, axis, ends))
         }
-    }
+    };
+    scan::sweep(simd, (axis, both, boxes), leaf_scratch, run, sink);
 }
 
-/// Sorts records into the scratch memory.
+/// Sorts records into the scratch memory, the parts one behind the other, and records of no part behind both in any order. Returns
+/// where the runs of equal sort bytes end.
 #[inline(always)]
-fn sort<S: Simd, I>(
+fn sort<const RUNS: usize, S: Simd, I>(
     simd: S,
     buckets: [&[Record]; 2],
     axis: usize,
     leaf_scratch: &mut LeafScratch<'_, I>,
-) -> Ends {
-    let mut ends: Ends = [0; 256];
-    for bucket in buckets {
+    part: impl Fn(usize, &Record) -> usize,
+) -> [u16; RUNS] {
+    let mut runs = [0u16; RUNS];
+    let run = |bucket: usize, record: &Record| {
+        (part(bucket, record) << 8 | high(record.lanes[axis]) as usize).min(RUNS - 1)
+    };
+    for (number, bucket) in buckets.into_iter().enumerate() {
         for record in bucket {
-            ends[high(record.lanes[axis]) as usize] += 1;
+            runs[run(number, record)] += 1;
         }
     }
     let mut next = 0;
-    for end in &mut ends {
+    for end in &mut runs {
         next += core::mem::replace(end, next);
     }
     // Each entry is now where its run starts, and will be where it ends.
@@ -117,53 +92,9 @@ fn sort<S: Simd, I>(
     if let (Some(sorted), Some(rows)) =
         (leaf_scratch.sorted.get_mut(..count), leaf_scratch.rows.get_mut(..count))
     {
-        for bucket in buckets {
-            for record in bucket {
-                let next = &mut ends[high(record.lanes[axis]) as usize];
-                let at = *next as usize;
-                *next += 1;
-                sorted.put(at, *record);
-                rows.put(at, simd.row(lanes, record));
-            }
-        }
-    }
-    ends
-}
-
-/// The same in two parts, one behind the other, and those of no part behind both in any order. Also returns where the parts end.
-#[inline(always)]
-fn sort_apart<S: Simd, I>(
-    simd: S,
-    buckets: [&[Record]; 2],
-    axis: usize,
-    leaf_scratch: &mut LeafScratch<'_, I>,
-    part: impl Fn(usize, &Record) -> usize,
-) -> ([Ends; 2], usize, usize) {
-    // The runs of the parts, and one of all others.
-    let mut runs = [0u16; 2 * 256 + 1];
-    let run = |number: usize, record: &Record| {
-        (part(number, record) << 8 | high(record.lanes.at(axis)) as usize).min(2 * 256)
-    };
-    for (number, bucket) in buckets.into_iter().enumerate() {
-        for record in bucket {
-            if let Some(end) = runs.get_mut(run(number, record)) {
-                *end += 1;
-            }
-        }
-    }
-    let mut next = 0u16;
-    for end in &mut runs {
-        next += core::mem::replace(end, next);
-    }
-    let [first, both] = [256, 2 * 256].map(|run| runs.at(run) as usize);
-    let count = buckets[0].len() + buckets[1].len();
-    let lanes = simd.axis(axis);
-    if let (Some(sorted), Some(rows)) =
-        (leaf_scratch.sorted.get_mut(..count), leaf_scratch.rows.get_mut(..count))
-    {
         for (number, bucket) in buckets.into_iter().enumerate() {
             for record in bucket {
-                let Some(next) = runs.get_mut(run(number, record)) else { continue };
+                let next = &mut runs[run(number, record)];
                 let at = *next as usize;
                 *next += 1;
                 sorted.put(at, *record);
@@ -171,8 +102,7 @@ fn sort_apart<S: Simd, I>(
             }
         }
     }
-    let ends = |part: usize| core::array::from_fn(|run| runs.at(256 * part + run));
-    ([ends(0), ends(1)], first, both)
+    runs
 }
 
 /// The end of the last run that a record reaches.
@@ -181,4 +111,27 @@ fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
     // All bytes of the record as lanes, so that the index needs no check.
     let lanes: &[u16; 8] = bytemuck::cast_ref(record);
     ends[high(!lanes[(3 + axis) % 8]) as usize] as usize
+}
+
+/// Makes the records of a bucket as wide as the grid on each axis on which all their boxes are the same point, other than the swept
+/// one: as in a game in two dimensions. The boxes all touch there, but all candidates would wait for the exact test, as each two
+/// records share a step of the grid. O(records) where it is so, else a few records are looked at.
+#[inline(always)]
+fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
+    for axis in (0..3).filter(|axis| *axis != swept) {
+        let mut point = None;
+        let is_flat = sorted.iter().all(|record| {
+            // Most buckets are not, as their first record tells.
+            record.lanes.at(axis) == !record.lanes.at(axis + 3) && {
+                let bounds = KeyBox::of(boxes, record.slot() as usize);
+                let (min, max) = (bounds.min.at(axis), bounds.max.at(axis));
+                min == max && *point.get_or_insert(min) == min
+            }
+        });
+        for record in sorted.iter_mut().filter(|_| is_flat) {
+            // The minimum, and the complemented maximum.
+            record.lanes.put(axis, 0);
+            record.lanes.put(axis + 3, 0);
+        }
+    }
 }

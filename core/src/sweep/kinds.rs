@@ -5,7 +5,6 @@ use crate::access::{Access, bits};
 use crate::filter::Filter;
 use crate::id::Index;
 use crate::pairs::pair_filter::PairFilter;
-use crate::tree::Record;
 
 /// The most filters that are told apart. Others count as meeting all.
 const KNOWN: usize = 8;
@@ -138,46 +137,31 @@ impl<'g, I: Index> Kinds<'g, I> {
         self.codes.is_empty()
     }
 
-    /// The code of a record.
+    /// The code of an object.
     #[inline(always)]
-    pub(super) fn code(&self, record: &Record) -> usize {
-        self.codes.get(record.slot() as usize).map_or(0, |code| code.at())
+    pub(super) fn code(&self, slot: usize) -> usize {
+        self.codes.get(slot).map_or(0, |code| code.at())
     }
 
-    /// Counts the records of each part, and of none.
+    /// Counts the objects of each part, and of none: fewer than 65,536, so in registers.
     #[inline(always)]
-    pub(super) fn count(&self, buckets: [&[Record]; 2]) -> Counts {
-        // In registers: there are less than 65,536 records.
+    pub(crate) fn count(&self, slots: impl Iterator<Item = usize>) -> Counts {
         let (mut sums, mut lone) = (0u64, 0);
-        if self.has_filters {
-            for record in buckets.into_iter().flatten() {
-                let code = self.code(record);
-                let is_lone = (code / LONE) as u64 & 1;
-                sums += (1 - is_lone) << (16 * (code & PART));
-                lone += is_lone;
-            }
+        for slot in slots {
+            let code = self.code(slot);
+            let is_lone = u64::from(code >= LONE);
+            sums += (1 - is_lone) << (16 * (code & PART));
+            lone += is_lone;
         }
         let part = |part: usize| sums >> (16 * part) & 0xffff;
         [part(0), part(1), part(2), part(3), lone]
-    }
-
-    /// Counts the objects of each part in a list.
-    pub(crate) fn count_listed(&self, list: &[I]) -> Counts {
-        let mut counts = Counts::default();
-        for slot in list {
-            let code = self.codes.at(slot.at()).at();
-            let part = if code < LONE { code & PART } else { PARTS };
-            let count = counts.at(part) + 1;
-            counts.put(part, count);
-        }
-        counts
     }
 
     /// Brings the objects of a list to another one by their side in a pass, in order. Returns those of the first two sides.
     pub(crate) fn divide<'l>(&self, list: &[I], sides: &[u8; CODES], to: &'l mut [I]) -> [&'l [I]; 2] {
         let (mut at, mut ends) = (0, [0; 3]);
         for (side, end) in (0..).zip(&mut ends) {
-            for slot in list.iter().filter(|slot| sides.at(self.codes.at(slot.at()).at()) == side) {
+            for slot in list.iter().filter(|slot| sides.at(self.code(slot.at())) == side) {
                 to.put(at, *slot);
                 at += 1;
             }

@@ -123,99 +123,104 @@ impl<S: Simd> Gathered<'_, S> {
     }
 }
 
+/// A leaf, and who in it is compared with whom.
+#[derive(Clone, Copy)]
+struct Swept<'g, 'k, I> {
+    tree_view: &'k TreeView<'g>,
+    kinds: &'k Kinds<'k, I>,
+    index: usize,
+    leaf: Leaf,
+}
+
 /// Sweeps some leaves.
 #[inline(always)]
 pub(crate) fn sweep_leaves<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     leaves: Range<usize>,
-    kinds: Kinds<'_, I>,
-    scratch: &mut Scratch<'_, I>,
-    sink: &mut dyn Sink<I>,
-) {
-    for index in leaves {
-        sweep_leaf(simd, tree_view, index, &kinds, scratch, sink);
-    }
-}
-
-#[inline(always)]
-fn sweep_leaf<S: Simd, I: Index>(
-    simd: S,
-    tree_view: &TreeView<'_>,
-    index: usize,
     kinds: &Kinds<'_, I>,
     scratch: &mut Scratch<'_, I>,
-    sink: &mut dyn Sink<I>,
+    sink: &mut Sink<'_, I>,
 ) {
-    let leaf = tree_view.leaves.at(index);
-    let members = tree_view.members(&leaf);
-    let count = tree_view.gather(simd, index, 0, scratch.ghosts);
-    scratch.copies += count as u64;
-    if members.len() + count > scratch.leaf_scratch.sorted.len() {
-        let count = members.len() + count;
-        // A module for the web, whose bytes are loaded over a network, has it as a call, compiled once (some 13,000 bytes less).
-        // Elsewhere it runs in place, as frames below each other would take more of a microcontroller's stack.
-        if cfg!(target_family = "wasm") {
-            return call!(simd, sweep_tiles(simd, tree_view, index, count, kinds, scratch, sink));
+    for index in leaves {
+        let (scratch, sink) = (&mut *scratch, &mut *sink);
+        let swept = Swept { tree_view, kinds, index, leaf: tree_view.leaves.at(index) };
+        let members = tree_view.members(&swept.leaf);
+        let ghosts = tree_view.gather(simd, index, 0, scratch.ghosts);
+        scratch.copies += ghosts as u64;
+        let count = members.len() + ghosts;
+        if count > scratch.leaf_scratch.sorted.len() {
+            call!(simd, sweep_tiles(simd, swept, count, scratch, sink));
+            continue;
         }
-        return sweep_tiles(simd, tree_view, index, count, kinds, scratch, sink);
-    }
-    let (axis, leaf_scratch, boxes) = (leaf.axis as usize, &mut scratch.leaf_scratch, tree_view.boxes);
-    let buckets = [members, scratch.ghosts.span(0, count)];
-    if !kinds.are_one() {
-        let plan = kinds.plan(&kinds.count(buckets));
-        scratch.spared += plan.spared;
-        if !plan.whole {
-            return sweep_passes(simd, buckets, false, (kinds, &plan), (axis, boxes), leaf_scratch, sink);
+        let buckets = [members, scratch.ghosts.span(0, ghosts)];
+        if !kinds.are_one() {
+            let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten().map(slot)));
+            scratch.spared += plan.spared;
+            if !plan.whole {
+                sweep_passes(simd, swept, (&plan, false), buckets, &mut scratch.leaf_scratch, sink);
+                continue;
+            }
         }
+        let (all, within) = (|_, _: &_| 0, true);
+        bucket::sweep::<{ bucket::WHOLE }, S, I>(
+            simd,
+            buckets,
+            (all, within),
+            (swept.leaf.axis as usize, tree_view.boxes),
+            &mut scratch.leaf_scratch,
+            sink,
+        );
     }
-    bucket::sweep(simd, buckets, axis, leaf_scratch, boxes, sink);
 }
 
-/// Does the passes of a plan, as a call.
+/// The slot of a record.
+fn slot(record: &Record) -> usize {
+    record.slot() as usize
+}
+
+/// Does the passes of a plan; if `across`, each record of the first bucket meets those of the second one alone.
 #[inline(always)]
 fn sweep_passes<S: Simd, I: Index>(
     simd: S,
+    swept: Swept<'_, '_, I>,
+    (plan, across): (&Plan, bool),
     buckets: [&[Record]; 2],
-    across: bool,
-    (kinds, plan): (&Kinds<'_, I>, &Plan),
-    (axis, boxes): (usize, &[KeyBox]),
     leaf_scratch: &mut LeafScratch<'_, I>,
-    sink: &mut dyn Sink<I>,
+    sink: &mut Sink<'_, I>,
 ) {
+    let Swept { tree_view: TreeView { boxes, .. }, kinds, leaf, .. } = swept;
     call!(simd, {
         for Pass { sides, within } in plan.passes(across) {
             let side = |bucket: usize, record: &Record| {
-                sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
+                sides.as_flattened().at(bucket * CODES + kinds.code(slot(record))).into()
             };
-            bucket::sweep_parts(simd, buckets, (side, within), axis, leaf_scratch, boxes, sink);
+            let (parts, along) = ((side, within), (leaf.axis as usize, *boxes));
+            bucket::sweep::<{ bucket::PARTS }, S, I>(simd, buckets, parts, along, leaf_scratch, sink);
         }
     });
 }
 
-/// Sweeps a leaf that is too large for the bucket: tiles of half a bucket, each alone and each two against each other.
+/// Sweeps a leaf of so many records, too many for the bucket: tiles of half a bucket, each alone and each two against each other.
 #[inline(always)]
 fn sweep_tiles<S: Simd, I: Index>(
     simd: S,
-    tree_view: &TreeView<'_>,
-    index: usize,
+    swept: Swept<'_, '_, I>,
     count: usize,
-    kinds: &Kinds<'_, I>,
     scratch: &mut Scratch<'_, I>,
-    sink: &mut dyn Sink<I>,
+    sink: &mut Sink<'_, I>,
 ) {
-    let (axis, boxes) = (tree_view.leaves.at(index).axis as usize, tree_view.boxes);
+    let kinds = swept.kinds;
     let half = (scratch.ghosts.len() / 2).max(1);
     let (left, right) = scratch.ghosts.split_at_mut(half.min(scratch.ghosts.len()));
-    let leaf_scratch = &mut scratch.leaf_scratch;
     let fill = |rest: &mut Range<usize>, plan: Option<&Plan>, tile: &mut [Record]| {
-        call!(simd, fill_tile(simd, tree_view, index, rest, kinds, plan, tile))
+        call!(simd, fill_tile(simd, swept, rest, plan, tile))
     };
     // First only to count.
     let (mut rest, mut counts) = (0..count, Counts::default());
     while !rest.is_empty() && !kinds.are_one() {
         let len = fill(&mut rest, None, left);
-        let tile = kinds.count([left.span(0, len), &[]]);
+        let tile = kinds.count(left.span(0, len).iter().map(slot));
         counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
     }
     let plan = &kinds.plan(&counts);
@@ -226,7 +231,7 @@ fn sweep_tiles<S: Simd, I: Index>(
         let (mut next, mut other, mut across) = (rest.clone(), 0, false);
         loop {
             let buckets = [left.span(0, len), right.span(0, other)];
-            sweep_passes(simd, buckets, across, (kinds, plan), (axis, boxes), leaf_scratch, sink);
+            sweep_passes(simd, swept, (plan, across), buckets, &mut scratch.leaf_scratch, sink);
             // One tile after another may have millions of pairs.
             if sink.is_full() {
                 return;
@@ -244,14 +249,12 @@ fn sweep_tiles<S: Simd, I: Index>(
 #[inline(always)]
 fn fill_tile<S: Simd, I: Index>(
     simd: S,
-    tree_view: &TreeView<'_>,
-    index: usize,
+    swept: Swept<'_, '_, I>,
     numbers: &mut Range<usize>,
-    kinds: &Kinds<'_, I>,
     plan: Option<&Plan>,
     tile: &mut [Record],
 ) -> usize {
-    let members = tree_view.members(&tree_view.leaves.at(index));
+    let members = swept.tree_view.members(&swept.leaf);
     let mut kept = 0;
     while kept < tile.len() && !(*numbers).is_empty() {
         let start = kept;
@@ -260,14 +263,15 @@ fn fill_tile<S: Simd, I: Index>(
         let (inside, outside) = rest.split_at_mut(own.len().min(rest.len()));
         inside.copy_in(own);
         if !outside.is_empty() {
-            tree_view.gather(simd, index, numbers.start.saturating_sub(members.len()), outside);
+            let skip = numbers.start.saturating_sub(members.len());
+            swept.tree_view.gather(simd, swept.index, skip, outside);
         }
         let len = rest.len();
         numbers.start += len;
         for at in start..start + len {
             let record = tile.at(at);
             tile.put(kept, record);
-            kept += usize::from(plan.is_none_or(|plan| plan.takes(kinds.code(&record))));
+            kept += usize::from(plan.is_none_or(|plan| plan.takes(swept.kinds.code(slot(&record)))));
         }
     }
     kept

@@ -24,7 +24,7 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
     movers: &[I],
     homes: &[I],
     scratch: &mut Scratch<'_, I>,
-    sink: &mut dyn Sink<I>,
+    sink: &mut Sink<'_, I>,
 ) {
     let mut report =
         Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
@@ -175,12 +175,12 @@ fn scan<S: Simd, I: Index>(
 }
 
 /// Decides contacts, and passes pairs on in batches.
-struct Report<'r, 'k, I> {
+struct Report<'r, 'o, I> {
     boxes: &'r [KeyBox],
     moved: &'r [u32],
     pairs: &'r mut [[I; 2]],
     found: usize,
-    sink: &'k mut dyn Sink<I>,
+    sink: &'r mut Sink<'o, I>,
 }
 
 impl<I: Index> Report<'_, '_, I> {

@@ -3,105 +3,91 @@
 //!
 //! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares the
 //! first windows of many records, then the second windows of those with more neighbours, and so on. A window gives a
-//! mask; `rounds` takes its bits.
+//! mask of candidates.
+//!
+//! The bits of the masks are taken in rounds, so that no branch depends on how many bits a mask has. First one, two or three
+//! bits of each mask go to a list of candidates, so that a multiple of four is left. Then four bits of each mask are
+//! tested at once, until no mask has any.
 
 use super::Sink;
-use super::rounds::{Found, drain, drain_last};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
-use crate::id::Index;
-use crate::memory::limits::ROWS;
-use crate::memory::scratch::{LeafScratch, Lists};
-use crate::simd::{Row, Simd, WINDOW, call};
+use crate::id::{Index, Pair, pair};
+use crate::memory::limits::{MASKS_PER_ROUND, ROWS};
+use crate::memory::scratch::{CANDIDATES_PER_ROUND, LeafScratch, Lists};
+use crate::simd::{Row, Simd, Tested, WINDOW, call};
 use crate::tree::Record;
+use core::ops::Range;
 
-/// Looks for pairs in a sorted bucket.
-pub(super) struct Scan<'s, I> {
-    sorted: &'s [Record],
-    rows: &'s [Row],
-    axis: usize,
-    lists: &'s mut [Lists],
-    /// Masks in the lists.
-    mask_count: usize,
-    found: Found<'s, I>,
-    sink: &'s mut dyn Sink<I>,
+/// Passes on the pairs of the first `count` records of a sorted bucket. `run` tells where the neighbours of a record start and end.
+#[inline(always)]
+pub(super) fn sweep<S: Simd, I: Index>(
+    simd: S,
+    (axis, count, boxes): (usize, usize, &[KeyBox]),
+    leaf_scratch: &mut LeafScratch<'_, I>,
+    run: impl Fn(usize, &Record) -> (usize, usize),
+    sink: &mut Sink<'_, I>,
+) {
+    let LeafScratch { sorted, rows, lists: [lists], candidates, pairs, tested, tied } = leaf_scratch else {
+        return;
+    };
+    let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
+    let mut found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied, sink };
+    let found = &mut found;
+    call!(simd, compare_all(simd, (rows, axis), lists, found, run));
 }
 
-impl<'s, I: Index> Scan<'s, I> {
-    #[inline(always)]
-    pub(super) fn new(
-        axis: usize,
-        count: usize,
-        leaf_scratch: &'s mut LeafScratch<'_, I>,
-        boxes: &'s [KeyBox],
-        sink: &'s mut dyn Sink<I>,
-    ) -> Self {
-        let LeafScratch { sorted, rows, lists, candidates, pairs, tested, tied } = leaf_scratch;
-        let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
-        let found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied };
-        Self { sorted, rows, axis, lists, mask_count: 0, found, sink }
-    }
-
-    /// Passes on the pairs of all records. `run` tells where the neighbours of a record start and end.
-    #[inline(always)]
-    pub(super) fn run<S: Simd>(mut self, simd: S, run: impl Fn(usize, &Record) -> (usize, usize)) {
-        let scan = &mut self;
-        call!(simd, compare_all(simd, scan, run));
-        self.drain(simd);
-        let (found, sink) = (&mut self.found, self.sink);
-        call!(simd, drain_last(simd, found, sink));
-    }
-
-    /// Makes room for so many masks, at most `ROWS`.
-    #[inline(always)]
-    fn make_room<S: Simd>(&mut self, simd: S, more: usize) {
-        if self.mask_count + more > ROWS {
-            self.drain(simd);
-        }
-    }
-
-    #[inline(always)]
-    fn drain<S: Simd>(&mut self, simd: S) {
-        let Self { lists: [lists], mask_count, found, sink, .. } = self else { return };
-        let (mask_count, sink) = (core::mem::take(mask_count), &mut **sink);
-        call!(simd, drain(simd, lists, mask_count, found, sink));
-    }
-}
-
-/// Compares all records with their neighbours.
+/// Compares all records with their neighbours, and tests what the masks tell.
 #[inline(always)]
 fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
     simd: S,
-    scan: &mut Scan<'_, I>,
+    (rows, axis): (&[Row], usize),
+    lists: &mut Lists,
+    found: &mut Found<'_, '_, I>,
     run: F,
 ) {
-    let (sorted, rows, lanes) = (scan.sorted, scan.rows, simd.axis(scan.axis));
-    let mut start = 0;
+    let (sorted, lanes) = (found.sorted, simd.axis(axis));
+    let (mut start, mut masks) = (0, 0);
     while start < sorted.len() {
         let count = ROWS.min(sorted.len() - start);
-        scan.make_room(simd, count);
-        let [lists] = &mut *scan.lists else { return };
-        let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
+        masks = make_room(simd, lists, masks, count, found);
+        let mut pass = Pass { rows, lanes, lists, masks, left: 0 };
         for (at, record) in (start..).zip(sorted.span(start, count)) {
             let (first, end) = run(at, record);
             pass.next(simd, record, (at << 16 | first) as u32, end as u32);
         }
         let mut left = pass.left;
-        scan.mask_count = pass.mask_count;
+        masks = pass.masks;
         while left > 0 {
-            scan.make_room(simd, left);
-            let [lists] = &mut *scan.lists else { return };
-            let mut pass = Pass { rows, lanes, lists, mask_count: scan.mask_count, left: 0 };
+            masks = make_room(simd, lists, masks, left, found);
+            let mut pass = Pass { rows, lanes, lists, masks, left: 0 };
             for index in 0..left {
                 let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
                 let Some(record) = sorted.get((base >> 16) as usize) else { continue };
                 pass.next(simd, record, base, end);
             }
-            left = pass.left;
-            scan.mask_count = pass.mask_count;
+            (left, masks) = (pass.left, pass.masks);
         }
         start += count;
     }
+    make_room(simd, lists, masks, ROWS, found);
+    call!(simd, found.finish(simd));
+}
+
+/// Makes room for so many masks, at most `ROWS`, beside those that there are. Returns how many these are then.
+#[inline(always)]
+fn make_room<S: Simd, I: Index>(
+    simd: S,
+    lists: &mut Lists,
+    masks: usize,
+    more: usize,
+    found: &mut Found<'_, '_, I>,
+) -> usize {
+    if masks + more <= ROWS {
+        return masks;
+    }
+    call!(simd, drain(simd, lists, masks, found));
+    0
 }
 
 /// One window of many rows.
@@ -109,8 +95,8 @@ struct Pass<'l, A> {
     rows: &'l [Row],
     lanes: A,
     lists: &'l mut Lists,
-    /// Masks so far.
-    mask_count: usize,
+    /// Masks in the lists.
+    masks: usize,
     /// Rows so far that have further windows.
     left: usize,
 }
@@ -125,10 +111,183 @@ impl<A: Copy> Pass<'_, A> {
         let Some(rows) = rows.first_chunk() else { return };
         let bits = simd.window(rows, count as usize, simd.query(self.lanes, record));
         // Both lists are always written, used or not.
-        self.lists.put_mask(self.mask_count, bits, base);
-        self.mask_count += usize::from(bits != 0);
+        self.lists.put_mask(self.masks, bits, base);
+        self.masks += usize::from(bits != 0);
         self.lists.open.put(self.left % ROWS, base.wrapping_add(WINDOW as u32));
         self.lists.ends.put(self.left % ROWS, end);
         self.left += usize::from(count > WINDOW as u32);
     }
+}
+
+/// Takes all bits of the masks.
+#[inline(always)]
+fn drain<S: Simd, I: Index>(simd: S, lists: &mut Lists, masks: usize, found: &mut Found<'_, '_, I>) {
+    let mut left = 0;
+    for start in (0..masks).step_by(MASKS_PER_ROUND) {
+        found.make_room(simd);
+        left = found.odd_ones(lists, start..masks.min(start + MASKS_PER_ROUND), left);
+    }
+    while left > 0 {
+        let mut again = 0;
+        for start in (0..left).step_by(MASKS_PER_ROUND) {
+            found.make_room(simd);
+            again = found.fours(simd, lists, start..left.min(start + MASKS_PER_ROUND), again);
+        }
+        left = again;
+    }
+}
+
+/// Candidates and pairs so far.
+struct Found<'s, 'o, I> {
+    sorted: &'s [Record],
+    boxes: &'s [KeyBox],
+    candidates: &'s mut [u32],
+    /// Candidates that wait to be tested.
+    collected: usize,
+    pairs: &'s mut [Pair<I>],
+    /// Pairs that wait to be passed on.
+    found: usize,
+    /// As in [`LeafScratch`].
+    tested: &'s mut u64,
+    tied: &'s mut u64,
+    sink: &'s mut Sink<'o, I>,
+}
+
+impl<I: Index> Found<'_, '_, I> {
+    /// Makes room for the candidates and the pairs of `MASKS_PER_ROUND` masks.
+    #[inline(always)]
+    fn make_room<S: Simd>(&mut self, simd: S) {
+        if self.collected + CANDIDATES_PER_ROUND > self.candidates.len() {
+            self.test(simd);
+        }
+        if self.found + CANDIDATES_PER_ROUND > self.pairs.len() {
+            self.hand_on();
+        }
+    }
+
+    /// Tests the last candidates and passes the last pairs on.
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S) {
+        self.test(simd);
+        self.hand_on();
+    }
+
+    /// Passes the pairs on.
+    #[inline(always)]
+    fn hand_on(&mut self) {
+        self.sink.take(self.pairs.span_mut(0, self.found));
+        self.found = 0;
+    }
+
+    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left are put to
+    /// `to` and on; returns where they end.
+    #[inline(always)]
+    fn odd_ones(&mut self, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
+        let room = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut);
+        let Some(room): Option<&mut [u32; CANDIDATES_PER_ROUND]> = room else { return to };
+        let mut count = 0;
+        for index in which {
+            let (bits, base) = lists.mask(index);
+            let (one, two, _) = without(bits);
+            let odd = bits.count_ones() as usize % 4;
+            // Always written, used or not.
+            let at = count % (4 * MASKS_PER_ROUND);
+            for (offset, bits) in [bits, one, two].into_iter().enumerate() {
+                room.put(at + offset, candidate(base, bits));
+            }
+            count += odd;
+            let even = if odd & 2 == 0 { bits } else { two };
+            let rest = if odd & 1 == 0 { even } else { even & even.wrapping_sub(1) };
+            lists.put_mask(to, rest, base);
+            to += usize::from(rest != 0);
+        }
+        self.collected += count;
+        to
+    }
+
+    /// Tests four bits of each mask. Masks with bits left are put to `to` and on; returns where they end.
+    #[inline(always)]
+    fn fours<S: Simd>(&mut self, simd: S, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
+        let pairs = self.pairs.get_mut(self.found..).and_then(<[_]>::first_chunk_mut);
+        let Some(pairs): Option<&mut [Pair<I>; CANDIDATES_PER_ROUND]> = pairs else { return to };
+        let candidates = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut);
+        let Some(candidates): Option<&mut [u32; CANDIDATES_PER_ROUND]> = candidates else { return to };
+        let (mut found, mut untested) = (0, 0);
+        let count = which.len();
+        for index in which {
+            let (bits, base) = lists.mask(index);
+            let (one, two, three) = without(bits);
+            let rest = three & three.wrapping_sub(1);
+            lists.put_mask(to, rest, base);
+            to += usize::from(rest != 0);
+            // No closure: it would not have the instruction set of its function.
+            if let Some(room) =
+                pairs.get_mut(found % (4 * MASKS_PER_ROUND)..).and_then(<[_]>::first_chunk_mut::<4>)
+                && let Some(four) = simd.four(self.sorted, base, bits, room)
+            {
+                found += four;
+                continue;
+            }
+            // Rare, except where boxes share sides.
+            for bits in [bits, one, two, three] {
+                candidates.put(untested, candidate(base, bits));
+                untested += 1;
+            }
+        }
+        self.found += found;
+        self.collected += untested;
+        *self.tested += (4 * count - untested) as u64;
+        to
+    }
+
+    /// Tests the candidates on all lanes.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S) {
+        if self.found + self.collected > self.pairs.len() {
+            self.hand_on();
+        }
+        let (sorted, boxes) = (self.sorted, self.boxes);
+        let candidates = self.candidates.span_mut(0, self.collected);
+        let pairs = self.pairs.span_mut(self.found, self.collected);
+        let Tested { found, tied } = call!(simd, test_candidates(simd, sorted, candidates, pairs, boxes));
+        *self.tested += self.collected as u64;
+        *self.tied += tied as u64;
+        self.found += found;
+        self.collected = 0;
+    }
+}
+
+/// A mask without its lowest bit, its two lowest, and its three lowest.
+#[inline(always)]
+const fn without(bits: u64) -> (u64, u64, u64) {
+    let one = bits & bits.wrapping_sub(1);
+    let two = one & one.wrapping_sub(1);
+    (one, two, two & two.wrapping_sub(1))
+}
+
+/// The candidate of the lowest bit of a mask.
+#[inline(always)]
+const fn candidate(base: u32, bits: u64) -> u32 {
+    base.wrapping_add(bits.trailing_zeros())
+}
+
+/// Tests candidates: see [`Simd::test_candidates`]. Pairs go to the front of `pairs`, which has a place for each
+/// candidate.
+#[inline(always)]
+fn test_candidates<S: Simd, I: Index>(
+    simd: S,
+    sorted: &[Record],
+    candidates: &mut [u32],
+    pairs: &mut [Pair<I>],
+    boxes: &[KeyBox],
+) -> Tested {
+    let Tested { mut found, tied } = simd.test_candidates(sorted, candidates, pairs);
+    // Where boxes share a step of the grid, the keys decide.
+    for &candidate in candidates.span(0, tied) {
+        let a = sorted.at((candidate >> 16) as usize).slot();
+        let b = sorted.at((candidate & 0xffff) as usize).slot();
+        pairs.put(found, pair::<I>(a, b));
+        found += usize::from(simd.overlap(KeyBox::of(boxes, a as usize), KeyBox::of(boxes, b as usize)));
+    }
+    Tested { found, tied }
 }
