@@ -203,13 +203,13 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 765),
     ("pairs", 560),
     ("parallel", 680),
-    ("query", 1390),
+    ("query", 1385),
     ("simd", 2510),
-    ("snapshot", 650),
+    ("snapshot", 600),
     ("step", 675),
     ("sweep", 1445),
     ("tree", 2540),
-    ("validate", 510),
+    ("validate", 425),
     ("world", 1671),
 ];
 

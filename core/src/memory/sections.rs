@@ -4,7 +4,7 @@
 /// Calls another macro with the table. A line has the name of an array, its type, its items and how many there are;
 /// and then what is in it where nothing has been written: `new` the value that all items have in a new world, or
 /// `used` how many items mean something between two steps, the first ones. `saved` arrays are in snapshots, by another
-/// name, with so many items.
+/// name, with so many items or as many as there are.
 ///
 /// `s` are the [`Sizes`](super::layout::Sizes), `state` is the [`State`](super::state::State), `n` the numbers of a
 /// snapshot. Here are arrays by slot, if nothing else is said.
@@ -22,7 +22,7 @@ macro_rules! sections {
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
             /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter
             /// has changed since the last complete step.
-            changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.event_words];
+            changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
             /// With events: `before` may be out of date, since the slot changed before the last complete step.
             outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.events))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
@@ -44,9 +44,9 @@ macro_rules! sections {
                 /// Of disabled objects: the low bits of a side, for which an empty box has no room.
                 cut: &'m mut [u16] = [u16; s.objects], new 0, saved cut [n.slots];
                 /// With margins, or predicted boxes: the fat box (erratum E5).
-                fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.fat];
+                fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.slots];
                 /// With margins: the length that the box is grown by (erratum E2).
-                margins: &'m mut [f32] = [f32; s.by_object(s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.margins];
+                margins: &'m mut [f32] = [f32; s.by_object(s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this is its
                 /// reported box, unless it is [outdated](Parts::outdated).
@@ -59,17 +59,17 @@ macro_rules! sections {
             /// With filters: whom the objects meet.
             filters: FilterParts ['m] {
                 of: &'m mut [Filter] = [Filter; s.by_object(s.config.filters)], used state.objects.slots as usize,
-                    saved filters [n.filters];
+                    saved filters [n.slots];
                 /// One bit for each class that a class meets.
-                classes: &'m mut [u32] = [u32; if_so(s.config.filters, CLASSES)], new u32::MAX, saved classes [n.classes];
+                classes: &'m mut [u32] = [u32; if_so(s.config.filters, CLASSES)], new u32::MAX, saved classes [usize::MAX];
                 /// The filter may answer differently since the last complete step.
-                changed: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.filters))], new 0, saved refiltered [n.filter_words];
+                changed: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.filters))], new 0, saved refiltered [n.words];
             }
 
             /// With values: the caller's number for each object.
             values: ValueParts ['m] {
                 /// A free slot keeps the value of the object that had it.
-                of: &'m mut [u64] = [u64; s.by_object(s.config.values)], used state.objects.slots as usize, saved values [n.values];
+                of: &'m mut [u64] = [u64; s.by_object(s.config.values)], used state.objects.slots as usize, saved values [n.slots];
                 /// With events: the values of the objects in [`FormerParts::generations`].
                 former: &'m mut [u64] = [u64; s.by_object(s.config.values && s.config.events)], used state.objects.slots as usize;
             }

@@ -173,12 +173,12 @@ impl<I: Index> World<'_, I> {
         region: &Region,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
-        let bounds = region.bounds().ok_or(Error::BadQuery { index: 0 })?;
+        let (now, bounds) = (&*self.parts.boxes.now, region.bounds().ok_or(Error::BadQuery { index: 0 })?);
         match *region {
-            Region::Aabb(_) | Region::Point(_) => self.visit_inside(bounds, None, visit),
+            Region::Aabb(_) | Region::Point(_) => self.visit_boxes(now, bounds, None, visit),
             Region::Sphere { center, radius } => {
                 let ball = Ball { center, squared: widened(radius) * widened(radius) };
-                self.visit_inside(bounds, Some(&ball), visit);
+                self.visit_boxes(now, bounds, Some(&ball), visit);
             }
         }
         Ok(())
@@ -197,7 +197,7 @@ impl<I: Index> World<'_, I> {
     /// breaks. The same calls give the same order. O(nodes and objects at the border + answers + movers since the last
     /// step).
     pub fn visit_within(&self, volume: &dyn Volume, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) {
-        self.visit_inside(KeyBox::ALL, Some(volume), visit);
+        self.visit_boxes(self.parts.boxes.now, KeyBox::ALL, Some(volume), visit);
     }
 
     /// Writes the objects whose boxes are inside a part of space or across its border to `out`, by ascending slot.
@@ -209,14 +209,17 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).within(volume, out)
     }
 
-    fn visit_inside(
+    /// The same of the boxes of all slots, as given last or as they are swept.
+    pub(crate) fn visit_boxes(
         &self,
+        boxes: &[KeyBox],
         bounds: KeyBox,
         volume: Option<&dyn Volume>,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) {
-        let within = Within { bounds, volume };
-        let _ = run!(self.kernels, |simd| visit_region(simd, self, within, visit));
+        let decides = volume.is_none() && boxes.as_ptr() == self.parts.boxes.swept().as_ptr();
+        let search = InRegion { world: self, boxes, decides, within: Within { bounds, volume }, visit };
+        let _ = run!(self.kernels, |simd| search_region(simd, search));
     }
 }
 
@@ -306,22 +309,18 @@ impl Probe for Within<'_> {
 
 struct InRegion<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
-    within: Within<'q>,
-    /// Whether records can decide: they are of swept boxes, which without margins are the boxes themselves.
+    boxes: &'q [KeyBox],
+    /// Whether records can decide, as these are the swept boxes.
     decides: bool,
+    within: Within<'q>,
     visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
 }
 
 #[inline(always)]
-fn visit_region<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    within: Within<'_>,
-    visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
-) -> ControlFlow<()> {
-    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &within.bounds.min));
-    let decides = world.parts.boxes.fat.is_empty() && within.volume.is_none();
-    walk(simd, world, home, &mut InRegion { world, within, decides, visit })
+fn search_region<S: Simd, I: Index>(simd: S, mut search: InRegion<'_, '_, I>) -> ControlFlow<()> {
+    let world = search.world;
+    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &search.within.bounds.min));
+    walk(simd, world, home, &mut search)
 }
 
 impl<'q, I: Index> Search for InRegion<'q, '_, I> {
@@ -368,8 +367,8 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
 
     #[inline(always)]
     fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
-        let now = KeyBox::of(self.world.parts.boxes.now, slot);
-        if simd.overlap(now, &self.within.bounds) && self.within.side(now) != Side::Outside {
+        let aabb = KeyBox::of(self.boxes, slot);
+        if simd.overlap(aabb, &self.within.bounds) && self.within.side(aabb) != Side::Outside {
             self.found(slot)?;
         }
         ControlFlow::Continue(())

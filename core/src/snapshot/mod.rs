@@ -15,19 +15,10 @@ use crate::id::Index;
 use crate::memory::layout::Sizes;
 use crate::memory::state::{Setup, State};
 use crate::world::World;
-use bytemuck::{Pod, Zeroable};
 use stored::Stored;
 
-/// What a snapshot starts with.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Header {
-    magic: u64,
-    /// The bytes behind the header.
-    len: u64,
-    /// Of these bytes.
-    checksum: u64,
-}
+/// What a snapshot starts with: [`MAGIC`], the bytes behind the header, and their checksum.
+type Header = [u64; 3];
 
 /// The version; it also tells the byte order.
 const MAGIC: u64 = 0x7472_6973_6170_000d;
@@ -71,16 +62,14 @@ impl<I: Index> World<'_, I> {
         let needed = self.snapshot_size();
         let full = Error::OutputFull { needed: needed as u64, room: out.len() };
         let out = out.get_mut(..needed).ok_or(full)?;
-        let (header, body) = out.split_at_mut_checked(size_of::<Header>()).ok_or(full)?;
-        let mut rest = &mut *body;
+        let mut at = size_of::<Header>();
         Stored::of(&self.parts).write(&mut |bytes| {
-            let (to, behind) =
-                core::mem::take(&mut rest).split_at_mut_checked(bytes.len()).unwrap_or_default();
-            to.copy_in(bytes);
-            rest = behind;
+            out.span_mut(at, bytes.len()).copy_in(bytes);
+            at += bytes.len();
         });
-        let len = body.len() as u64;
-        header.copy_in(bytemuck::bytes_of(&Header { magic: MAGIC, len, checksum: checksum(body) }));
+        let body = out.get(size_of::<Header>()..).unwrap_or_default();
+        let header: Header = [MAGIC, body.len() as u64, checksum(body)];
+        out.copy_in(bytemuck::bytes_of(&header));
         Ok(needed)
     }
 
@@ -111,7 +100,8 @@ impl<I: Index> World<'_, I> {
         if let Some(field) = state.setup.difference(&self.parts.state.setup) {
             return Err(Error::OtherConfig { field });
         }
-        let stored = checked::<I>(state, sections).ok_or(Error::BadSnapshot)?;
+        let stored = Stored::<I>::cut(state, sections).ok_or(Error::BadSnapshot)?;
+        check::all(&stored).map_err(|_| Error::BadSnapshot)?;
         check_room(&state, &self.parts.sizes)?;
         self.parts.clear();
         stored.put(&mut self.parts);
@@ -173,28 +163,23 @@ impl<I: Index> World<'_, I> {
 /// The bytes behind the header, if that is right.
 fn opened(snapshot: &[u8]) -> Option<&[u8]> {
     let (header, body) = snapshot.split_at_checked(size_of::<Header>())?;
-    let header: Header = bytemuck::try_pod_read_unaligned(header).ok()?;
-    let body = body.get(..usize::try_from(header.len).ok()?)?;
-    (header.magic == MAGIC && header.checksum == checksum(body)).then_some(body)
-}
-
-/// The world in these bytes, if each part of it is right.
-fn checked<'b, I: Index>(state: State, sections: &'b [u8]) -> Option<Stored<'b, I>> {
-    let config = state.setup.portable_config(size_of::<I>())?;
-    let stored = Stored::cut(state, &config, sections)?;
-    check::all(&stored).ok().map(|()| stored)
+    let [magic, len, sum]: Header = bytemuck::try_pod_read_unaligned(header).ok()?;
+    let body = body.get(..usize::try_from(len).ok()?)?;
+    (magic == MAGIC && sum == checksum(body)).then_some(body)
 }
 
 /// Checks that there is room for a world.
 fn check_room(state: &State, sizes: &Sizes) -> Result<(), Error> {
-    let check = |field, needed: u64, room: usize| {
-        let room = u32::try_from(room).unwrap_or(u32::MAX);
-        // All counts fit into 32 bits.
-        let needed = u32::try_from(needed).unwrap_or(u32::MAX);
-        if needed > room { Err(Error::NoRoom { field, needed, room }) } else { Ok(()) }
-    };
-    check(Field::Objects, u64::from(state.objects.slots), sizes.objects)?;
-    check(Field::Pairs, state.pairs.reported.max(state.pairs.previous), sizes.pairs)
+    let (objects, pairs) = (state.objects.slots.into(), state.pairs.reported.max(state.pairs.previous));
+    for (field, needed, room) in
+        [(Field::Objects, objects, sizes.objects), (Field::Pairs, pairs, sizes.pairs)]
+    {
+        if needed > room as u64 {
+            // All counts fit into 32 bits.
+            return Err(Error::NoRoom { field, needed: needed as u32, room: room as u32 });
+        }
+    }
+    Ok(())
 }
 
 /// Four chains of multiplications in turn, eight bytes at a time: fast, and any changed byte changes the result.

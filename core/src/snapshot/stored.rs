@@ -3,12 +3,13 @@
 
 use crate::access::{Access, bits};
 use crate::config::{Config, Mode};
-use crate::filter::Filter;
+use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::layout::has_fat;
+use crate::memory::layout::{Sizes, if_so};
 use crate::memory::sections::sections;
 use crate::memory::slab::{BoxParts, Parts, Section as _};
+use crate::memory::slot_set::SlotSet;
 use crate::memory::state::{PairState, State};
 use bytemuck::Pod;
 use core::marker::PhantomData;
@@ -69,38 +70,16 @@ impl Packed<'_, u32> {
     }
 }
 
-/// How many items there are.
-struct Counts {
+/// The slots in use, and the words of sets of them.
+struct Saved {
     slots: usize,
-    /// Slots with a fat box, with a filter, with a value, with a box of the last step; and the words of their sets.
-    fat: usize,
-    margins: usize,
-    filters: usize,
-    classes: usize,
-    values: usize,
     words: usize,
-    filter_words: usize,
-    event_words: usize,
-    pairs: usize,
 }
 
-impl Counts {
-    fn new(state: &State, config: &Config) -> Self {
+impl Saved {
+    fn of(state: &State) -> Self {
         let slots = state.objects.slots as usize;
-        let words = bits::words(slots);
-        let of = |kept: bool, count: usize| if kept { count } else { 0 };
-        Self {
-            slots,
-            fat: of(has_fat(config), slots),
-            margins: of(config.margin.is_some(), slots),
-            filters: of(config.filters, slots),
-            classes: of(config.filters, crate::filter::CLASSES),
-            values: of(config.values, slots),
-            words,
-            filter_words: of(config.filters, words),
-            event_words: of(config.events, words),
-            pairs: state.pairs.reported as usize,
-        }
+        Self { slots, words: bits::words(slots) }
     }
 }
 
@@ -141,18 +120,16 @@ macro_rules! stored {
             /// What is saved of a world.
             pub(crate) fn of(parts: &'b Parts<'_, I>) -> Self {
                 let state = parts.state.portable();
-                let config = parts.config();
-                let $n = Counts::new(&state, config);
-                let pairs = &parts.state.pairs;
-                let (first, parked) = (pairs.previous() as usize, parts.state.previous_parked());
-                let first = parts.output.previous.span(0, first);
+                let ($s, $n) = (&parts.sizes, Saved::of(&state));
+                let (pairs, parked) = (&parts.state.pairs, parts.state.previous_parked());
+                let first = parts.output.previous.span(0, pairs.previous() as usize);
                 let parked = parts.output.pairs.span(parked.start, parked.len());
                 let mut stored = Self {
                     state,
-                    config: *config,
-                    $($($saved: Packed::new(parts.$name.items()[0].span(0, $len)),)?)*
-                    $($($($gsaved: Packed::new(parts.$group.$gname.items()[0].span(0, $glen)),)?)*)*
-                    pairs: Packed::new(parts.output.pairs.span(pairs.result().start, $n.pairs)),
+                    config: $s.config,
+                    $($($saved: Packed::new(parts.$name.items()[0].span(0, ($count).min($len))),)?)*
+                    $($($($gsaved: Packed::new(parts.$group.$gname.items()[0].span(0, ($gcount).min($glen))),)?)*)*
+                    pairs: Packed::new(parts.output.pairs.span(pairs.result().start, pairs.reported as usize)),
                     previous: [first, parked].map(Packed::new),
                     before: Packed::new(parts.boxes.before),
                     former: Packed::new(parts.former.generations),
@@ -160,20 +137,20 @@ macro_rules! stored {
                     by_slot: true,
                 };
                 // The fat boxes of a world that leaves them unused mean nothing.
-                stored.fat = Packed::new(parts.boxes.swept().span(0, $n.fat));
+                stored.fat = Packed::new(parts.boxes.swept().span(0, stored.fat.len()));
                 stored
             }
 
-            /// Cuts the bytes behind a state of this configuration. `None` if they are too few, or too many.
-            pub(crate) fn cut(state: State, config: &Config, mut bytes: &'b [u8]) -> Option<Self> {
-                let $n = Counts::new(&state, config);
+            /// Cuts the bytes behind a state. `None` if they are too few, or too many, or there can be no such world.
+            pub(crate) fn cut(state: State, mut bytes: &'b [u8]) -> Option<Self> {
+                let ($s, $n) = (&Sizes::of::<I>(&state.setup.portable_config(size_of::<I>())?).ok()?, Saved::of(&state));
                 let bytes = &mut bytes;
                 let mut stored = Self {
                     state,
-                    config: *config,
-                    $($($saved: Packed::cut(bytes, $len)?,)?)*
-                    $($($($gsaved: Packed::cut(bytes, $glen)?,)?)*)*
-                    pairs: Packed::cut(bytes, $n.pairs)?,
+                    config: $s.config,
+                    $($($saved: Packed::cut(bytes, ($count).min($len))?,)?)*
+                    $($($($gsaved: Packed::cut(bytes, ($gcount).min($glen))?,)?)*)*
+                    pairs: Packed::cut(bytes, state.pairs.reported as usize)?,
                     previous: [Packed::cut(bytes, state.pairs.previous as usize)?, Packed::cut(bytes, 0)?],
                     before: Packed::cut(bytes, 0)?,
                     former: Packed::cut(bytes, 0)?,
@@ -181,10 +158,10 @@ macro_rules! stored {
                     by_slot: false,
                 };
                 let reused = stored.reused.count();
-                stored.before = Packed::cut(bytes, stored.changed.count())?;
-                stored.former = Packed::cut(bytes, if config.events { reused } else { 0 })?;
-                stored.former_values = Packed::cut(bytes, if config.values && config.events { reused } else { 0 })?;
-                bytes.is_empty().then_some(stored)
+                stored.before = Packed::cut(bytes, $s.by_object($s.config.events).min(stored.changed.count()))?;
+                stored.former = Packed::cut(bytes, $s.by_object($s.config.events).min(reused))?;
+                stored.former_values = Packed::cut(bytes, $s.by_object($s.config.values && $s.config.events).min(reused))?;
+                (bytes.is_empty() && $n.slots <= $s.objects).then_some(stored)
             }
 
             /// Gives the bytes of all sections to `to`, one after another.
@@ -242,7 +219,7 @@ impl<I: Index> Stored<'_, I> {
             before.load(self.reported().bytes);
             self.of_set(&self.changed, &self.before).for_each(|(slot, bounds)| before.put(slot, bounds));
         }
-        // Nothing else tells which boxes have changed, and all pairs are found anew.
+        // Where nothing else tells which boxes have changed.
         if self.changed.len() == 0 {
             to.changed.load(self.moved.bytes);
             self.settled.slots().for_each(|slot| to.changed.set(slot));

@@ -1,7 +1,6 @@
 //! Checks all invariants of a world, in tests and to debug an embedding. After a world that passes, the next step
 //! finds what brute force finds.
 
-mod numbers;
 mod pairs;
 mod slab;
 mod tree;
@@ -20,12 +19,24 @@ impl<I: Index> World<'_, I> {
     /// The first broken one.
     pub fn validate(&self) -> Result<(), Invalid> {
         let parts = &self.parts;
-        numbers::numbers(parts.state, &parts.sizes)?;
+        slab::numbers(parts.state, &parts.sizes)?;
         check::all(&Stored::of(parts))?;
         slab::slab(parts)?;
         if !parts.sizes.is_small() {
             tree::tree(parts)?;
         }
-        pairs::pairs(parts)
+        pairs::pairs(self)
     }
+}
+
+/// A sum over numbers that tells whether some are missing, or there twice, without room to write them down; in any order.
+fn sum(numbers: impl Iterator<Item = u64>) -> u64 {
+    // SplitMix64: each bit of a number changes each bit of the result for half of all numbers.
+    let mixed = |number: u64| {
+        let bits = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^ bits >> 31
+    };
+    numbers.map(mixed).fold(0, u64::wrapping_add)
 }
