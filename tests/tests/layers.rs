@@ -198,7 +198,7 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1602),
     ("geometry", 1160),
-    ("lists", 310),
+    ("lists", 105),
     ("memory", 1911),
     ("objects", 765),
     ("pairs", 560),
@@ -208,7 +208,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("snapshot", 600),
     ("step", 675),
     ("sweep", 1445),
-    ("tree", 2540),
+    ("tree", 2250),
     ("validate", 425),
     ("world", 1671),
 ];

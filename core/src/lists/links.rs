@@ -4,8 +4,8 @@
 //! an object's position in a list: a search by its key finds it.
 //!
 //! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort while few
-//! objects overtake each other, else by a heap sort (erratum E13). Others sort by radix when planes are made, and do
-//! not keep the lists in between.
+//! objects overtake each other, else by a heap sort (erratum E13). Others have no lists: a plane is at the median of a
+//! sample.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
@@ -90,56 +90,6 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
         match budget.checked_sub(index - to) {
             Some(left) => budget = left,
             None => return heapsort(order, |a, b| precedes(boxes, axis, a, b)),
-        }
-    }
-}
-
-/// How many entries of a list have a minimum below `key`. O(log n).
-pub(crate) fn position_of_key<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, key: i32) -> usize {
-    order.partition_point(|slot| boxes.at(slot.at()).min[axis % 3] < key)
-}
-
-/// The position of a slot in a list that is in order. O(log n).
-#[cfg(test)]
-pub(crate) fn position_of<I: Index>(order: &[I], boxes: &[KeyBox], axis: usize, slot: I) -> usize {
-    order.partition_point(|&other| precedes(boxes, axis, other, slot))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::aabb::Aabb;
-    use crate::lists::radix::{self, Sharing};
-    use proptest::prelude::*;
-    use std::vec;
-    use std::vec::Vec;
-
-    fn boxes(minima: &[f32]) -> impl Iterator<Item = KeyBox> + '_ {
-        minima.iter().map(|&x| KeyBox::from_aabb(&Aabb::new([x; 3], [f32::INFINITY; 3])).unwrap())
-    }
-
-    proptest! {
-        #[test]
-        fn presort_and_repair_agree_with_a_plain_sort(
-            minima in prop::collection::vec(prop_oneof![Just(0.0f32), -9.0f32..9.0, any::<i8>().prop_map(f32::from)], 0..300),
-            shuffled in any::<bool>(),
-        ) {
-            let boxes: Vec<_> = boxes(&minima).collect();
-            let mut expected: Vec<u16> = (0..minima.len() as u16).collect();
-            expected.sort_by(|&a, &b| minima[usize::from(a)].total_cmp(&minima[usize::from(b)]).then(a.cmp(&b)));
-            let mut spare = vec![0; 4 * minima.len()];
-            let mut order: Vec<u16> = (0..minima.len() as u16).collect();
-            if shuffled {
-                order.reverse();
-            }
-            let mut repaired = order.clone();
-            radix::sort(&mut order, &boxes, 1, &mut spare, &mut [[0; 256]], Sharing::NONE);
-            repair(&mut repaired, &boxes, 1);
-            prop_assert_eq!(&order, &expected);
-            prop_assert_eq!(&repaired, &expected);
-            for (position, &slot) in order.iter().enumerate() {
-                prop_assert_eq!(position_of(&order, &boxes, 1, slot), position);
-            }
         }
     }
 }

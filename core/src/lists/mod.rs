@@ -1,4 +1,3 @@
-//! The tri-linked sorted lists: kept in order from step to step, or sorted anew by radix.
+//! The tri-linked sorted lists, kept in order from step to step.
 
 pub(crate) mod links;
-pub(crate) mod radix;

@@ -51,12 +51,6 @@ impl Cell {
         }
     }
 
-    /// Whether a minimum corner is at home here.
-    #[cfg(test)]
-    pub(crate) fn holds(&self, min: &[i32; 3]) -> bool {
-        (0..3).all(|k| self.low()[k] <= min[k] && min[k] < self.high()[k])
-    }
-
     /// How a box lies to this cell.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, keys: S::Keys) -> Classification {

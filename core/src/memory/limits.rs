@@ -25,16 +25,10 @@ pub(crate) const BATCH: usize = 1024;
 
 /// From this many objects on a step is shared between workers. Miri is too slow for that many.
 pub(crate) const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
-/// From this many objects on the sub-trees below a few levels are built at the same time.
-pub(crate) const BUILD_SHARED_FROM: usize = if cfg!(miri) { 0 } else { 16_384 };
-/// The levels above these sub-trees.
-pub(crate) const BUILD_SHARED_BELOW: u32 = 3;
 /// Blocks of slots in the passes over all objects.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// A block of slots is a multiple of this: whole groups of a set, and whole cache lines of every array by slot.
 pub(crate) const SLOTS_PER_BLOCK: usize = GROUP;
-/// The fewest slots in a block of a radix sort.
-pub(crate) const SORTED_PER_BLOCK: usize = if cfg!(miri) { 64 } else { 8192 };
 /// Leaves in a block of the passes over all leaves, in a full step.
 pub(crate) const LEAVES_PER_BLOCK: usize = 2;
 /// The fewest objects in a block where each is tested by itself: to hand out a block is little beside testing it.

@@ -78,7 +78,7 @@ pub(super) fn arrange<I: Index>(
     if !leaves_stay {
         let counted = assign::count(parts, context);
         executor.enter(Stage::Build);
-        rebalanced = balance::balance(parts, context);
+        rebalanced = balance::balance(parts);
         executor.enter(Stage::Fill);
         let bounds_scan = if rebalanced > 0 { assign::count(parts, context).0 } else { counted.0 };
         assign::fill(parts, &bounds_scan, context);

@@ -2,19 +2,17 @@
 //! joined. So planes follow where objects come and go, and all others stay (paper, section III.B.2). The first planes
 //! are made the same way, from one leaf that holds all objects.
 
-use super::build::{Build, is_divisible};
+use super::build::{divide, is_divisible};
 use super::cells::Sample;
-use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE, SAMPLED_FROM, SAMPLED_SHARE};
-use super::shape::{graft, join};
-use super::{Cell, Leaf, Record, are_few, assign, large, most, planned};
-use crate::access::{Access, bits};
+use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
+use super::shape::join;
+use super::{Record, are_few, assign, large, most, planned};
+use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::lists::radix::{self, Sharing};
-use crate::memory::limits::{LEVELS, depth_for};
+use crate::memory::limits::depth_for;
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, TreeState};
-use crate::parallel::context::StepContext;
 
 /// Why the whole tree is to be made anew.
 pub(crate) enum Due {
@@ -34,7 +32,7 @@ const STAYS: u32 = u32::MAX;
 
 /// Divides and joins leaves by their counts. Returns how many objects were in leaves that were divided; if there are
 /// any, all must be counted anew.
-pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
+pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
     let (count, most) = (parts.state.tree.count as usize, most(parts.state));
     let mut members = 0;
     for leaf in parts.tree.leaves.span_mut(0, count) {
@@ -56,10 +54,16 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
     for leaf in (1..count).rev() {
         join(&mut parts.tree, &mut parts.state.tree, leaf, few);
     }
+    let mut fits = true;
     for leaf in 0..parts.state.tree.count as usize {
         if parts.tree.leaves.at(leaf).start != STAYS {
-            divide(parts, leaf, most, context);
+            fits &= divide(parts, leaf, most);
         }
+    }
+    if !fits && parts.state.tree.wait == 0 {
+        // Not in each step: new planes may be no better.
+        parts.state.tree.due = Due::Outgrown as u8;
+        put_off(&mut parts.state.tree);
     }
     members
 }
@@ -78,49 +82,6 @@ fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
             leaf.start += 1;
         }
     }
-}
-
-/// Divides a leaf whose members are listed, into leaves of at most so many at medians: exact ones, or of a sample of many.
-fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64, context: StepContext<'_>) {
-    let leaf = parts.tree.leaves.at(index);
-    let (len, mut levels) = (leaf.len as usize, 0);
-    while u64::from(leaf.len >> levels) > most {
-        levels += 1;
-    }
-    let top = parts.tree.tops.at(index) as usize;
-    if (parts.tree.nodes().depth(top) + levels) as usize >= LEVELS {
-        outgrow(&mut parts.state.tree);
-        return;
-    }
-    let boxes: &[KeyBox] = parts.boxes.swept();
-    // All records and cells are written anew afterwards.
-    let room =
-        bytemuck::try_cast_slice_mut::<Record, u32>(parts.tree.records.span_mut(0, len)).unwrap_or_default();
-    let planes = bytemuck::try_cast_slice_mut::<Cell, i32>(parts.tree.cells).unwrap_or_default();
-    let [x, y, z] = &mut parts.order;
-    let (start, step) = (leaf.start as usize - len, if len < SAMPLED_FROM { 1 } else { SAMPLED_SHARE });
-    for at in 0..len / step {
-        x.put(start + at, x.at(start + at * step));
-    }
-    let mut lists = [x, y, z].map(|list| list.span_mut(start, len / step));
-    let [x, others @ ..] = &mut lists;
-    others.iter_mut().for_each(|list| list.copy_in(x));
-    let (histograms, _) =
-        bytemuck::try_cast_slice_mut::<Record, u32>(parts.output.scratch).unwrap_or_default().as_chunks_mut();
-    let sharing = Sharing { executor: context.executor, workers: context.workers };
-    for (axis, list) in lists.iter_mut().enumerate() {
-        radix::sort(list, boxes, axis, room, histograms, sharing);
-    }
-    let (starts, sides) = parts.tree.histogram.split_at_mut_checked((1 << levels) + 1).unwrap_or_default();
-    let sides = sides.span_mut(0, bits::words(parts.sizes.objects));
-    sides.fill(0);
-    Build { boxes, lists, planes, sides, spare: parts.place, starts }.share(1, levels, room, context);
-    let before = parts.state.tree.count;
-    if !graft(&mut parts.tree, &mut parts.state.tree, index, levels) {
-        outgrow(&mut parts.state.tree);
-    }
-    let stuck = if parts.state.tree.count == before { leaf.len } else { 0 };
-    parts.tree.leaves.put(index, Leaf { stuck, ..leaf });
 }
 
 /// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. A sample of a leaf
@@ -152,20 +113,13 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// There is no room for more leaves, or levels. Not in each step: new planes may be no better.
-fn outgrow(state: &mut TreeState) {
-    if state.wait == 0 {
-        state.due = Due::Outgrown as u8;
-        put_off(state);
-    }
-}
-
 /// Waits for some full steps until the next try, and twice as long the next time.
 fn put_off(state: &mut TreeState) {
     state.wait = state.waits.max(1);
     state.waits = state.wait.saturating_mul(2).min(PATIENCE);
 }
 
+/// Whether a plane would part the members of a leaf, by a sample.
 fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
     let mut sample = [I::default(); LEAF_SAMPLE];
     let mut count = 0;

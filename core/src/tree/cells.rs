@@ -172,33 +172,3 @@ pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
     let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
     (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Split, leaf_of, plane};
-    use super::*;
-
-    #[test]
-    fn each_corner_is_in_the_cell_of_its_leaf_alone() {
-        let inner = |plane, below| Split { plane, below };
-        let splits = [
-            Split::default(),
-            inner(plane(0, key(1.0)), 2),
-            inner(plane(1, key(-2.0)), 4),
-            Split::leaf(2),
-            Split::leaf(0),
-            Split::leaf(1),
-        ];
-        let nodes = Nodes { boxes: &[], splits: &splits, parents: &[0, 1, 2], tops: &[4, 5, 3] };
-        let extent = Extent { low: [key(-5.0); 3], high: [key(5.0); 3] };
-        let mut cells = [Cell::default(); 3];
-        cut(nodes, &extent, &mut cells);
-        for corner in [[0.0, -3.0, 0.0], [0.0, -2.0, 1e30], [1.0, 0.0, 0.0], [9.0, -9.0, f32::INFINITY]] {
-            let min = corner.map(key);
-            let leaf = leaf_of(&splits, &min);
-            for (index, cell) in cells.iter().enumerate() {
-                assert_eq!(cell.holds(&min), index == leaf, "{corner:?} in {index}");
-            }
-        }
-    }
-}

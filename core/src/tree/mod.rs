@@ -152,4 +152,5 @@ fn renumber<I: Index>(homes: &mut [I], to: impl Fn(u32) -> u32) {
 }
 
 #[cfg(test)]
+#[path = "../../tests/kernels/corners.rs"]
 mod tests;

@@ -1,12 +1,10 @@
 //! Divides and joins leaves where they stand. Nothing else of the tree changes its place, but for the leaf and the two
 //! nodes with the highest numbers, which take over what becomes free: leaves and nodes stay without gaps.
 
-use super::{Leaf, Split, UNSPLIT, key_of};
-use crate::access::{Access, note_fault};
-use crate::memory::limits::LEVELS;
+use super::{Leaf, Split};
+use crate::access::Access;
 use crate::memory::slab::TreeParts;
 use crate::memory::state::TreeState;
-use arrayvec::ArrayVec;
 
 /// Makes a tree of one leaf.
 pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
@@ -17,43 +15,10 @@ pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
     set_leaf(tree.splits, tree.tops, 1, 0);
 }
 
-fn set_leaf(splits: &mut [Split], tops: &mut [u32], node: usize, leaf: usize) {
+/// Lets a node be a leaf.
+pub(super) fn set_leaf(splits: &mut [Split], tops: &mut [u32], node: usize, leaf: usize) {
     splits.put(node, Split::leaf(leaf));
     tops.put(leaf, node as u32);
-}
-
-/// Puts the planes that stand in the room for cells in the place of a leaf: some levels, numbered as in a heap from one
-/// on. The leftmost leaf keeps the number. Returns whether there was room for all.
-pub(crate) fn graft(tree: &mut TreeParts<'_>, state: &mut TreeState, leaf: usize, levels: u32) -> bool {
-    let TreeParts { splits, parents, tops, leaves, cells, .. } = tree;
-    let made: &[i32] = bytemuck::try_cast_slice(cells).unwrap_or_default();
-    let (mut next, mut free, mut fits) = (leaf, state.count as usize, true);
-    let mut waiting = ArrayVec::<(usize, usize), LEVELS>::new();
-    let mut here = Some((1, tops.at(leaf) as usize));
-    while let Some((at, node)) = here {
-        let plane = if at < 1 << levels { made.at(at) } else { UNSPLIT };
-        let divides = key_of(plane) != UNSPLIT;
-        let pair = state.count as usize;
-        fits &= !divides || pair < parents.len();
-        if divides && pair < parents.len() {
-            state.count += 1;
-            splits.put(node, Split { plane, below: 2 * pair as u32 });
-            parents.put(pair, node as u32);
-            if waiting.try_push((2 * at + 1, 2 * pair + 1)).is_err() {
-                note_fault(made.as_ptr().addr());
-            }
-            here = Some((2 * at, 2 * pair));
-            continue;
-        }
-        set_leaf(splits, tops, node, next);
-        if next != leaf {
-            leaves.put(next, Leaf::default());
-        }
-        next = free;
-        free += 1;
-        here = waiting.pop();
-    }
-    fits
 }
 
 /// Joins a leaf with the leaf beside it if both have at most so many members; or gives up the plane above it if it is

@@ -1,7 +1,7 @@
 //! The rule of the corner: each pair is reported in one cell, whatever the planes are.
 
-use super::shape::{graft, plant};
-use super::{Cell, UNSPLIT, plane};
+use super::shape::{plant, set_leaf};
+use super::{Leaf, Split, plane};
 use crate::config::{Capacity, Config, FINE_LEAVES, MOVERS_ONLY};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Boxes;
@@ -21,7 +21,7 @@ const PLANES: usize = 3 * STEPS + 1;
 /// On emulated processors some planes are enough: the machine code differs, not the rule.
 const LESS: usize = if cfg!(target_arch = "x86_64") { 1 } else { 7 };
 /// Levels of planes: a cell has up to three sides.
-const LEVELS: u32 = 3;
+const LEVELS: usize = 3;
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -58,20 +58,25 @@ impl Reported {
 }
 
 /// Makes the next full step use these planes, one for all nodes of a level, however uneven the leaves are.
-fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS as usize]) {
+fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS]) {
     let parts = &mut world.parts;
     let tree = &mut parts.state.tree;
     plant(&mut parts.tree, tree);
-    let made = bytemuck::cast_slice_mut::<Cell, i32>(parts.tree.cells);
-    made[..2 << LEVELS].fill(UNSPLIT);
-    for (level, number) in levels.into_iter().enumerate() {
-        let cut = if number == 0 { UNSPLIT } else { plane((number - 1) % 3, key(((number - 1) / 3) as f32)) };
-        made[1 << level..2 << level].fill(cut);
+    let planes = levels.into_iter().filter(|number| *number > 0);
+    for number in planes {
+        let cut = plane((number - 1) % 3, key(((number - 1) / 3) as f32));
+        let nodes = tree.count;
+        for node in nodes..2 * nodes {
+            parts.tree.splits[node as usize] = Split { plane: cut, below: 2 * node };
+            parts.tree.parents[node as usize] = node;
+            for child in [2 * node, 2 * node + 1] {
+                let leaf = (child - 2 * nodes) as usize;
+                set_leaf(parts.tree.splits, parts.tree.tops, child as usize, leaf);
+            }
+        }
+        tree.count = 2 * nodes;
     }
-    assert!(graft(&mut parts.tree, tree, 0, LEVELS));
-    for leaf in &mut *parts.tree.leaves {
-        leaf.stuck = 1 << 30;
-    }
+    parts.tree.leaves.fill(Leaf { stuck: 1 << 30, ..Leaf::default() });
     parts.home.fill(u16::NONE);
     (tree.wait, parts.state.step.kept) = (u8::MAX, 0);
 }
