@@ -58,7 +58,10 @@ pub(crate) fn svg(table: &str) -> Result<String, String> {
         let row = rows.iter().find(|row| row[0] == name).ok_or(format!("no scene {name}"))?;
         let mut bars = Vec::new();
         for (column, peer) in PEERS {
-            let at = head.iter().position(|cell| *cell == column).ok_or(format!("no peer {column}"))?;
+            let at = head
+                .iter()
+                .position(|cell| cell.trim_end_matches(" ⊇") == column)
+                .ok_or(format!("no peer {column}"))?;
             let ratio = row[at].parse::<f64>().map_err(|_| format!("{name}, {column}: {:?}", row[at]))?;
             longest = longest.max(ratio);
             bars.push((peer, ratio));

@@ -144,10 +144,11 @@ impl Report {
         let raced = |row: &&Row| row.outcomes.iter().any(|outcome| !matches!(outcome, Outcome::LeftOut(_)));
         let rows: Vec<&Row> = self.rows.iter().filter(raced).collect();
         let mut text = format!(
-            "Peer's median over trisap's; trisap kernels: {}, threads: {}, {}.\n\n| scene | objects | pairs | trisap, ms |",
+            "Peer's median over trisap's; trisap kernels: {}, threads: {}, {}. ⊇: a superset of the pairs.\n\n\
+             | scene | objects | pairs | trisap, ms |",
             self.kernels, self.threads, self.clock
         );
-        rows.iter().for_each(|row| _ = write!(text, " {} |", row.name));
+        rows.iter().for_each(|row| _ = write!(text, " {}{} |", row.name, if row.fat { " ⊇" } else { "" }));
         text += "\n|---|---:|---:|---:|";
         text += &"---:|".repeat(rows.len());
         for (at, scene) in self.scenes.iter().enumerate() {

@@ -23,7 +23,7 @@ const OBJECTS: u32 = 8000;
 pub(crate) fn all() -> io::Result<Vec<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut scenes = Vec::new();
-    for folder in ["tests/recordings", "std-adapter/program/recordings"] {
+    for folder in ["tests/peers/recordings", "tests/recordings", "std-adapter/program/recordings"] {
         for entry in fs::read_dir(root.join(folder))? {
             let path = entry?.path();
             if path.extension().is_some_and(|extension| extension == "aabbs") {
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn every_scene_of_the_table_can_be_opened() {
         let scenes = all().expect("the folders of the recordings");
-        assert!(scenes.len() >= 4 + Kind::ALL.len() + real::Kind::ALL.len());
+        assert!(scenes.len() >= 7 + Kind::ALL.len() + real::Kind::ALL.len());
         for scene in scenes {
             let recording = Recording::open(&scene).unwrap_or_else(|error| panic!("{scene}: {error}"));
             assert!(recording.objects > 0 && recording.len() > 1, "{scene}");
