@@ -9,15 +9,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
-root="${CARGO_TARGET_DIR:-$PWD/target}/box3d"
-mkdir -p "$root"
-cargo fetch --locked --quiet --manifest-path tests/cpp/hosts/Cargo.toml
-box3d=$(cargo metadata --locked --offline --format-version 1 --manifest-path tests/cpp/hosts/Cargo.toml |
-    grep -o '"manifest_path":"[^"]*boxddd-sys[^"]*/Cargo.toml"' | head -1 | cut -d'"' -f4)
-box3d=$(dirname "$box3d")/third-party/box3d
-cmake -S ffi -B "$root/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_LIBDIR=lib >/dev/null
-cmake --build "$root/build" >/dev/null
-cmake --install "$root/build" --prefix "$root/prefix" >/dev/null
+. tests/cpp/hosts/prepare.sh
+prepare box3d boxddd-sys
+box3d=$package/third-party/box3d
 make -s -j "${JOBS:-2}" -C "$root" -f "$PWD/tests/cpp/box3d/Makefile" BOX3D="$box3d" TRISAP="$PWD" LIBRARY="$root/prefix/lib/libtrisap.a"
 here=$PWD
 cd "$root"

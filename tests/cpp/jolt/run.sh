@@ -6,15 +6,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
-root="${CARGO_TARGET_DIR:-$PWD/target}/jolt"
-mkdir -p "$root"
-cargo fetch --locked --quiet --manifest-path tests/cpp/hosts/Cargo.toml
-jolt=$(cargo metadata --locked --offline --format-version 1 --manifest-path tests/cpp/hosts/Cargo.toml |
-    grep -o '"manifest_path":"[^"]*joltc-sys[^"]*/Cargo.toml"' | head -1 | cut -d'"' -f4)
-jolt=$(dirname "$jolt")/JoltC/JoltPhysics
-cmake -S ffi -B "$root/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_LIBDIR=lib >/dev/null
-cmake --build "$root/build" >/dev/null
-cmake --install "$root/build" --prefix "$root/prefix" >/dev/null
+. tests/cpp/hosts/prepare.sh
+prepare jolt joltc-sys
+jolt=$package/JoltC/JoltPhysics
 make -s -j "${JOBS:-2}" -C "$root" -f "$PWD/tests/cpp/jolt/Makefile" JOLT="$jolt" TRISAP="$PWD" LIBRARY="$root/prefix/lib/libtrisap.a"
 
 cd "$root"
