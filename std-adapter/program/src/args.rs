@@ -212,6 +212,7 @@ pub(crate) enum SectionName {
     Scaling,
     Paper,
     Movers,
+    Speeds,
     Threads,
     Parts,
     HardCases,

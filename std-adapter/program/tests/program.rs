@@ -284,6 +284,7 @@ fn a_report_is_a_page_and_its_data() -> Result {
         "scaling",
         "paper",
         "movers",
+        "speeds",
         "threads",
         "parts",
         "hard_cases",
@@ -297,7 +298,9 @@ fn a_report_is_a_page_and_its_data() -> Result {
         let section = sections.iter().find(|section| section["id"] == id);
         section.and_then(|section| section["verdict"]["frames"].as_u64())
     };
-    for id in ["margins", "scaling", "paper", "movers", "parts", "precision", "hard_cases", "real_scenes"] {
+    for id in
+        ["margins", "scaling", "paper", "movers", "speeds", "parts", "precision", "hard_cases", "real_scenes"]
+    {
         assert!(frames(id) > Some(10), "{id}: {:?}", frames(id));
     }
     assert!(page.contains("ANOTHER MACHINE"), "printed figures are not marked");

@@ -24,6 +24,7 @@ mod recordings;
 mod result;
 mod scaling;
 mod sizes;
+mod speeds;
 mod threads;
 mod ties;
 
@@ -84,6 +85,7 @@ fn sections(lab: &Lab, wanted: &[SectionName]) -> Result<(Vec<Section>, Answer)>
         SectionName::Scaling => Ok(scaling::scaling(&sizes)),
         SectionName::Paper => Ok(paper::paper(&sizes)),
         SectionName::Movers => movers::movers(lab),
+        SectionName::Speeds => speeds::speeds(lab),
         SectionName::Parts => parts::parts(lab),
         SectionName::Threads => threads::threads(lab),
         SectionName::Precision => precision::precision(lab),

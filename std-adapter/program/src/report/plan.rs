@@ -16,6 +16,8 @@ pub(super) struct Plan {
     pub(super) margins: Vec<f32>,
     /// Shares of movers.
     pub(super) movers: Vec<f64>,
+    /// Edges that each cube goes in a step.
+    pub(super) speeds: Vec<f32>,
     /// Distances from the origin, and how many boxes stand there.
     pub(super) distances: Vec<f64>,
     pub(super) distant_boxes: u32,
@@ -42,6 +44,7 @@ impl Plan {
             movers: vec![
                 0.0, 0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.75, 1.0,
             ],
+            speeds: vec![0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0],
             distances: DISTANCES.to_vec(),
             distant_boxes: 2000,
             // Nearly two seconds: the boxes have met the walls and each other.
@@ -61,6 +64,7 @@ impl Plan {
             shared_sizes: vec![8000, 32_000],
             margins: vec![0.0, 0.02, 0.1, 0.2, 0.5],
             movers: vec![0.0, 0.01, 0.03, 0.06, 0.1, 0.3, 1.0],
+            speeds: vec![0.0, 0.001, 0.01, 0.1, 1.0],
             distances: DISTANCES.to_vec(),
             distant_boxes: 1000,
             frames: 6,
@@ -80,6 +84,7 @@ impl Plan {
             shared_sizes: vec![6000],
             margins: vec![0.0, 0.1, 0.5],
             movers: vec![0.0, 0.03, 1.0],
+            speeds: vec![0.0, 0.01, 1.0],
             distant_boxes: 300,
             skip: 20,
             frames: 3,
