@@ -202,7 +202,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("memory", 1911),
     ("objects", 765),
     ("pairs", 560),
-    ("parallel", 680),
+    ("parallel", 490),
     ("query", 1385),
     ("simd", 2510),
     ("snapshot", 600),

@@ -5,3 +5,7 @@ pub(crate) mod block_queue;
 pub(crate) mod context;
 pub(crate) mod executor;
 pub(crate) mod shared;
+
+#[cfg(test)]
+#[path = "../../tests/kernels/threads.rs"]
+mod tests;

@@ -8,37 +8,19 @@ use bytemuck::Pod;
 use core::marker::PhantomData;
 use core::sync::atomic::Ordering::Relaxed;
 
-// On other targets such an atomic may need a wider alignment than the integer.
-#[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
-type Word = (u64, core::sync::atomic::AtomicU64);
+// The widest integer that the target stores in one piece. On other targets such an atomic may need a wider alignment than the
+// integer.
 #[cfg(not(all(target_has_atomic = "64", target_pointer_width = "64")))]
-type Word = (u32, core::sync::atomic::AtomicU32);
-/// The widest integer that the target stores in one piece.
-type Plain = <Word as Pieces>::Plain;
-type Atomic = <Word as Pieces>::Atomic;
-
-trait Pieces {
-    type Plain;
-    type Atomic;
-}
-impl<P, A> Pieces for (P, A) {
-    type Plain = P;
-    type Atomic = A;
-}
+use core::{primitive::u32 as Plain, sync::atomic::AtomicU32 as Atomic};
+#[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
+use core::{primitive::u64 as Plain, sync::atomic::AtomicU64 as Atomic};
 
 /// A slice of `T` that is written through a shared reference.
+#[derive(Clone, Copy)]
 pub(crate) struct Shared<'a, T> {
     words: &'a [Atomic],
     item: PhantomData<T>,
 }
-
-impl<T> Clone for Shared<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Shared<'_, T> {}
 
 impl<'a, T: Pod> Shared<'a, T> {
     const WORDS: usize = {
@@ -69,33 +51,5 @@ impl<'a, T: Pod> Shared<'a, T> {
         for (word, piece) in target.iter().zip(bytes.chunks_exact(size_of::<Plain>())) {
             word.store(bytemuck::pod_read_unaligned(piece), Relaxed);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stores_land_where_they_should() {
-        let mut items = [[0u64; 2]; 3];
-        let shared = Shared::new(&mut items);
-        shared.store(2, &[5, 6]);
-        shared.store(0, &[1, 2]);
-        assert_eq!(items, [[1, 2], [0, 0], [5, 6]]);
-    }
-
-    /// Small enough for Miri with many seeds.
-    #[test]
-    fn threads_fill_one_slice() {
-        let mut items = [[0u64; 2]; 12];
-        let shared = &Shared::new(&mut items);
-        std::thread::scope(|scope| {
-            for worker in 0..3 {
-                let slots = (worker..12).step_by(3);
-                scope.spawn(move || slots.for_each(|slot| shared.store(slot, &[slot as u64, worker as u64])));
-            }
-        });
-        assert!(items.iter().enumerate().all(|(slot, item)| *item == [slot as u64, slot as u64 % 3]));
     }
 }

@@ -17,7 +17,7 @@ use crate::memory::limits::{CHUNK, MERGED};
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
 use crate::pairs::pair_filter::PairFilter;
-use crate::parallel::block_queue::{BlockQueue, Chunks, Pool};
+use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::executor::{self, Executor};
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -132,10 +132,11 @@ impl<I: Index> Collector<'_, '_, I> {
         let full = AtomicBool::new(false);
         let queue = BlockQueue::new(blocks);
         let chunks = BlockQueue::new((Chunks::new(staged, CHUNK), Chunks::new(chunks, 1)));
-        let pool = Pool::new(scratch, area);
-        executor::run(executor, pool.count(), blocks, &|| {
-            let Some(mut borrowed) = pool.borrow() else { return };
-            let mut scratch = Scratch::carve(borrowed.area(), sizes.bucket);
+        let areas = BlockQueue::new(Chunks::new(scratch, area));
+        executor::run(executor, areas.count(), blocks, &|| {
+            // A call that finds none leaves the work to those that have one, and go on until nothing is left.
+            let Some((_, area)) = areas.claim() else { return };
+            let mut scratch = Scratch::carve(area, sizes.bucket);
             while !full.load(Relaxed)
                 && let Some((block, ())) = queue.claim()
             {

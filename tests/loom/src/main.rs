@@ -1,4 +1,4 @@
-//! Runs the core's claiming of blocks, its lending of scratch and its offer of a job under every interleaving that loom finds, with every
+//! Runs the core's claiming of blocks and scratch and its offer of a job under every interleaving that loom finds, with every
 //! value that a relaxed load may see. The code is the core's own files, letter by letter; only their atomics are loom's.
 //!
 //! `cargo run --manifest-path tests/loom/Cargo.toml`
@@ -23,7 +23,7 @@ mod block_queue;
 #[path = "../../../std-adapter/src/offer.rs"]
 mod offer;
 
-use block_queue::{BlockQueue, Chunks, Pool};
+use block_queue::{BlockQueue, Chunks};
 use loom::cell::Cell;
 use loom::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use offer::Offer;
@@ -140,36 +140,21 @@ fn an_offer_ends_when_all_who_came_have_left(helpers: usize, jobs: usize) {
     assert_eq!(calls, jobs + came);
 }
 
-/// Nobody shares an area of scratch with another, and the next borrower sees what the last one wrote.
-fn scratch_is_lent_to_one_at_a_time(width: usize, areas: usize) {
-    let pool = leak(Pool::new(items(areas), 1));
-    let job = leak(move || {
-        let Some(mut borrowed) = pool.borrow() else { return 0 };
-        add(&borrowed.area()[0], 1);
-        1
-    });
-    let borrowers: u32 = fork_join(width, job).into_iter().sum();
-    // Those that found no area free have left the work to others, but the last call never has to.
-    assert!((2..=width as u32 + 1).contains(&borrowers));
-    let mut all: Vec<_> = (0..areas).map(|_| pool.borrow().expect("all are free")).collect();
-    let sum: u32 = all.iter_mut().map(|area| area.area()[0].get()).sum();
-    assert_eq!(sum, borrowers, "a borrower's sum is lost");
-}
-
-/// How a sweep collects pairs: blocks by index, scratch from a pool, chunks of output as they fill, put in order at the
-/// end. Block `b` has `b % 3` chunks of pairs. With fewer chunks than that, everybody notices.
+/// How a sweep collects pairs: blocks by index, two areas of scratch, chunks of output as they fill, put in order at the
+/// end. Block `b` has `b % 3` chunks of pairs. With fewer chunks than that, everybody notices. Who finds no area leaves the
+/// work to those that have one.
 fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let chunks_of = |block: usize| block % 3;
     let needed: usize = (0..blocks).map(chunks_of).sum();
     let next = leak(BlockQueue::new(blocks));
     let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1)));
-    let pool = leak(Pool::new(items(width), 1));
+    let areas = leak(BlockQueue::new(Chunks::new(items(2), 1)));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
+        let (_, area) = areas.claim()?;
         let mut filled: Vec<([usize; 2], Part)> = Vec::new();
-        let Some(mut scratch) = pool.borrow() else { return filled };
         while let Some((block, ())) = next.claim() {
-            add(&scratch.area()[0], 1);
+            add(&area[0], 1);
             for number in 0..chunks_of(block) {
                 let Some((index, chunk)) = output.claim() else {
                     full.store(true, Relaxed);
@@ -179,14 +164,13 @@ fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
                 filled.push(([block, index], chunk));
             }
         }
-        filled
+        Some((area[0].get(), filled))
     });
-    let mut all: Vec<_> = fork_join(width, job).into_iter().flatten().collect();
+    let (swept, filled): (Vec<u32>, Vec<_>) = fork_join(width, job).into_iter().flatten().unzip();
+    let mut all: Vec<_> = filled.into_iter().flatten().collect();
     assert_eq!(full.load(Relaxed), chunks < needed);
     assert_eq!((output.claimed(), all.len()), (needed.min(chunks), needed.min(chunks)));
-    let mut areas: Vec<_> = std::iter::from_fn(|| pool.borrow()).collect();
-    let swept: u32 = areas.iter_mut().map(|area| area.area()[0].get()).sum();
-    assert_eq!(swept as usize, blocks, "every block is swept once");
+    assert_eq!(swept.iter().sum::<u32>() as usize, blocks, "every block is swept once");
     if chunks >= needed {
         all.sort_unstable_by_key(|&(entry, _)| entry);
         let merged: Vec<u32> = all.iter().map(|(_, chunk)| chunk[0].get()).collect();
@@ -218,9 +202,6 @@ fn main() {
     model("1 thread comes to 1 job", None, || an_offer_ends_when_all_who_came_have_left(1, 1));
     model("1 thread comes to 2 jobs", None, || an_offer_ends_when_all_who_came_have_left(1, 2));
     model("2 threads come to 1 job", Some(3), || an_offer_ends_when_all_who_came_have_left(2, 1));
-    model("2 workers borrow 1 area", None, || scratch_is_lent_to_one_at_a_time(2, 1));
-    model("3 workers borrow 2 areas", None, || scratch_is_lent_to_one_at_a_time(3, 2));
-    model("4 workers borrow 2 areas", Some(3), || scratch_is_lent_to_one_at_a_time(4, 2));
     model("2 workers collect 3 blocks", None, || output_is_that_of_one_worker(2, 3, 3));
     model("2 workers collect 3 blocks, short of room", None, || output_is_that_of_one_worker(2, 3, 2));
     model("3 workers collect 4 blocks", Some(2), || output_is_that_of_one_worker(3, 4, 4));
