@@ -200,7 +200,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("geometry", 1160),
     ("lists", 105),
     ("memory", 1911),
-    ("objects", 765),
+    ("objects", 670),
     ("pairs", 560),
     ("parallel", 490),
     ("query", 1385),

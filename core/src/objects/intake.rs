@@ -9,7 +9,7 @@ use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::Objects;
 use crate::objects::margins::{FatBoxes, Motions};
-use crate::objects::settle::{Nothing, Records, Settle};
+use crate::objects::settle::Records;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
@@ -39,23 +39,11 @@ pub(crate) fn ingest<I: Index>(
 ) -> Intake {
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
-        ingest_small(parts, bounds, slots, context.kernels)
-    } else {
-        ingest_large(parts, bounds, slots, settle, context)
+        let mut objects = parts.objects();
+        objects.now = core::mem::take(&mut objects.now).span_mut(0, slots);
+        return ingest_block(context.kernels, 0, bounds, objects, None::<Records<'_, '_, I>>);
     }
-}
-
-/// Takes in the first slots of a world with a tree.
-// Its frame does not stand below those of the sweep.
-#[inline(never)]
-fn ingest_large<I: Index>(
-    parts: &mut Parts<'_, I>,
-    bounds: &Boxes<'_>,
-    slots: usize,
-    settle: bool,
-    context: StepContext<'_>,
-) -> Intake {
-    // Those that have changed before.
+    // What has changed before.
     let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
     let len = block_len(slots);
     let found = ingest_blocks(parts, bounds, (slots, len), settle, context);
@@ -88,27 +76,10 @@ fn ingest_large<I: Index>(
     sum
 }
 
-/// Takes in the first slots of a world without a tree, as one block.
-fn ingest_small<I: Index>(
-    parts: &mut Parts<'_, I>,
-    bounds: &Boxes<'_>,
-    slots: usize,
-    kernels: Kernels,
-) -> Intake {
-    let (mode, (predicted, renews)) = (parts.mode(), parts.fat_boxes());
-    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
-    let now = parts.boxes.now.span_mut(0, slots);
-    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
-    let margins = &*parts.boxes.margins;
-    let (moved, changed) = (parts.moved.reborrow(), parts.changed.reborrow());
-    let before = parts.boxes.before.get_mut(..slots).unwrap_or_default();
-    let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
-    let objects = Objects { now, cut: &mut [], fat, moved, changed, before, mode };
-    ingest_block(kernels, 0, bounds, objects, resting, Nothing)
-}
-
-/// Takes in the first slots, in blocks of so many. The slots that have left their leaves stand at the start of each block in the
-/// second of the sorted lists.
+/// Takes in the first slots of a world with a tree, in blocks of so many. The slots that have left their leaves stand at the start
+/// of each block in the second of the sorted lists.
+// Its frame does not stand below those of the sweep.
+#[inline(never)]
 fn ingest_blocks<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
@@ -123,7 +94,7 @@ fn ingest_blocks<I: Index>(
     let (homes, places) = (&*parts.home, &*parts.place);
     let leaves = if settle { parts.state.tree.count as usize } else { 0 };
     let (cells, frames) = (parts.tree.cells.span(0, leaves), parts.tree.frames.span(0, leaves));
-    let buckets = parts.tree.leaves.span(0, leaves);
+    let leaves = parts.tree.leaves.span(0, leaves);
     let records = Shared::new(parts.tree.records);
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
@@ -137,62 +108,57 @@ fn ingest_blocks<I: Index>(
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
-        let objects =
-            Objects { now, cut: &mut [], fat, moved: moved.into(), changed: changed.into(), before, mode };
+        let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
-        found.fill(if settle {
-            let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
-            let leaves = buckets;
-            let settle = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
-            ingest_block(context.kernels, first, bounds, objects, resting, settle)
-        } else {
-            ingest_block(context.kernels, first, bounds, objects, resting, Nothing)
-        });
+        let objects = Objects { now, cut: &mut [], fat, moved, changed, before, resting, mode };
+        let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
+        let records = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
+        found.fill(ingest_block(context.kernels, first, bounds, objects, settle.then_some(records)));
     });
     found
 }
 
-/// Takes in the boxes of some consecutive slots; those in `resting`, which is empty where nobody rests, are not asked for.
-fn ingest_block<T: Settle>(
+/// Takes in the boxes of some consecutive slots.
+fn ingest_block<I: Index>(
     kernels: Kernels,
     first: usize,
     bounds: &Boxes<'_>,
     objects: Objects<'_>,
-    resting: &[u32],
-    settle: T,
+    records: Option<Records<'_, '_, I>>,
 ) -> Intake {
-    run!(kernels, |simd| take_in_words(simd, first, bounds, objects, resting, settle))
+    run!(kernels, |simd| take_in_words(simd, first, bounds, objects, records))
 }
 
 #[inline(always)]
-fn take_in_words<S: Simd, T: Settle>(
+fn take_in_words<S: Simd, I: Index>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
     mut objects: Objects<'_>,
-    resting: &[u32],
-    mut settle: T,
+    mut records: Option<Records<'_, '_, I>>,
 ) -> Intake {
     let mut intake = Intake::default();
     for word in 0..objects.now.len().div_ceil(32) {
-        let resting = resting.get(word).copied().unwrap_or_default();
-        if resting != u32::MAX {
-            let moved = if objects.before.is_empty() {
-                take_in::<S, false>(simd, first, bounds, &mut objects, word, resting, &mut intake)
-            } else {
-                take_in::<S, true>(simd, first, bounds, &mut objects, word, resting, &mut intake)
-            };
+        if objects.resting.get(word) == Some(&u32::MAX) {
+            continue;
+        }
+        let moved = if objects.before.is_empty() {
+            take_in::<S, false>(simd, first, bounds, &mut objects, word, &mut intake)
+        } else {
+            take_in::<S, true>(simd, first, bounds, &mut objects, word, &mut intake)
+        };
+        if let Some(records) = &mut records {
             let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
-            settle.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
+            records.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
         }
     }
     intake.motions = objects.fat.motions;
-    intake.left = settle.noted();
+    intake.left = records.map_or(0, |records| records.noted);
     intake
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for those whose bit is set in `resting`. Returns the bits of
-/// those whose swept boxes are others now.
+/// Takes in the boxes of the slots of a word of the bit sets, but for those that rest. Returns the bits of those whose swept boxes
+/// are others now.
 #[inline(always)]
 fn take_in<S: Simd, const EVENTS: bool>(
     simd: S,
@@ -200,10 +166,9 @@ fn take_in<S: Simd, const EVENTS: bool>(
     bounds: &Boxes<'_>,
     objects: &mut Objects<'_>,
     word: usize,
-    resting: u32,
     intake: &mut Intake,
 ) -> u32 {
-    let Objects { now, fat, changed: kept, before, mode, .. } = objects;
+    let Objects { now, fat, changed: kept, before, resting, mode, .. } = objects;
     let end = now.len().min(word * 32 + 32);
     let now = now.get_mut(word * 32..end).unwrap_or_default();
     // The boxes that the events compare with are kept where they have not changed since the last complete step.
@@ -213,22 +178,9 @@ fn take_in<S: Simd, const EVENTS: bool>(
     // shifted in, since it has few registers.
     let (mut changed, mut contained, unused) = (0u32, 0u32, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
-    let (mut resting, mut four_changed) = (resting, 0);
+    let (mut skipped, mut four_changed) = (resting.get(word).copied().unwrap_or_default(), 0);
     if S::ENCODES_FOUR {
-        let all = u32::MAX >> unused;
-        if fat.exist() && !fat.renews {
-            let before = if *mode == Mode::Exact { &mut *before } else { &mut [] };
-            let held = fat.boxes.get(word * 32..).unwrap_or_default();
-            let quiet =
-                Quiet { bounds, items, now, before, held, skipped: resting | if EVENTS { kept } else { 0 } };
-            let (taken, others) = call!(simd, take_in_quiet(simd, quiet));
-            (resting, four_changed, contained) = (resting | taken, others, others);
-            fat.motions.moved_inside_margin |= others != 0;
-            if taken == all {
-                return objects.note(word, others, others);
-            }
-        }
-        let fours = Fours { bounds, items, now, before, kept, resting, fat, first: word * 32, mode: *mode };
+        let fours = Fours { bounds, items, now, before, kept, skipped, fat, first: word * 32, mode: *mode };
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network; and one for worlds
         // with fat boxes, so that others pay nothing for them.
         let (taken, others, stay) = if cfg!(target_family = "wasm") || fours.fat.exist() {
@@ -236,17 +188,17 @@ fn take_in<S: Simd, const EVENTS: bool>(
         } else {
             take_in_fours::<S, EVENTS, false>(simd, fours)
         };
-        (resting, four_changed, contained) = (resting | taken, four_changed | others, contained | stay);
-        if taken == all {
+        if taken == u32::MAX >> unused {
             return objects.note(word, others, stay);
         }
+        (skipped, four_changed, contained) = (skipped | taken, others, stay);
     }
     for (at, old) in (word * 32..).zip(now) {
         let item = items;
         items = bounds.items_after(1, items);
-        let skipped = resting & 1 != 0 || old.is_empty();
-        (changed, resting) = (changed >> 1, resting >> 1);
-        if skipped {
+        let skips = skipped & 1 != 0 || old.is_empty();
+        (changed, skipped) = (changed >> 1, skipped >> 1);
+        if skips {
             continue;
         }
         match bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
@@ -273,49 +225,6 @@ fn take_in<S: Simd, const EVENTS: bool>(
     objects.note(word, changed, contained)
 }
 
-/// The boxes of the slots of a word, of which those are taken in, four at a time, that all stay in their fat boxes.
-struct Quiet<'f, 'b> {
-    bounds: &'f Boxes<'b>,
-    items: &'b [u8],
-    now: &'f mut [KeyBox],
-    /// Empty if there are no events, or if these are of fat boxes.
-    before: &'f mut [KeyBox],
-    held: &'f [KeyBox],
-    /// The bits of slots that are not asked for, or whose box of before is already kept.
-    skipped: u32,
-}
-
-/// Returns the bits of the slots that are done with, and of those among them that have other boxes now.
-#[inline(always)]
-fn take_in_quiet<S: Simd>(simd: S, quiet: Quiet<'_, '_>) -> (u32, u32) {
-    let Quiet { bounds, mut items, now, before, held, skipped } = quiet;
-    let (mut taken, mut changed, mut room) = (0, 0, [0; 8 * CORNER]);
-    let (before, held) = (before.as_chunks_mut::<4>().0, held.as_chunks::<4>().0);
-    for (four, (old, held)) in now.as_chunks_mut::<4>().0.iter_mut().zip(held).enumerate() {
-        let Some(boxes) = bounds.four(items, &mut room) else { break };
-        // The caller's boxes are seldom in the cache.
-        simd.prefetch(items, 1024);
-        simd.prefetch(items, 1024 + CACHE_LINE);
-        items = bounds.items_after(4, items);
-        let mut new = [KeyBox::EMPTY; 4];
-        if skipped >> (4 * four) & 0b1111 != 0 {
-            continue;
-        }
-        if let Some(others) = simd.encode_four(boxes, held, old, &mut new) {
-            if others != 0 {
-                // Also of those that have not changed, so that no branch asks for it.
-                if let Some(before) = before.get_mut(four) {
-                    *before = *old;
-                }
-                *old = new;
-            }
-            taken |= 0b1111 << (4 * four);
-            changed |= others << (4 * four);
-        }
-    }
-    (taken, changed)
-}
-
 /// The boxes of the slots of a word, to be taken in four at a time.
 struct Fours<'f, 'b, 'o> {
     bounds: &'f Boxes<'b>,
@@ -323,7 +232,8 @@ struct Fours<'f, 'b, 'o> {
     now: &'f mut [KeyBox],
     before: &'f mut [KeyBox],
     kept: u32,
-    resting: u32,
+    /// The bits of slots that are not asked for.
+    skipped: u32,
     fat: &'f mut FatBoxes<'o>,
     /// The first slot of the word.
     first: usize,
@@ -338,29 +248,52 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     simd: S,
     fours: Fours<'_, '_, '_>,
 ) -> (u32, u32, u32) {
-    let Fours { bounds, mut items, now, before, kept, resting, fat, first: word, mode } = fours;
+    let Fours { bounds, mut items, now, before, kept, skipped, fat, first: word, mode } = fours;
     let (mut taken, mut changed, mut contained) = (0, 0, 0);
     let (all, mut room) = ([KeyBox::ALL; 4], [0; 8 * CORNER]);
+    let before = before.as_chunks_mut::<4>().0;
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items, &mut room) else { break };
+        if FAT {
+            // The caller's boxes are seldom in the cache.
+            simd.prefetch(items, 1024);
+            simd.prefetch(items, 1024 + CACHE_LINE);
+        }
         items = bounds.items_after(4, items);
-        if resting >> first & 0b1111 != 0 {
+        if skipped >> first & 0b1111 != 0 {
             continue;
         }
         let mut new = [KeyBox::EMPTY; 4];
-        let Some(others) = simd.encode_four(boxes, &all, old, &mut new) else { continue };
-        match (others & !(kept >> first), before.as_chunks_mut::<4>().0.get_mut(four)) {
-            (0b1111, Some(before)) if EVENTS && (!FAT || mode == Mode::Exact) => *before = *old,
-            (unkept, Some(before)) if EVENTS => {
-                bits::of_word(unkept).for_each(|bit| {
+        // In most steps all stay in their fat boxes.
+        let held = if FAT && !fat.renews { fat.boxes.get(word + first..) } else { None };
+        let quiet = match held.and_then(|held| held.first_chunk()) {
+            Some(held) => simd.encode_four(boxes, held, old, &mut new),
+            None => None,
+        };
+        let others = match quiet {
+            Some(others) => others,
+            None => match simd.encode_four(boxes, &all, old, &mut new) {
+                Some(others) => others,
+                None => continue,
+            },
+        };
+        if EVENTS && let Some(before) = before.get_mut(four) {
+            let unkept = others & !(kept >> first);
+            if kept >> first & 0b1111 == 0 && (!FAT || mode == Mode::Exact) {
+                // Also of those that have not changed, so that no branch asks for it.
+                *before = *old;
+            } else {
+                for bit in bits::of_word(unkept) {
                     let old = KeyBox::of(old, bit);
                     before.put(bit, if FAT { fat.reported(mode, word + first + bit, old) } else { *old });
-                });
+                }
             }
-            _ => {}
         }
-        if FAT && fat.exist() {
+        if quiet.is_some() {
+            fat.motions.moved_inside_margin |= others != 0;
+            contained |= others << first;
+        } else if FAT && fat.exist() {
             for bit in bits::of_word(others) {
                 let (old, new) = (KeyBox::of(old, bit), KeyBox::of(&new, bit));
                 contained |= u32::from(fat.follow(simd, word + first + bit, old, new)) << (first + bit);

@@ -24,6 +24,8 @@ pub(crate) struct Objects<'o> {
     pub(crate) changed: SlotSet<'o>,
     /// See [`BoxParts::before`](crate::memory::slab::BoxParts::before).
     pub(crate) before: &'o mut [KeyBox],
+    /// Who is put to rest by the caller; empty where nobody is.
+    pub(crate) resting: &'o [u32],
     pub(crate) mode: Mode,
 }
 
@@ -53,6 +55,7 @@ impl<I: Index> Parts<'_, I> {
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
             before: self.boxes.before,
+            resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
             mode: self.sizes.config.mode,
         }
     }

@@ -9,28 +9,6 @@ use crate::memory::leaf::{Cell, Leaf};
 use crate::parallel::shared::Shared;
 use crate::simd::Simd;
 
-/// What is done with boxes that have just changed.
-pub(crate) trait Settle {
-    /// Some objects of a word of the bit sets have other boxes that are swept. Those are in `swept`, from the word's first on.
-    fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]);
-
-    /// How many slots were noted.
-    fn noted(&self) -> u32;
-}
-
-/// Nothing.
-pub(crate) struct Nothing;
-
-impl Settle for Nothing {
-    #[inline(always)]
-    fn settle<S: Simd>(&mut self, _: S, _: usize, _: u32, _: &[KeyBox]) {}
-
-    #[inline(always)]
-    fn noted(&self) -> u32 {
-        0
-    }
-}
-
 /// The leaves, and where the records of some consecutive slots stand in them.
 pub(crate) struct Records<'b, 's, I> {
     /// The first of these slots.
@@ -46,9 +24,10 @@ pub(crate) struct Records<'b, 's, I> {
     pub(crate) noted: u32,
 }
 
-impl<I: Index> Settle for Records<'_, '_, I> {
+impl<I: Index> Records<'_, '_, I> {
+    /// Some objects of a word of the bit sets have other boxes that are swept. Those are in `swept`, from the word's first on.
     #[inline(always)]
-    fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]) {
+    pub(crate) fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]) {
         let Self { first, homes, places, cells, frames, leaves, records, .. } = *self;
         let (homes, places) =
             (homes.get(word * 32..).unwrap_or_default(), places.get(word * 32..).unwrap_or_default());
@@ -85,10 +64,5 @@ impl<I: Index> Settle for Records<'_, '_, I> {
             }
             self.noted += u32::from(!stays);
         }
-    }
-
-    #[inline(always)]
-    fn noted(&self) -> u32 {
-        self.noted
     }
 }
