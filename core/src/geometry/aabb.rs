@@ -53,18 +53,10 @@ impl Aabb {
     /// ```
     #[must_use]
     pub const fn from_fixed(min: [i32; 3], max: [i32; 3], fraction_bits: u32) -> Self {
-        Self {
-            min: [
-                fixed(min[0], fraction_bits, false),
-                fixed(min[1], fraction_bits, false),
-                fixed(min[2], fraction_bits, false),
-            ],
-            max: [
-                fixed(max[0], fraction_bits, true),
-                fixed(max[1], fraction_bits, true),
-                fixed(max[2], fraction_bits, true),
-            ],
+        const fn corner([x, y, z]: [i32; 3], fraction_bits: u32, up: bool) -> [f32; 3] {
+            [fixed(x, fraction_bits, up), fixed(y, fraction_bits, up), fixed(z, fraction_bits, up)]
         }
+        Self { min: corner(min, fraction_bits, false), max: corner(max, fraction_bits, true) }
     }
 
     /// Whether a world accepts the box: no NaN, and `min <= max` on every axis.
@@ -111,48 +103,26 @@ fn without_denormals(x: f64) -> f64 {
     }
 }
 
-/// The greatest `f32` that is not above `x`, or NaN. It is computed from the bits, so a host that flushes denormals
-/// gets the same.
+/// The greatest `f32` that is not above `x`, or NaN. No operation makes or takes a denormal, so a host that flushes these gets the
+/// same.
 pub(crate) const fn narrowed(x: f64) -> f32 {
-    const MANTISSA: u32 = 52;
-    /// Bits of an `f64` below the last one of an `f32`.
-    const LOST: u32 = MANTISSA - 23;
-    /// Stored exponents: of the least normal `f32`, of the first number beyond the greatest, and of infinity.
-    const LEAST: u64 = 1023 - 126;
-    const BEYOND: u64 = 1023 + 128;
-    const INFINITY: u64 = 2047;
-    let bits = x.to_bits();
-    let sign = (bits >> 63) as u32;
-    let magnitude = bits & (u64::MAX >> 1);
-    let (exponent, fraction) = (magnitude >> MANTISSA, magnitude & (u64::MAX >> (64 - MANTISSA)));
-    // The number rounded towards zero, and whether that has changed it.
-    let (toward_zero, is_less) = if exponent == INFINITY {
-        if fraction != 0 {
-            return f32::NAN;
-        }
-        (f32::INFINITY.to_bits(), false)
-    } else if exponent >= BEYOND {
-        (f32::MAX.to_bits(), true)
-    } else if exponent >= LEAST {
-        let narrow = (magnitude - ((LEAST - 1) << MANTISSA)) >> LOST;
-        (narrow as u32, magnitude << (64 - LOST) != 0)
-    } else {
-        // A denormal `f32`, or less than the least.
-        let down = LOST as u64 + LEAST - exponent;
-        let mantissa = fraction | 1 << MANTISSA;
-        match down {
-            0..64 if exponent > 0 => ((mantissa >> down) as u32, mantissa << (64 - down) != 0),
-            _ => (0, magnitude != 0),
-        }
-    };
-    // The next number away from zero has the next bits; after the greatest comes infinity.
-    f32::from_bits(sign << 31 | (toward_zero + (is_less && sign != 0) as u32))
+    if x.abs() < f32::MIN_POSITIVE as f64 {
+        // In steps of the least denormal, which are the keys there. Even that of a denormal `f64` below zero is a whole one.
+        let steps = x * (1.0 / DENORMAL);
+        let toward_zero = steps as i32;
+        let is_less = toward_zero as f64 > steps || toward_zero == 0 && x.to_bits() > 1 << 63;
+        return value(toward_zero - is_less as i32);
+    }
+    let nearest = x as f32;
+    if nearest as f64 > x { nearest.next_down() } else { nearest }
 }
+
+/// The least `f32` above zero.
+const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
 
 /// A number as `f64`. A denormal is converted by its bits, for the same reason.
 #[inline(always)]
 pub(crate) const fn widened(x: f32) -> f64 {
-    const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
     let magnitude = x.to_bits() & (u32::MAX >> 1);
     if magnitude >= f32::MIN_POSITIVE.to_bits() {
         return x as f64;

@@ -34,12 +34,7 @@ impl<'a> Boxes<'a> {
     /// Boxes one after another.
     #[must_use]
     pub fn new(boxes: &'a [Aabb]) -> Self {
-        Self {
-            bytes: bytemuck::cast_slice(boxes),
-            stride: size_of::<Aabb>(),
-            end: size_of::<Aabb>(),
-            count: boxes.len(),
-        }
+        Self { bytes: bytemuck::cast_slice(boxes), stride: 24, end: 24, count: boxes.len() }
     }
 
     /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings: `[min x, y,

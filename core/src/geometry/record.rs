@@ -36,17 +36,6 @@ impl Frame {
         if z < steps { 2 } else { longest }
     }
 
-    /// Whether the frame keeps the order of coordinates. Then sweeps lose no pair, wherever its grid lies.
-    #[cfg(test)]
-    pub(crate) fn is_sound(&self) -> bool {
-        let whole = |numbers: &[f32; 8]| numbers[..3] == numbers[3..6] && numbers[6..] == [0.0; 2];
-        let finite = |x: &f32| x.abs() <= f32::MAX;
-        whole(&self.origin)
-            && whole(&self.scale)
-            && self.origin.iter().all(finite)
-            && self.scale.iter().all(|x| *x >= 0.0 && finite(x))
-    }
-
     /// The grid over the minima between two corners.
     ///
     /// Any monotone map is conservative. It can make boxes touch that are apart, which the exact test finds, but it

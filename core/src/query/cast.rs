@@ -245,7 +245,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
         let mut crossing = walk.crossing(frame, walk.time(self.far));
         let first = whole << sub_levels;
         let mut met = Met::new(match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
-            Some(bounds) => simd.met(bounds, &crossing),
+            Some(bounds) => simd.met(bounds, &crossing).0,
             None => Met::WHOLE,
         });
         let (mut part, mut from) = met.take(simd);
@@ -256,7 +256,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
             (part, from) = met.take(simd);
             prefetch_members(simd, parts, first + part);
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
-                let mut mask = simd.crossed(eight, &crossing);
+                let mut mask = simd.met(eight, &crossing).1;
                 mask = if mask == 0 { 0 } else { mask & first_of_eight(left) };
                 while mask != 0 {
                     let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;

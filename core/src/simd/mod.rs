@@ -59,31 +59,6 @@ pub(crate) struct Tested {
     pub(crate) tied: usize,
 }
 
-impl Tested {
-    /// Tests one candidate: see [`Simd::test_candidates`].
-    #[inline(always)]
-    pub(crate) fn add<S: Simd, I: Index>(
-        &mut self,
-        simd: S,
-        sorted: &[Record],
-        candidates: &mut [u32],
-        index: usize,
-        pairs: &mut [Pair<I>],
-    ) {
-        let candidate = candidates.at(index);
-        let a = sorted.at((candidate >> 16) as usize);
-        let b = sorted.at((candidate & 0xffff) as usize);
-        let contact = simd.contact(&a, &b);
-        // Two records that share a mark are reported in another leaf (erratum E9).
-        let ours = contact.touches & (a.tag & b.tag & Record::MARKS == 0);
-        // Always written, kept or not: there is no branch to predict.
-        pairs.put(self.found, pair::<I>(a.slot(), b.slot()));
-        self.found += usize::from(ours & !contact.tied);
-        candidates.put(self.tied, candidate);
-        self.tied += usize::from(ours & contact.tied);
-    }
-}
-
 /// As [`Simd::overlaps`], one pair after another.
 #[inline(always)]
 fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
@@ -248,26 +223,34 @@ pub(crate) trait Simd: Copy + Send + Sync {
         candidates: &mut [u32],
         pairs: &mut [Pair<I>],
     ) -> Tested {
-        let (mut tested, mut from) = (Tested::default(), 0);
-        while Self::TESTS_SOME_PAIRS
-            && let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk::<4>())
-        {
-            // No closures: they would not share the instruction set of their function.
-            if let Some(room) = pairs.get_mut(tested.found..).and_then(|room| room.first_chunk_mut::<4>())
-                && let Some(found) = self.any_four(sorted, four, room)
-            {
-                tested.found += found;
-            } else {
-                for at in from..from + 4 {
-                    tested.add(self, sorted, candidates, at, pairs);
+        let Tested { mut found, mut tied } = Tested::default();
+        let (mut from, mut one_by_one) = (0, 0);
+        while from < candidates.len() {
+            if Self::TESTS_SOME_PAIRS && from >= one_by_one {
+                one_by_one = from + 4;
+                // No closures: they would not share the instruction set of their function.
+                if let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk())
+                    && let Some(room) = pairs.get_mut(found..).and_then(|room| room.first_chunk_mut())
+                    && let Some(kept) = self.any_four(sorted, four, room)
+                {
+                    (found, from) = (found + kept, one_by_one);
+                    continue;
                 }
             }
-            from += 4;
+            let candidate = candidates.at(from);
+            let a = sorted.at((candidate >> 16) as usize);
+            let b = sorted.at((candidate & 0xffff) as usize);
+            let contact = self.contact(&a, &b);
+            // Two records that share a mark are reported in another leaf (erratum E9).
+            let ours = contact.touches & (a.tag & b.tag & Record::MARKS == 0);
+            // Always written, kept or not: there is no branch to predict.
+            pairs.put(found, pair::<I>(a.slot(), b.slot()));
+            found += usize::from(ours & !contact.tied);
+            candidates.put(tied, candidate);
+            tied += usize::from(ours & contact.tied);
+            from += 1;
         }
-        for at in from..candidates.len() {
-            tested.add(self, sorted, candidates, at, pairs);
-        }
-        tested
+        Tested { found, tied }
     }
 
     /// As [`four`](Self::four) for any four candidates. Also `None` if a position is not in the slice.
@@ -282,20 +265,49 @@ pub(crate) trait Simd: Copy + Send + Sync {
     }
 
     /// Compares two records.
-    fn contact(self, a: &Record, b: &Record) -> Contact;
+    #[inline(always)]
+    fn contact(self, a: &Record, b: &Record) -> Contact {
+        let (mut touches, mut tied) = (true, false);
+        for k in 0..6 {
+            // b's maximum against a's minimum, then b's complemented minimum against a's complemented maximum.
+            let limit = !b.lanes[(k + 3) % 6];
+            touches &= a.lanes[k] <= limit;
+            tied |= a.lanes[k] == limit;
+        }
+        Contact { touches, tied }
+    }
 
     /// Which of some records touch the one whose [`limit`] this is: bit `i` for record `i`.
-    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32;
+    #[inline(always)]
+    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
+        let mut mask = 0;
+        for (index, record) in records.iter().enumerate() {
+            let mut inside = true;
+            for k in 0..6 {
+                inside &= record.lanes[k] <= limit.lanes[k];
+            }
+            mask |= u32::from(inside) << index;
+        }
+        mask
+    }
 
     /// When a cast enters the boxes of two nodes, between zero and `until`; NaN if it does not. The sides must be
     /// numbers.
-    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2];
+    #[inline(always)]
+    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
+        walk.enter(nodes, until)
+    }
 
-    /// Which of some records of a leaf a cast may touch: bit `i` for record `i`.
-    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32;
-
-    /// When a cast enters each of some records of a leaf; NaN for those that it cannot touch.
-    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT];
+    /// When a cast enters each of some records of a leaf, and which ones it may touch: bit `i` for record `i`. The others have NaN.
+    #[inline(always)]
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
+        let (mut times, mut mask) = ([f32::NAN; EIGHT], 0);
+        for (index, record) in records.iter().enumerate() {
+            times[index] = crossing.met(record);
+            mask |= u32::from(!times[index].is_nan()) << index;
+        }
+        (times, mask)
+    }
 
     /// Takes out the least of some numbers and returns it. The greatest `u32` takes its place, wherever it was.
     #[inline(always)]

@@ -1,9 +1,8 @@
 //! The level that every CPU has, and the definition of each operation.
 
-use super::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Row, Simd, WINDOW, query_lanes, row_lanes};
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, value};
-use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
 
 /// No more than the target's baseline.
@@ -66,51 +65,6 @@ impl Simd for Scalar {
             mask |= u64::from(inside & HIGH == HIGH) << index;
         }
         mask
-    }
-
-    #[inline(always)]
-    fn contact(self, a: &Record, b: &Record) -> Contact {
-        let (mut touches, mut tied) = (true, false);
-        for k in 0..6 {
-            // b's maximum against a's minimum, then b's complemented minimum against a's complemented maximum.
-            let limit = !b.lanes[(k + 3) % 6];
-            touches &= a.lanes[k] <= limit;
-            tied |= a.lanes[k] == limit;
-        }
-        Contact { touches, tied }
-    }
-
-    #[inline(always)]
-    fn touching(self, records: &[Record; EIGHT], limit: Record) -> u32 {
-        let mut mask = 0;
-        for (index, record) in records.iter().enumerate() {
-            let mut inside = true;
-            for k in 0..6 {
-                inside &= record.lanes[k] <= limit.lanes[k];
-            }
-            mask |= u32::from(inside) << index;
-        }
-        mask
-    }
-
-    #[inline(always)]
-    fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
-        walk.enter(nodes, until)
-    }
-
-    #[inline(always)]
-    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
-        let times = self.met(records, crossing).into_iter().enumerate();
-        times.fold(0, |mask, (index, time)| mask | u32::from(!time.is_nan()) << index)
-    }
-
-    #[inline(always)]
-    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
-        let mut times = [f32::NAN; EIGHT];
-        for (time, record) in times.iter_mut().zip(records) {
-            *time = crossing.met(record);
-        }
-        times
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! 256-bit vectors of x86-64: Haswell, Zen and later.
 
-use super::operations::{Halves, KEPT, Vectors, operations};
+use super::operations::{Halves, Vectors, kept, operations};
 use super::sse41::Sse41;
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
@@ -41,20 +41,8 @@ fn reached(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
     }
 }
 
-/// The words of the lanes in [`KEPT`].
-const KEPT_WORDS: [[u32; 8]; 16] = {
-    let mut table = [[0; 8]; 16];
-    let mut mask = 0;
-    while mask < 16 {
-        let mut word = 0;
-        while word < 8 {
-            table[mask][word] = 2 * KEPT[mask][word / 2] as u32 + word as u32 % 2;
-            word += 1;
-        }
-        mask += 1;
-    }
-    table
-};
+/// The places of the words that a mask of four keeps.
+const KEPT: [[u8; 8]; 16] = kept();
 
 impl Vectors for Avx2 {
     const NAME: &'static str = "avx2";
@@ -91,11 +79,6 @@ impl Vectors for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &[T], index: usize) {
-        self.half().prefetch(items, index);
-    }
-
-    #[inline(always)]
     fn load(self, bytes: &[u8; 32]) -> __m256i {
         // SAFETY: `self` proves AVX2; the 32 bytes are read.
         unsafe { _mm256_loadu_si256(bytes.as_ptr().cast()) }
@@ -116,12 +99,6 @@ impl Vectors for Avx2 {
     fn splat(self, word: u32) -> __m256i {
         // SAFETY: `self` proves AVX2.
         unsafe { _mm256_set1_epi32(word as i32) }
-    }
-
-    #[inline(always)]
-    fn first(self, a: __m256i) -> u32 {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_cvtsi256_si32(a) as u32 }
     }
 
     #[inline(always)]
@@ -154,8 +131,6 @@ impl Vectors for Avx2 {
         zip_first64(a, b) = _mm256_unpacklo_epi64(a, b);
         zip_last64(a, b) = _mm256_unpackhi_epi64(a, b);
         fourth_on(a, b) = _mm256_alignr_epi8::<12>(b, a);
-        third_on(a, b) = _mm256_alignr_epi8::<8>(b, a);
-        three_and_last(a, b) = _mm256_blend_epi32::<0b1000_1000>(a, b);
         above32(a, b) = _mm256_cmpgt_epi32(a, b);
         lower32(a, b) = _mm256_min_epi32(a, b);
         upper32(a, b) = _mm256_max_epi32(a, b);
@@ -164,7 +139,6 @@ impl Vectors for Avx2 {
         minus32(a, b) = _mm256_sub_epi32(a, b);
         magnitude32(a) = _mm256_abs_epi32(a);
         keys(a) = _mm256_sign_epi32(_mm256_and_si256(a, _mm256_set1_epi32(i32::MAX)), a);
-        raised32(a) = _mm256_slli_epi32::<16>(a);
         add(a, b) = _mm256_castps_si256(_mm256_add_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
         subtract(a, b) = _mm256_castps_si256(_mm256_sub_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
         multiply(a, b) = _mm256_castps_si256(_mm256_mul_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
@@ -193,26 +167,6 @@ impl Halves for Avx2 {
     fn joined(self, first: __m128i, last: __m128i) -> __m256i {
         // SAFETY: `self` proves AVX2.
         unsafe { _mm256_set_m128i(last, first) }
-    }
-
-    #[inline(always)]
-    fn swap(self, a: __m256i) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_permute4x64_epi64::<0b01_00_11_10>(a) }
-    }
-
-    #[inline(always)]
-    fn first_and_last(self, a: __m256i, b: __m256i) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_blend_epi32::<0b1111_0000>(a, b) }
-    }
-
-    #[inline(always)]
-    fn or_halves(self, a: __m256i, b: __m256i) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe {
-            _mm256_or_si256(_mm256_permute2x128_si256::<0x20>(a, b), _mm256_permute2x128_si256::<0x31>(a, b))
-        }
     }
 
     /// Behind them stands zero.
@@ -259,9 +213,9 @@ impl Halves for Avx2 {
 
     #[inline(always)]
     fn kept64(self, a: __m256i, mask: u32, to: &mut [u8; 32]) {
-        // SAFETY: `self` proves AVX2.
+        // SAFETY: `self` proves AVX2; eight bytes of the table are read.
         unsafe {
-            let kept = bytemuck::cast(KEPT_WORDS[mask as usize & 15]);
+            let kept = _mm256_cvtepu8_epi32(_mm_loadl_epi64(KEPT[mask as usize & 15].as_ptr().cast()));
             self.store(to, _mm256_permutevar8x32_epi32(a, kept));
         }
     }

@@ -1,6 +1,6 @@
 //! Where a cast meets nodes and records.
 
-use super::operations::{Halves, places};
+use super::operations::{Half, Halves, places};
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::Record;
@@ -28,12 +28,13 @@ pub(super) fn enter<W: Halves>(w: W, walk: &Walk, [a, b]: [&KeyBox; 2], until: f
     let to = w.minimum(w.minimum(to, w.shuffle(to, second)), w.shuffle(to, third));
     let met = w.at_most(from, w.add(to, w.splat(Walk::LEAST.to_bits())));
     let from = w.select(met, from, w.splat(f32::NAN.to_bits()));
-    [f32::from_bits(w.first(from)), f32::from_bits(w.first(w.swap(from)))]
+    let [a, b] = w.split(from);
+    [f32::from_bits(w.half().first(a)), f32::from_bits(w.half().first(b))]
 }
 
-/// When a cast enters eight records, and a mask of those that it may touch.
+/// As [`Simd::met`](crate::simd::Simd::met).
 #[inline(always)]
-pub(super) fn met<W: Halves>(w: W, records: &[Record; EIGHT], crossing: &Crossing) -> (W::Vector, W::Vector) {
+pub(super) fn met<W: Halves>(w: W, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
     let order = w.both(&crossing.order);
     let [a, b, c, d] = eight(w, records);
     let (a, b) = (w.shuffle(a, order), w.shuffle(b, order));
@@ -60,7 +61,9 @@ pub(super) fn met<W: Halves>(w: W, records: &[Record; EIGHT], crossing: &Crossin
         }
     }
     let from = w.minimum(from, w.splat(Crossing::LATEST.to_bits()));
-    (from, w.at_most(from, to))
+    let (met, mut times) = (w.at_most(from, to), [0; 32]);
+    w.store(&mut times, w.select(met, from, w.splat(f32::NAN.to_bits())));
+    (bytemuck::cast(times), w.bits8(met))
 }
 
 /// Eight records, of which each half has four consecutive ones.

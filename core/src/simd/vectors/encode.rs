@@ -21,7 +21,11 @@ fn numbers<W: Halves>(w: W, boxes: Four<'_>) -> [W::Vector; 3] {
             let (next_min, next_max) = (w.pick(&a[2], &b[2]), w.pick(&a[3], &b[3]));
             let max = w.shuffle(max, w.both(&places([1, 2, 2, 0])));
             let third = w.shuffle(next_min, w.both(&places([2; 4])));
-            [w.three_and_last(min, max), w.zip_first64(max, next_min), w.fourth_on(third, next_max)]
+            [
+                w.select(w.words([u32::MAX, u32::MAX, u32::MAX, 0]), min, max),
+                w.zip_first64(max, next_min),
+                w.fourth_on(third, next_max),
+            ]
         }
     }
 }
@@ -48,7 +52,7 @@ pub(super) fn encode_four<W: Halves>(
     // The minima above the maxima of the first box, then of the second one. What stands behind them means nothing.
     let second_maxima = w.shuffle(c, w.both(&places([1, 2, 3, 0])));
     let first = w.above32(a, w.fourth_on(a, b));
-    let second = w.above32(w.third_on(b, c), second_maxima);
+    let second = w.above32(w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c), second_maxima);
     let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
     let outside = w.or(
         outside(w, a, held_a, [u32::MAX, u32::MAX, u32::MAX, 0]),

@@ -1,11 +1,18 @@
 //! Tests four candidates at a time.
 
-use super::operations::{Half, Halves, KEPT_BYTES, Vectors, places};
+use super::operations::{Half, Halves, NO_BYTE, Vectors, kept, places};
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 
 /// The bytes of a record with the halves of its six lanes swapped, and its tag.
 pub(super) const HALVES: [u8; 16] = [6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 12, 13, 14, 15];
+
+/// The places of the lower halves of words, raised above zeros.
+const RAISED: [u8; 16] =
+    [NO_BYTE, NO_BYTE, 0, 1, NO_BYTE, NO_BYTE, 4, 5, NO_BYTE, NO_BYTE, 8, 9, NO_BYTE, NO_BYTE, 12, 13];
+
+/// The places of the bytes that a mask of four keeps.
+pub(super) const KEPT: [[u8; 16]; 16] = kept();
 
 /// What the lanes of other records must not exceed to touch these: the maxima, then the complemented minima; and the tags as they
 /// are.
@@ -80,7 +87,7 @@ unsafe fn pick<W: Halves>(w: W, records: &[Record], a: u32, b: u32) -> W::Vector
 #[inline(always)]
 fn excess<W: Halves>(w: W, records: W::Vector, limit: W::Vector) -> W::Vector {
     let shared = w.and(w.and(records, limit), w.splat(Record::MARKS));
-    w.three_and_last(w.excess16(records, limit), shared)
+    w.select(w.words([u32::MAX, u32::MAX, u32::MAX, 0]), w.excess16(records, limit), shared)
 }
 
 /// Writes the pairs of four records, of which the first and the third come together, with those of the limits, as far as they touch, and returns how many do. `None`
@@ -104,8 +111,8 @@ fn keep<W: Halves, I: Index>(
     let (lower, upper) = (w.least32(slots, crossed), w.most32(slots, crossed));
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(pairs);
     if size_of::<I>() == 2 {
-        let (h, [a, b]) = (w.half(), w.split(w.or(lower, w.raised32(upper))));
-        let places = h.load(&KEPT_BYTES[kept as usize & 15]);
+        let (h, [a, b]) = (w.half(), w.split(w.or(lower, w.shuffle(upper, w.both(&RAISED)))));
+        let places = h.load(&KEPT[kept as usize & 15]);
         h.store(bytes.first_chunk_mut()?, h.shuffle(h.even32(a, b), places));
     } else {
         let second = w.words([0, u32::MAX, 0, u32::MAX]);

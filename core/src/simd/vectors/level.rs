@@ -88,7 +88,7 @@ impl<W: Halves> Simd for Level<W> {
 
     #[inline(always)]
     fn prefetch<T>(self, items: &[T], index: usize) {
-        self.0.prefetch(items, index);
+        self.0.half().prefetch(items, index);
     }
 
     #[inline(always)]
@@ -166,18 +166,8 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn crossed(self, records: &[Record; EIGHT], crossing: &Crossing) -> u32 {
-        let (_, met) = casts::met(self.0, records, crossing);
-        self.0.bits8(met)
-    }
-
-    #[inline(always)]
-    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> [f32; EIGHT] {
-        let w = self.0;
-        let (times, met) = casts::met(w, records, crossing);
-        let mut bytes = [0; 32];
-        w.store(&mut bytes, w.select(met, times, w.splat(f32::NAN.to_bits())));
-        bytemuck::cast(bytes)
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
+        casts::met(self.0, records, crossing)
     }
 
     #[inline(always)]
@@ -189,7 +179,7 @@ impl<W: Halves> Simd for Level<W> {
         let least = w.least32(least, w.shuffle(least, w.both(&places([2, 3, 0, 1]))));
         let least = w.least32(least, w.shuffle(least, w.both(&places([1, 0, 3, 2]))));
         w.store(bytes, w.or(all, w.equal32(all, least)));
-        w.first(least)
+        w.half().first(w.split(least)[0])
     }
 
     #[inline(always)]

@@ -79,12 +79,6 @@ impl Vectors for Neon {
     }
 
     #[inline(always)]
-    fn first(self, a: uint8x16_t) -> u32 {
-        // SAFETY: as in `guaranteed`.
-        unsafe { vgetq_lane_u32::<0>(words(a)) }
-    }
-
-    #[inline(always)]
     fn any(self, a: uint8x16_t) -> bool {
         // SAFETY: as in `guaranteed`.
         unsafe {
@@ -111,8 +105,6 @@ impl Vectors for Neon {
         zip_first64(a, b) = vreinterpretq_u8_u64(vzip1q_u64(longs(a), longs(b)));
         zip_last64(a, b) = vreinterpretq_u8_u64(vzip2q_u64(longs(a), longs(b)));
         fourth_on(a, b) = vextq_u8::<12>(a, b);
-        third_on(a, b) = vextq_u8::<8>(a, b);
-        three_and_last(a, b) = vreinterpretq_u8_u32(vcopyq_laneq_u32::<3, 3>(words(a), words(b)));
         above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
         lower32(a, b) = vreinterpretq_u8_s32(vminq_s32(signed(a), signed(b)));
         upper32(a, b) = vreinterpretq_u8_s32(vmaxq_s32(signed(a), signed(b)));
@@ -120,7 +112,6 @@ impl Vectors for Neon {
         most32(a, b) = vreinterpretq_u8_u32(vmaxq_u32(words(a), words(b)));
         minus32(a, b) = vreinterpretq_u8_u32(vsubq_u32(words(a), words(b)));
         magnitude32(a) = vreinterpretq_u8_s32(vabsq_s32(signed(a)));
-        raised32(a) = vreinterpretq_u8_u32(vshlq_n_u32::<16>(words(a)));
         add(a, b) = vreinterpretq_u8_f32(vaddq_f32(floats(a), floats(b)));
         subtract(a, b) = vreinterpretq_u8_f32(vsubq_f32(floats(a), floats(b)));
         multiply(a, b) = vreinterpretq_u8_f32(vmulq_f32(floats(a), floats(b)));
@@ -129,19 +120,15 @@ impl Vectors for Neon {
         minimum(a, b) = vbslq_u8(vreinterpretq_u8_u32(vcltq_f32(floats(a), floats(b))), a, b);
         at_most(a, b) = vreinterpretq_u8_u32(vcleq_f32(floats(a), floats(b)));
     }
-
-    #[inline(always)]
-    fn any_of_three(self, a: uint8x16_t) -> bool {
-        // SAFETY: as in `guaranteed`.
-        unsafe {
-            // Half as wide: saturation keeps every number above zero.
-            let halves = vget_lane_u64::<0>(vreinterpret_u64_u16(vqmovn_u32(words(a))));
-            halves & 0xffff_ffff_ffff != 0
-        }
-    }
 }
 
 impl Half for Neon {
+    #[inline(always)]
+    fn first(self, a: uint8x16_t) -> u32 {
+        // SAFETY: as in `guaranteed`.
+        unsafe { vgetq_lane_u32::<0>(words(a)) }
+    }
+
     #[inline(always)]
     fn with_fourth(self, a: uint8x16_t, word: u32) -> uint8x16_t {
         // SAFETY: as in `guaranteed`.

@@ -31,18 +31,12 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     /// As [`Simd::call`](crate::simd::Simd::call).
     fn call<R>(self, work: impl FnOnce() -> R) -> R;
 
-    /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
-    #[inline(always)]
-    fn prefetch<T>(self, _: &[T], _: usize) {}
-
     fn load(self, bytes: &Self::Bytes) -> Self::Vector;
     fn store(self, bytes: &mut Self::Bytes, a: Self::Vector);
     /// Four words, in each half.
     fn words(self, words: [u32; 4]) -> Self::Vector;
     /// One word everywhere.
     fn splat(self, word: u32) -> Self::Vector;
-    /// The first word.
-    fn first(self, a: Self::Vector) -> u32;
 
     fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -78,10 +72,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn zip_last64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The last word of `a`, then the first three of `b`.
     fn fourth_on(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The last two words of `a`, then the first two of `b`.
-    fn third_on(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The first three words of `a`, then the last one of `b`.
-    fn three_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 
     /// Whether `a` is above `b`, with signs.
     fn above32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -109,9 +99,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn floats(self, a: Self::Vector) -> Self::Vector {
         self.or(self.magnitude32(a), self.and(a, self.splat(1 << 31)))
     }
-    /// Shifts the lower halves of words up, above zeros.
-    fn raised32(self, a: Self::Vector) -> Self::Vector;
-
     /// The sum of `f32`. Those below are of `f32` too.
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -126,6 +113,12 @@ pub(crate) trait Vectors: Copy + Send + Sync {
 
 /// Vectors of one half.
 pub(crate) trait Half: Vectors<Bytes = [u8; 16]> {
+    /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
+    #[inline(always)]
+    fn prefetch<T>(self, _: &[T], _: usize) {}
+
+    /// The first word.
+    fn first(self, a: Self::Vector) -> u32;
     /// The first three words, then another one.
     fn with_fourth(self, a: Self::Vector, word: u32) -> Self::Vector;
     /// The first and the third word of `a` and of `b`.
@@ -173,11 +166,16 @@ pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
         self.pick(bytes, bytes)
     }
     /// The halves in each other's place.
-    fn swap(self, a: Self::Vector) -> Self::Vector;
+    #[inline(always)]
+    fn swap(self, a: Self::Vector) -> Self::Vector {
+        let [first, last] = self.split(a);
+        self.joined(last, first)
+    }
     /// The first half of `a`, then the last half of `b`.
-    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The bits of both halves of `a`, then those of both halves of `b`.
-    fn or_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    #[inline(always)]
+    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.joined(self.split(a)[0], self.split(b)[1])
+    }
 
     /// The six keys of a box, in an order of the instruction set.
     fn sides(self, bounds: &KeyBox) -> Self::Vector;
@@ -196,34 +194,23 @@ pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
     fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]);
 }
 
-/// For each mask of four lanes those that it keeps.
-pub(crate) const KEPT: [[u8; 4]; 16] = {
-    let mut table = [[0; 4]; 16];
+/// For each mask of four lanes, of so many parts together, the places of the parts of those that it keeps.
+pub(crate) const fn kept<const PARTS: usize>() -> [[u8; PARTS]; 16] {
+    let mut table = [[0; PARTS]; 16];
     let mut mask = 0;
     while mask < 16 {
-        let (mut lane, mut kept) = (0, 0);
-        while lane < 4 {
-            if mask >> lane & 1 != 0 {
-                table[mask][kept] = lane;
-                kept += 1;
+        let (mut part, mut to) = (0, 0);
+        while part < PARTS {
+            if mask >> (4 * part / PARTS) & 1 != 0 {
+                table[mask][to] = part as u8;
+                to += 1;
             }
-            lane += 1;
+            part += 1;
         }
         mask += 1;
     }
     table
-};
-
-/// The same as the places of bytes, for lanes of 32 bits.
-pub(crate) const KEPT_BYTES: [[u8; 16]; 16] = {
-    let mut table = [[0; 16]; 16];
-    let mut mask = 0;
-    while mask < 16 {
-        table[mask] = places(KEPT[mask]);
-        mask += 1;
-    }
-    table
-};
+}
 
 /// A place for [`Vectors::shuffle`] that gives zero.
 pub(crate) const NO_BYTE: u8 = u8::MAX;

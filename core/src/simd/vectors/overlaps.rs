@@ -1,6 +1,6 @@
 //! Tests pairs of boxes.
 
-use super::operations::{Halves, places};
+use super::operations::{Halves, Vectors, places};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 
@@ -25,7 +25,8 @@ pub(super) unsafe fn eight_overlap<W: Halves, I: Index>(w: W, boxes: &[KeyBox], 
     // SAFETY: the caller vouches for the slots.
     let (first, last) = unsafe { (four_apart(w, boxes, [a, b, c, d]), four_apart(w, boxes, [e, f, g, h])) };
     // Four bytes of each pair, of which the last one means nothing.
-    let apart = w.and(w.or_halves(first, last), w.splat(0x00ff_ffff));
+    let ([a, b], [c, d]) = (w.split(first), w.split(last));
+    let apart = w.and(w.joined(w.half().or(a, b), w.half().or(c, d)), w.splat(0x00ff_ffff));
     w.bits8(w.equal32(apart, w.splat(0)))
 }
 

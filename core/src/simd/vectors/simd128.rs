@@ -47,11 +47,6 @@ impl Vectors for Simd128 {
     }
 
     #[inline(always)]
-    fn first(self, a: v128) -> u32 {
-        u32x4_extract_lane::<0>(a)
-    }
-
-    #[inline(always)]
     fn any(self, a: v128) -> bool {
         v128_any_true(a)
     }
@@ -75,8 +70,6 @@ impl Vectors for Simd128 {
         zip_first64(a, b) = u64x2_shuffle::<0, 2>(a, b);
         zip_last64(a, b) = u64x2_shuffle::<1, 3>(a, b);
         fourth_on(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
-        third_on(a, b) = u64x2_shuffle::<1, 2>(a, b);
-        three_and_last(a, b) = u32x4_shuffle::<0, 1, 2, 7>(a, b);
         above32(a, b) = i32x4_gt(a, b);
         lower32(a, b) = i32x4_min(a, b);
         upper32(a, b) = i32x4_max(a, b);
@@ -84,7 +77,6 @@ impl Vectors for Simd128 {
         most32(a, b) = u32x4_max(a, b);
         minus32(a, b) = i32x4_sub(a, b);
         magnitude32(a) = i32x4_abs(a);
-        raised32(a) = i32x4_shl(a, 16);
         add(a, b) = f32x4_add(a, b);
         subtract(a, b) = f32x4_sub(a, b);
         multiply(a, b) = f32x4_mul(a, b);
@@ -96,6 +88,11 @@ impl Vectors for Simd128 {
 }
 
 impl Half for Simd128 {
+    #[inline(always)]
+    fn first(self, a: v128) -> u32 {
+        u32x4_extract_lane::<0>(a)
+    }
+
     #[inline(always)]
     fn with_fourth(self, a: v128, word: u32) -> v128 {
         u32x4_replace_lane::<3>(a, word)

@@ -49,12 +49,6 @@ impl Vectors for Sse41 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &[T], index: usize) {
-        // SAFETY: `self` proves SSE. A prefetch has no effect on the program, wherever it points.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
-    }
-
-    #[inline(always)]
     fn load(self, bytes: &[u8; 16]) -> __m128i {
         // SAFETY: `self` proves SSE2; the 16 bytes are read.
         unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
@@ -76,12 +70,6 @@ impl Vectors for Sse41 {
     fn splat(self, word: u32) -> __m128i {
         // SAFETY: `self` proves SSE2.
         unsafe { _mm_set1_epi32(word as i32) }
-    }
-
-    #[inline(always)]
-    fn first(self, a: __m128i) -> u32 {
-        // SAFETY: `self` proves SSE2.
-        unsafe { _mm_cvtsi128_si32(a) as u32 }
     }
 
     #[inline(always)]
@@ -109,8 +97,6 @@ impl Vectors for Sse41 {
         zip_first64(a, b) = _mm_unpacklo_epi64(a, b);
         zip_last64(a, b) = _mm_unpackhi_epi64(a, b);
         fourth_on(a, b) = _mm_alignr_epi8::<12>(b, a);
-        third_on(a, b) = _mm_alignr_epi8::<8>(b, a);
-        three_and_last(a, b) = _mm_blend_epi16::<0b1100_0000>(a, b);
         above32(a, b) = _mm_cmpgt_epi32(a, b);
         lower32(a, b) = _mm_min_epi32(a, b);
         upper32(a, b) = _mm_max_epi32(a, b);
@@ -120,7 +106,6 @@ impl Vectors for Sse41 {
         magnitude32(a) = _mm_abs_epi32(a);
         // The magnitude with the sign, which turns -0.0 into zero.
         keys(a) = _mm_sign_epi32(_mm_and_si128(a, _mm_set1_epi32(i32::MAX)), a);
-        raised32(a) = _mm_slli_epi32::<16>(a);
         add(a, b) = _mm_castps_si128(_mm_add_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         subtract(a, b) = _mm_castps_si128(_mm_sub_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         multiply(a, b) = _mm_castps_si128(_mm_mul_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
@@ -131,6 +116,18 @@ impl Vectors for Sse41 {
 }
 
 impl Half for Sse41 {
+    #[inline(always)]
+    fn prefetch<T>(self, items: &[T], index: usize) {
+        // SAFETY: `self` proves SSE. A prefetch has no effect on the program, wherever it points.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
+    }
+
+    #[inline(always)]
+    fn first(self, a: __m128i) -> u32 {
+        // SAFETY: `self` proves SSE2.
+        unsafe { _mm_cvtsi128_si32(a) as u32 }
+    }
+
     #[inline(always)]
     fn with_fourth(self, a: __m128i, word: u32) -> __m128i {
         // SAFETY: `self` proves SSE4.1.

@@ -1,6 +1,7 @@
 //! Vectors of two registers.
 
-use super::operations::{Half, HalfOf, Halves, KEPT_BYTES, Vectors, places};
+use super::fours;
+use super::operations::{Half, HalfOf, Halves, Vectors, places};
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
@@ -43,11 +44,6 @@ impl<V: Half> Vectors for Twice<V> {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &[T], index: usize) {
-        self.0.prefetch(items, index);
-    }
-
-    #[inline(always)]
     fn load(self, bytes: &[u8; 32]) -> Self::Vector {
         let [first, last]: &[[u8; 16]; 2] = bytemuck::cast_ref(bytes);
         (self.0.load(first), self.0.load(last))
@@ -68,11 +64,6 @@ impl<V: Half> Vectors for Twice<V> {
     #[inline(always)]
     fn splat(self, word: u32) -> Self::Vector {
         (self.0.splat(word), self.0.splat(word))
-    }
-
-    #[inline(always)]
-    fn first(self, a: Self::Vector) -> u32 {
-        self.0.first(a.0)
     }
 
     #[inline(always)]
@@ -103,8 +94,6 @@ impl<V: Half> Vectors for Twice<V> {
         zip_first64(a, b);
         zip_last64(a, b);
         fourth_on(a, b);
-        third_on(a, b);
-        three_and_last(a, b);
         above32(a, b);
         lower32(a, b);
         upper32(a, b);
@@ -113,7 +102,6 @@ impl<V: Half> Vectors for Twice<V> {
         minus32(a, b);
         magnitude32(a);
         keys(a);
-        raised32(a);
         add(a, b);
         subtract(a, b);
         multiply(a, b);
@@ -139,21 +127,6 @@ impl<V: Half> Halves for Twice<V> {
     #[inline(always)]
     fn joined(self, first: HalfOf<Self>, last: HalfOf<Self>) -> Self::Vector {
         (first, last)
-    }
-
-    #[inline(always)]
-    fn swap(self, (first, last): Self::Vector) -> Self::Vector {
-        (last, first)
-    }
-
-    #[inline(always)]
-    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        (a.0, b.1)
-    }
-
-    #[inline(always)]
-    fn or_halves(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        (self.0.or(a.0, a.1), self.0.or(b.0, b.1))
     }
 
     /// The first four and the last four: two of them twice, so no lane is empty.
@@ -200,7 +173,7 @@ impl<V: Half> Halves for Twice<V> {
     #[inline(always)]
     fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]) {
         let v = self.0;
-        let kept = v.load(&KEPT_BYTES[mask as usize & 15]);
+        let kept = v.load(&fours::KEPT[mask as usize & 15]);
         let (first, second) = (v.shuffle(v.even32(a.0, a.1), kept), v.shuffle(v.odd32(a.0, a.1), kept));
         self.store(to, (v.zip_first32(first, second), v.zip_last32(first, second)));
     }
