@@ -25,7 +25,7 @@ cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
 (cd tests/fuzz && cargo fmt --check)
 cargo test --workspace
 # What only a build without debug assertions does: indices out of range are reported instead of ending the program.
-cargo test --release -p trisap-core --lib access
+cargo test --release -p trisap-core --test steps faults
 
 if $all; then
     TRISAP_EFFORT="${TRISAP_EFFORT:-20}" cargo test --release -p trisap-tests

@@ -203,48 +203,40 @@ impl<M: AsRef<[u32]>> Contacts<M> {
         self.word(self.at(contact, NEXT + self.side(contact, slot)))
     }
 
-    /// Whether each number in use stands between its neighbours, and the free ones are a list.
+    /// Whether each number in use stands once in the lists of its two objects, and each free one in that of the free.
     fn is_whole(&self) -> bool {
         let words = self.memory.as_ref();
-        let head = words.first_chunk::<HEAD>().copied().unwrap_or_default();
-        let [mark, objects, room, live, used, mut free] = head;
+        let [mark, objects, room, live, used, mut free] =
+            words.first_chunk::<HEAD>().copied().unwrap_or_default();
         let len = Contacts::words(objects, room);
         if mark != MARK || len == usize::MAX || words.len() < len || live > used || used > room {
             return false;
         }
-        let is_contact = |contact: u32| contact < used && self.slots(contact)[0] != NONE;
-        let heads_it = |slot: u32| {
-            let first = self.first(slot);
-            first == NONE
-                || is_contact(first)
-                    && self.slots(first).contains(&slot)
-                    && self.word(self.at(first, BEFORE + self.side(first, slot))) == NONE
-        };
-        let is_linked = |contact: u32| {
-            let pair = self.slots(contact);
-            let joined = |side: usize, slot: u32| {
-                let [next, before] = [NEXT, BEFORE].map(|word| self.word(self.at(contact, word + side)));
-                let leads = |from: u32, word: usize| {
-                    is_contact(from)
-                        && self.slots(from).contains(&slot)
-                        && self.word(self.at(from, word + self.side(from, slot))) == contact
-                };
-                (next == NONE || leads(next, BEFORE))
-                    && if before == NONE { self.first(slot) == contact } else { leads(before, NEXT) }
-            };
-            pair[0] < pair[1] && pair[1] < objects && joined(0, pair[0]) && joined(1, pair[1])
-        };
-        let in_use = (0..used).filter(|contact| is_contact(*contact)).count() as u32;
+        let is_free = |contact: u32| self.slots(contact)[0] == NONE;
         for _ in live..used {
-            if free >= used || is_contact(free) {
+            if free >= used || !is_free(free) {
                 return false;
             }
             free = self.word(self.at(free, NEXT));
         }
-        in_use == live
-            && free == NONE
-            && (0..objects).all(heads_it)
-            && (0..used).all(|contact| !is_contact(contact) || is_linked(contact))
+        let mut linked = 0;
+        for slot in 0..objects {
+            // No list leads back to where it was: each contact knows one that is before it.
+            let (mut before, mut at) = (NONE, self.first(slot));
+            while at != NONE {
+                let is_next = |at: u32| self.word(self.at(at, BEFORE + self.side(at, slot))) == before;
+                if at >= used || !self.slots(at).contains(&slot) || !is_next(at) {
+                    return false;
+                }
+                linked += 1;
+                (before, at) = (at, self.next(at, slot));
+            }
+        }
+        let in_use = || (0..used).filter(|contact| !is_free(*contact)).map(|contact| self.slots(contact));
+        free == NONE
+            && in_use().count() == live as usize
+            && in_use().all(|[a, b]| a < b && b < objects)
+            && linked == 2 * u64::from(live)
     }
 }
 

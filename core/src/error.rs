@@ -173,23 +173,16 @@ impl fmt::Display for Field {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::SlabTooSmall { needed, given } => {
-                write!(f, "the slab is too small: {needed} bytes are needed, and it has {given}")
-            }
+            Self::SlabTooSmall { needed, given } => write!(f, "the slab has {given} of {needed} bytes"),
             Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
-            Self::NotAWorld => f.write_str("the slab does not hold a world of this index width and version"),
+            Self::NotAWorld => f.write_str("the slab holds no world of this index width and version"),
             Self::CapacityTooLarge { field, most } => {
-                write!(
-                    f,
-                    "the configuration is too large: at most {most} {field} for this width of slots, lean or not"
-                )
+                write!(f, "the configuration is too large: at most {most} {field} for this width of slots")
             }
             Self::NoMemory { bytes } => write!(f, "{bytes} bytes of memory cannot be had"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
             Self::BadShift => f.write_str("a shift of the origin must be finite"),
-            Self::ObjectsFull { needed, room } => {
-                write!(f, "no free slot: {needed} objects would have to fit, and there is room for {room}")
-            }
+            Self::ObjectsFull { needed, room } => write!(f, "{needed} objects, but room for {room}"),
             Self::BadBox { index } => write!(f, "box {index} has NaN in it or a minimum above its maximum"),
             Self::StaleId { id } => write!(f, "{id} names no living object"),
             Self::SlotTaken { id } => write!(f, "slot {} has the object {id}", id.slot()),
@@ -201,32 +194,17 @@ impl fmt::Display for Error {
                 write!(f, "query {index} has NaN, or an infinity or a negative length where none is allowed")
             }
             Self::OutputFull { needed, room } => {
-                write!(
-                    f,
-                    "the output slice is full: {needed} items would have to fit, and there is room for {room}"
-                )
+                write!(f, "{needed} items, but room for {room} in the output")
             }
             Self::BadPair => f.write_str("the two slots of a pair are one"),
             Self::BadSnapshot => f.write_str("the bytes are no snapshot of a world of this configuration"),
-            Self::NoRoom { field, needed, room } => {
-                write!(f, "too many {field}: {needed} have to fit, and there is room for {room}")
-            }
+            Self::NoRoom { field, needed, room } => write!(f, "{needed} {field}, but room for {room}"),
             Self::OtherConfig { field } => write!(f, "the configurations differ: {field}"),
             Self::LengthMismatch { needed, given } => {
-                write!(
-                    f,
-                    "the slices of the batch differ in length: {needed} items are needed, and {given} were given"
-                )
+                write!(f, "{given} items of a batch, but {needed} needed")
             }
-            Self::InvariantBroken => {
-                f.write_str("an index inside of the library was out of range: pairs may be missing")
-            }
-            Self::PairsFull { needed, room } => {
-                write!(
-                    f,
-                    "the pair buffer is full: {needed} pairs would have to fit, and there is room for {room}"
-                )
-            }
+            Self::InvariantBroken => f.write_str("an index was out of range: pairs may be missing"),
+            Self::PairsFull { needed, room } => write!(f, "{needed} pairs, but room for {room}"),
         }
     }
 }

@@ -78,34 +78,3 @@ pub(crate) fn all_meet(filters: &[Filter], row: impl Fn(usize) -> u32) -> bool {
     let by_class = || (0..CLASSES).all(|class| classes >> class & 1 == 0 || classes & !row(class) == 0);
     !empty && groups & !masks == 0 && by_class()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Tries all sets of three filters. What is said to meet has to meet, and some sets have to be said to.
-    #[test]
-    fn all_are_said_to_meet_only_if_every_two_meet() {
-        let bits = [0, 1, 2, 3, 0x8000_0001, u32::MAX];
-        let filters: [Filter; 72] = core::array::from_fn(|at| Filter {
-            group: bits[at % 6],
-            mask: bits[at / 6 % 6],
-            class: at as u32 / 36 * 31,
-        });
-        let (mut said, mut so) = (0, 0);
-        for rows in
-            [[u32::MAX; 32], [!(1 << 31); 32], core::array::from_fn(|at| if at == 0 { 1 } else { u32::MAX })]
-        {
-            let row = |class: usize| rows[class];
-            for at in 0..72 * 72 * 72 {
-                let set = [filters[at % 72], filters[at / 72 % 72], filters[at / 72 / 72]];
-                let meet_all = set.iter().all(|a| set.iter().all(|b| meet(a, b, row)));
-                let all_meet = all_meet(&set, row);
-                assert!(meet_all || !all_meet, "{set:?} do not all meet");
-                said += u32::from(all_meet);
-                so += u32::from(meet_all);
-            }
-        }
-        assert!(said > 0 && said < so);
-    }
-}

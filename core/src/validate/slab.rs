@@ -61,7 +61,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let lives = !parts.boxes.now.at(slot).is_empty();
         check(!lives || bits::test(parts.listed, slot), "a living object is not marked as listed", slot)?;
     }
-    let known = bits::count(parts.listed) as usize == listed;
+    let known = bits::ones(parts.listed).count() == listed;
     check(known, "the marks of the lists are not counted right", listed)?;
     let marked = sum(bits::ones(parts.listed).map(|slot| slot as u64));
     for (axis, order) in parts.order.iter().enumerate() {

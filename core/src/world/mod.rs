@@ -105,6 +105,13 @@ impl<I: Index> World<'_, I> {
         result
     }
 
+    /// For tests: as if an index into the memory of this world had been out of range.
+    #[cfg(feature = "validate")]
+    #[doc(hidden)]
+    pub fn break_index(&self) {
+        crate::access::note_fault(self.parts.order[2].as_ptr().addr());
+    }
+
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
     fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
         let forced = parts.config().forced(SHARING);
