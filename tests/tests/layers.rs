@@ -196,10 +196,10 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1602),
+    ("", 1399),
     ("geometry", 1115),
     ("lists", 105),
-    ("memory", 1911),
+    ("memory", 1850),
     ("objects", 670),
     ("pairs", 560),
     ("parallel", 490),
@@ -210,7 +210,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("sweep", 1445),
     ("tree", 2250),
     ("validate", 425),
-    ("world", 1671),
+    ("world", 1687),
 ];
 
 #[test]

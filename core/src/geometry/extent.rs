@@ -1,9 +1,11 @@
 //! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse for them.
 
 use super::key::{KeyBox, key};
+use bytemuck::{Pod, Zeroable};
 
 /// The bounds of the finite minimum corners in a world, without large objects where these are known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Extent {
     pub(crate) low: [i32; 3],
     pub(crate) high: [i32; 3],

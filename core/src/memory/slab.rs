@@ -208,36 +208,6 @@ impl TreeParts<'_> {
     }
 }
 
-impl FormerParts<'_> {
-    /// A slot goes to a new object. `is_first`: no other object has come since the last complete step. Returns
-    /// whether the former object of the slot is kept from now on, with events.
-    pub(crate) fn note(&mut self, slot: usize, generation: u32, is_first: bool) -> bool {
-        if is_first {
-            self.reused.clear();
-        }
-        let is_new = generation != 0 && !bits::test(self.reused.words, slot);
-        if is_new {
-            self.reused.set(slot);
-            if let Some(former) = self.generations.get_mut(slot) {
-                *former = generation;
-            }
-        }
-        is_new
-    }
-}
-
-impl ValueParts<'_> {
-    /// A slot goes to a new object. `is_kept`: events may still name the former one, so its value is kept.
-    pub(crate) fn insert(&mut self, slot: usize, is_kept: bool) {
-        if let Some(value) = self.of.get_mut(slot) {
-            let former = core::mem::take(value);
-            if is_kept && let Some(to) = self.former.get_mut(slot) {
-                *to = former;
-            }
-        }
-    }
-}
-
 impl BoxParts<'_> {
     /// The boxes that lists, planes and sweeps use.
     pub(crate) fn swept(&self) -> &[KeyBox] {

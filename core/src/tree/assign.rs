@@ -29,7 +29,7 @@ use crate::tree::{Frame, Record};
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let leaves = parts.state.tree.count as usize;
-        let extent = parts.state.tree.extent();
+        let extent = parts.state.tree.extent;
         let (nodes, cells) = parts.tree.nodes_and_cells();
         cut(nodes, &extent, cells.span_mut(0, leaves));
         let counted = count_in(parts, leaves, context);
@@ -150,7 +150,7 @@ fn count_block<S: Simd, I: Index>(
 pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
     let leaves = parts.state.tree.count as usize;
     let listed = offsets(parts, leaves);
-    parts.state.tree.set_extent(&bounds_scan.extent);
+    parts.state.tree.extent = bounds_scan.extent;
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     let listed = listed && large::renew(parts);
     scatter(parts, leaves, listed, context);

@@ -48,7 +48,7 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
         let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
         let sample = Sample::of_list(parts.order[0].span(0, members as usize), boxes);
         let extent = assign::scan_bounds(boxes.iter()).extent.trimmed(&sample);
-        parts.state.tree.set_extent(&extent);
+        parts.state.tree.extent = extent;
     }
     let few = planned(parts.state) * 6 / 5;
     for leaf in (1..count).rev() {

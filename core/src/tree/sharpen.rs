@@ -17,7 +17,7 @@ use crate::simd::kernels::run;
 /// Makes such frames narrower, and the records of their leaves anew. O(leaves + members of those leaves).
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
     let leaves = parts.state.tree.count as usize;
-    let extent = parts.state.tree.extent();
+    let extent = parts.state.tree.extent;
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
     for ((cell, frame), leaf) in

@@ -9,7 +9,6 @@ use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
 use crate::lists::links;
-use crate::memory::layout::VALUES;
 use crate::memory::slab::Parts;
 use crate::objects::margins::margin_length;
 
@@ -199,8 +198,8 @@ impl<'m, I: Index> World<'m, I> {
         parts.state.objects.live += 1;
         // After four billion objects in one slot an old id could match again. Zero is left out, so ids are never
         // zero.
-        let former = parts.generations.at(at);
-        let generation = former.wrapping_add(1).max(1);
+        let former_generation = parts.generations.at(at);
+        let generation = former_generation.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
         if let (Some(margin), Some(length)) = (parts.config().margin, parts.boxes.margins.get_mut(at)) {
             *length = margin_length(&margin, &bounds);
@@ -209,9 +208,16 @@ impl<'m, I: Index> World<'m, I> {
         if let Some(filter) = parts.filters.of.get_mut(at) {
             *filter = Filter::ALL;
         }
-        let is_kept = parts.former.note(at, former, parts.state.objects.has_inserted == 0);
-        if VALUES {
-            parts.values.insert(at, is_kept);
+        let Parts { former, values, .. } = parts;
+        if parts.state.objects.has_inserted == 0 {
+            former.reused.clear();
+        }
+        let former_value = values.of.get_mut(at).map(core::mem::take);
+        if former_generation != 0 && !bits::test(former.reused.words, at) {
+            // With events, so that lost pairs can be named.
+            former.reused.set(at);
+            former.generations.get_mut(at).into_iter().for_each(|to| *to = former_generation);
+            values.former.get_mut(at).into_iter().zip(former_value).for_each(|(to, value)| *to = value);
         }
         parts.state.objects.has_inserted = 1;
         parts.state.objects.dirty = 1;

@@ -72,9 +72,7 @@ pub(crate) struct TreeState {
     pub(crate) large_changed: u32,
     /// Slots in use at the last complete step. An object in another one has no pairs yet.
     pub(crate) known: u32,
-    /// Bounds of the minima.
-    pub(super) low: [i32; 3],
-    pub(super) high: [i32; 3],
+    pub(crate) extent: Extent,
     /// When all leaves were last filled: leaves with members, and members of the fullest one.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
@@ -120,14 +118,6 @@ impl TreeState {
     /// Whether a leaf of the last full step is divided.
     pub(crate) const fn is_subdivided(&self, leaf: usize) -> bool {
         leaf + 1 < self.subdivided as usize
-    }
-
-    pub(crate) const fn extent(&self) -> Extent {
-        Extent { low: self.low, high: self.high }
-    }
-
-    pub(crate) const fn set_extent(&mut self, extent: &Extent) {
-        (self.low, self.high) = (extent.low, extent.high);
     }
 }
 
