@@ -203,7 +203,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 670),
     ("pairs", 560),
     ("parallel", 490),
-    ("query", 1385),
+    ("query", 1360),
     ("simd", 2375),
     ("snapshot", 600),
     ("step", 675),

@@ -10,7 +10,8 @@ use crate::parallel::executor::{self, Executor};
 use crate::sort::heapsort;
 use crate::world::World;
 
-/// Queries that only objects with a condition can answer: made by [`World::among`].
+/// Queries that only objects with a condition can answer: made by [`World::among`]. Errors are those of the queries
+/// about all objects.
 #[must_use = "does nothing until a query is asked"]
 #[derive(Clone, Copy)]
 pub struct Among<'w, 'm, C, I: Index = u32> {
@@ -146,12 +147,9 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// Many queries at once. Several workers may ask the condition at a time.
+/// Many queries at once. Several workers may ask the condition at a time. Errors are as those of the world.
 impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     /// See [`World::first_hits`].
-    ///
-    /// # Errors
-    /// Those of [`World::first_hits`].
     pub fn first_hits(
         &self,
         casts: &[Cast],
@@ -161,16 +159,15 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
         let out = out.get_mut(..casts.len()).ok_or(short)?;
         check(casts, Cast::is_valid)?;
-        // The casts are valid.
-        let answer = |cast: &Cast, out: &mut [Option<Hit>]| out.fill(self.first_hit(cast).ok().flatten());
-        in_blocks(casts, executor, out, &answer);
+        in_blocks(casts, executor, out, &mut [], &|cast, out| {
+            // The casts are valid.
+            out.fill(self.first_hit(cast).ok().flatten());
+            0
+        });
         Ok(())
     }
 
     /// See [`World::nearest_many`].
-    ///
-    /// # Errors
-    /// Those of [`World::nearest_many`].
     pub fn nearest_many(
         &self,
         points: &[[f32; 3]],
@@ -179,17 +176,14 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     ) -> Result<(), Error> {
         check(points, |point| point.iter().all(|x| x.is_finite()))?;
         out.fill(None);
-        in_blocks(points, executor, out, &|point: &[f32; 3], out: &mut [Option<Hit>]| {
-            // The points are valid.
-            let _ = self.nearest(*point, out);
+        // The points are valid.
+        in_blocks(points, executor, out, &mut [], &|point, out| {
+            self.nearest(*point, out).unwrap_or(0) as u32
         });
         Ok(())
     }
 
     /// See [`World::overlaps_many`].
-    ///
-    /// # Errors
-    /// Those of [`World::overlaps_many`].
     pub fn overlaps_many(
         &self,
         regions: &[Region],
@@ -201,23 +195,11 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         let counts = counts.get_mut(..regions.len()).ok_or(short)?;
         check(regions, Region::is_valid)?;
         let share = out.len() / regions.len().max(1);
-        let queue = BlockQueue::new((
-            Chunks::optional(out.span_mut(0, share * regions.len()), QUERIES_PER_BLOCK * share),
-            Chunks::new(counts, QUERIES_PER_BLOCK),
-        ));
-        executor::run(executor, QUERY_WORKERS, regions.len().div_ceil(QUERIES_PER_BLOCK), &|| {
-            while let Some((block, (out, counts))) = queue.claim() {
-                for (at, count) in counts.iter_mut().enumerate() {
-                    let Some(region) = regions.get(block * QUERIES_PER_BLOCK + at) else { continue };
-                    let out = out.get_mut(at * share..(at + 1) * share).unwrap_or_default();
-                    *count = match self.overlaps(region, out) {
-                        Ok(count) => count as u32,
-                        Err(Error::OutputFull { needed, .. }) => needed as u32,
-                        // The regions are valid.
-                        Err(_) => 0,
-                    };
-                }
-            }
+        in_blocks(regions, executor, out, counts, &|region, out| match self.overlaps(region, out) {
+            Ok(count) => count as u32,
+            Err(Error::OutputFull { needed, .. }) => needed as u32,
+            // The regions are valid.
+            Err(_) => 0,
         });
         let most = counts.iter().copied().max().unwrap_or(0);
         if most as usize > share {
@@ -228,20 +210,29 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// Answers queries on the workers of an executor. Each query gets an equal share of `out`.
+/// Answers queries on the workers of an executor. Each query gets an equal share of `out`, and tells a number for
+/// `counts`, if that is not empty.
 fn in_blocks<Q: Sync, T: Send>(
     queries: &[Q],
     executor: &dyn Executor,
     out: &mut [T],
-    answer: &(dyn Fn(&Q, &mut [T]) + Sync),
+    counts: &mut [u32],
+    answer: &(dyn Fn(&Q, &mut [T]) -> u32 + Sync),
 ) {
-    let share = out.len() / queries.len().max(1);
-    let queue = BlockQueue::new(Chunks::new(out, QUERIES_PER_BLOCK * share));
-    executor::run(executor, QUERY_WORKERS, queries.len().div_ceil(QUERIES_PER_BLOCK), &|| {
-        while let Some((block, out)) = queue.claim() {
+    let (share, blocks) = (out.len() / queries.len().max(1), queries.len().div_ceil(QUERIES_PER_BLOCK));
+    let queue = BlockQueue::new((
+        blocks,
+        Chunks::optional(out.span_mut(0, share * queries.len()), QUERIES_PER_BLOCK * share),
+        Chunks::optional(counts, QUERIES_PER_BLOCK),
+    ));
+    executor::run(executor, QUERY_WORKERS, blocks, &|| {
+        while let Some((block, (_, out, counts))) = queue.claim() {
             let queries = queries.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
-            for (query, out) in queries.iter().zip(out.chunks_mut(share.max(1))) {
-                answer(query, out);
+            for (at, query) in queries.iter().enumerate().take(QUERIES_PER_BLOCK) {
+                let told = answer(query, out.get_mut(at * share..(at + 1) * share).unwrap_or_default());
+                if let Some(count) = counts.get_mut(at) {
+                    *count = told;
+                }
             }
         }
     });

@@ -127,9 +127,6 @@ impl<I: Index> World<'_, I> {
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     /// See [`World::first_hit`].
-    ///
-    /// # Errors
-    /// Those of [`World::first_hit`].
     pub fn first_hit(&self, cast: &Cast) -> Result<Option<Hit>, Error> {
         let mut first: Option<Hit> = None;
         self.world.visit_hits(cast, &mut |hit| {
@@ -144,9 +141,6 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     }
 
     /// See [`World::hits`].
-    ///
-    /// # Errors
-    /// Those of [`World::hits`].
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.collect(
             out,

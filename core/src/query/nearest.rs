@@ -100,9 +100,6 @@ impl<I: Index> World<'_, I> {
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     /// See [`World::nearest`].
-    ///
-    /// # Errors
-    /// Those of [`World::nearest`].
     pub fn nearest(&self, point: [f32; 3], out: &mut [Option<Hit>]) -> Result<usize, Error> {
         let (mut count, room) = (0, out.len());
         // A heap with the farthest hit at its root.

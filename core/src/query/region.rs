@@ -225,17 +225,11 @@ impl<I: Index> World<'_, I> {
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     /// See [`World::overlaps`].
-    ///
-    /// # Errors
-    /// Those of [`World::overlaps`].
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
         self.collect_ids(out, |visit| self.world.visit_overlaps(region, visit))
     }
 
     /// See [`World::within`].
-    ///
-    /// # Errors
-    /// Those of [`World::within`].
     pub fn within(&self, volume: &dyn Volume, out: &mut [Option<Id>]) -> Result<usize, Error> {
         self.collect_ids(out, |visit| {
             self.world.visit_within(volume, visit);
