@@ -36,15 +36,15 @@ pub unsafe extern "C" fn trisap_world_meets(
     meets
 }
 
-/// A condition in the core's form, or none.
-pub(crate) fn accepts(condition: trisap_condition, user: *mut c_void) -> Option<impl Fn(Id) -> bool + Sync> {
-    let choice = Choice { condition: condition?, user };
-    Some(move |id| choice.accepts(id))
+/// A condition in the core's form.
+pub(crate) fn accepts(condition: trisap_condition, user: *mut c_void) -> impl Fn(Id) -> bool + Sync {
+    let choice = Choice { condition, user };
+    move |id| choice.accepts(id)
 }
 
 /// A condition, and what it is called with.
 struct Choice {
-    condition: unsafe extern "C" fn(*mut c_void, trisap_id) -> u32,
+    condition: trisap_condition,
     user: *mut c_void,
 }
 
@@ -54,6 +54,6 @@ unsafe impl Sync for Choice {}
 impl Choice {
     fn accepts(&self, id: Id) -> bool {
         // SAFETY: called as its contract says.
-        unsafe { (self.condition)(self.user, id.to_bits()) != 0 }
+        self.condition.is_none_or(|condition| unsafe { condition(self.user, id.to_bits()) != 0 })
     }
 }

@@ -8,7 +8,7 @@ use crate::query::{trisap_cast, trisap_region};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id, trisap_jobs};
 use core::ffi::{CStr, c_void};
-use trisap_core::{Cast, Error, Region};
+use trisap_core::{Cast, Error, Hit, Region};
 
 const NAME: &CStr = c"trisap queries";
 
@@ -33,35 +33,17 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     hits: *mut trisap_hit,
 ) -> trisap_status {
     let ask = |call: &Look| {
-        let range = call.range();
         // SAFETY: the caller's promise.
-        let casts = unsafe { Items::new(casts, stride, count, &range)? };
-        // SAFETY: the caller's promise.
-        let executor = unsafe { executor(jobs, NAME)? };
-        // SAFETY: the caller's promise.
-        let mut hits = unsafe { border::Hits::new(hits, count, &range)? };
-        let world = call.world()?;
-        let condition = accepts(condition, user);
-        let among = condition.as_ref().map(|condition| world.among(condition));
+        let casts = unsafe { Items::new(casts, stride, count, &call.range())? };
         let mut block = [Cast::ray([0.0; 3], [0.0; 3], 0.0); BLOCK];
-        let out = hits.as_options();
-        let outcome = in_blocks(
-            &casts,
-            &mut block,
-            |cast| Some(cast.into()),
-            |start, casts| {
-                let out = out.get_mut(start..).unwrap_or_default();
-                match &among {
-                    Some(among) => among.first_hits(casts, &executor, out),
-                    None => world.first_hits(casts, &executor, out),
-                }
-            },
-        );
-        if outcome.is_err() {
-            out.fill(None);
-        }
-        hits.settle();
-        outcome
+        let world = call.world()?;
+        let among = world.among(accepts(condition, user));
+        // SAFETY: the caller's promise.
+        let (executor, hits) =
+            unsafe { (executor(jobs, NAME)?, border::Hits::new(hits, count, &call.range())?) };
+        into_hits(hits, 1, &casts, &mut block, Cast::from, |casts, out| {
+            among.first_hits(casts, &executor, out)
+        })
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -86,30 +68,22 @@ pub unsafe extern "C" fn trisap_world_nearest_many(
     room: usize,
 ) -> trisap_status {
     let ask = |call: &Look| {
-        let range = call.range();
         // SAFETY: the caller's promise.
-        let points = unsafe { Items::new(points.cast::<[f32; 3]>(), stride, count, &range)? };
-        // SAFETY: the caller's promise.
-        let executor = unsafe { executor(jobs, NAME)? };
+        let points = unsafe { Items::new(points.cast::<[f32; 3]>(), stride, count, &call.range())? };
         let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
-        // SAFETY: the caller's promise.
-        let mut hits = unsafe { border::Hits::new(hits, all, &range)? };
         let world = call.world()?;
-        let condition = accepts(condition, user);
-        let among = condition.as_ref().map(|condition| world.among(condition));
-        let out = hits.as_options();
-        let outcome = in_blocks(&points, &mut [[0.0; 3]; BLOCK], Some, |start, points| {
-            let out = out.get_mut(start * room..(start + points.len()) * room).unwrap_or_default();
-            match &among {
-                Some(among) => among.nearest_many(points, &executor, out),
-                None => world.nearest_many(points, &executor, out),
-            }
-        });
-        if outcome.is_err() {
-            out.fill(None);
-        }
-        hits.settle();
-        outcome
+        let among = world.among(accepts(condition, user));
+        // SAFETY: the caller's promise.
+        let (executor, hits) =
+            unsafe { (executor(jobs, NAME)?, border::Hits::new(hits, all, &call.range())?) };
+        into_hits(
+            hits,
+            room,
+            &points,
+            &mut [[0.0; 3]; BLOCK],
+            |point| point,
+            |points, out| among.nearest_many(points, &executor, out),
+        )
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -150,17 +124,12 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         let (ids, counts) =
             unsafe { (border::new_ids(ids, all, &range)?, border::zeros(counts, count, &range)?) };
         let world = call.world()?;
-        let condition = accepts(condition, user);
-        let among = condition.as_ref().map(|condition| world.among(condition));
+        let among = world.among(accepts(condition, user));
         let mut block = [Region::Point([0.0; 3]); BLOCK];
         let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
             let ids = ids.get_mut(start * room..(start + regions.len()) * room).unwrap_or_default();
             let counts = counts.get_mut(start..).unwrap_or_default();
-            let outcome = match &among {
-                Some(among) => among.overlaps_many(regions, &executor, ids, counts),
-                None => world.overlaps_many(regions, &executor, ids, counts),
-            };
-            match outcome {
+            match among.overlaps_many(regions, &executor, ids, counts) {
                 // The others may have enough room.
                 Err(Error::OutputFull { .. }) => Ok(()),
                 outcome => outcome,
@@ -180,6 +149,31 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
+}
+
+/// Answers queries with so many hits each; without any where one of them is refused.
+fn into_hits<C: Copy, Q>(
+    mut hits: border::Hits,
+    room: usize,
+    queries: &Items<C>,
+    block: &mut [Q; BLOCK],
+    convert: impl Fn(C) -> Q,
+    ask: impl Fn(&[Q], &mut [Option<Hit>]) -> Result<(), Error>,
+) -> Result<(), Refusal> {
+    let out = hits.as_options();
+    let outcome = in_blocks(
+        queries,
+        block,
+        |query| Some(convert(query)),
+        |start, queries| {
+            ask(queries, out.get_mut(start * room..(start + queries.len()) * room).unwrap_or_default())
+        },
+    );
+    if outcome.is_err() {
+        out.fill(None);
+    }
+    hits.settle();
+    outcome
 }
 
 /// Passes queries on in blocks, with the position of the first one of each block.

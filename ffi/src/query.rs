@@ -150,24 +150,46 @@ pub unsafe extern "C" fn trisap_world_overlaps(
 ) -> trisap_status {
     let ask = |call: &Look| {
         // SAFETY: the caller's promise.
-        let (region, mut answers) =
+        let (region, answers) =
             unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
-        let condition = accepts(condition, user);
-        call.world()?.visit_overlaps(&region, &mut |id| {
-            if condition.as_ref().is_none_or(|condition| condition(id)) {
-                answers.push(id.to_bits());
-            }
-            ControlFlow::Continue(())
-        })?;
-        answers.written().sort_unstable_by_key(|id| *id as u32);
-        answers.conclude()
+        let world = call.world()?;
+        collect_ids(answers, accepts(condition, user), |visit| world.visit_overlaps(&region, visit))
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
 }
 
+/// Writes the ids that `ask` visits and that may answer, by ascending slot.
+pub(crate) fn collect_ids(
+    mut answers: Answers<trisap_id>,
+    condition: impl Fn(Id) -> bool,
+    ask: impl FnOnce(&mut dyn FnMut(Id) -> ControlFlow<()>) -> Result<(), Error>,
+) -> Result<(), Refusal> {
+    ask(&mut |id| {
+        if condition(id) {
+            answers.push(id.to_bits());
+        }
+        ControlFlow::Continue(())
+    })?;
+    answers.written().sort_unstable_by_key(|id| *id as u32);
+    answers.conclude()
+}
+
 /// Called with an object; 0 ends the visit. Calls that change the same world are refused as busy.
 pub type trisap_visit_id = Option<unsafe extern "C" fn(user: *mut c_void, id: trisap_id) -> u32>;
+
+/// A visitor in the core's form.
+pub(crate) fn visitor(
+    visit: trisap_visit_id,
+    user: *mut c_void,
+) -> Result<impl FnMut(Id) -> ControlFlow<()>, trisap_status> {
+    let visit = visit.ok_or(trisap_status::NullPointer)?;
+    // SAFETY: called as its contract says.
+    Ok(move |id: Id| match unsafe { visit(user, id.to_bits()) } {
+        0 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    })
+}
 
 /// Visits the objects whose boxes overlap a region, each once, until the visitor ends it. The same calls give the
 /// same order. `user` is passed to the visitor. Expected O(log n + answers + movers since the last step); O(n) if the
@@ -183,16 +205,9 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
     user: *mut c_void,
 ) -> trisap_status {
     let ask = |call: &Look| {
-        let visit = visit.ok_or(trisap_status::NullPointer)?;
+        let mut visit = visitor(visit, user)?;
         // SAFETY: the caller's promise.
         let region = unsafe { self::region(region)? };
-        let mut visit = |id: Id| {
-            // SAFETY: called as its contract says.
-            match unsafe { visit(user, id.to_bits()) } {
-                0 => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
-            }
-        };
         Ok(call.world()?.visit_overlaps(&region, &mut visit)?)
     };
     // SAFETY: the caller's promise.
@@ -217,11 +232,7 @@ pub unsafe extern "C" fn trisap_world_first_hit(
         border::span(hit, 1, &call.range())?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
-        let world = call.world()?;
-        let first = match accepts(condition, user) {
-            Some(condition) => world.among(condition).first_hit(&cast)?,
-            None => world.first_hit(&cast)?,
-        };
+        let first = call.world()?.among(accepts(condition, user)).first_hit(&cast)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
         Ok(())
@@ -252,7 +263,7 @@ pub unsafe extern "C" fn trisap_world_hits(
             unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
         let condition = accepts(condition, user);
         call.world()?.visit_hits(&cast, &mut |hit| {
-            if condition.as_ref().is_none_or(|condition| condition(hit.id)) {
+            if condition(hit.id) {
                 answers.push(trisap_hit::from(hit));
             }
             f64::INFINITY
@@ -348,10 +359,7 @@ pub unsafe extern "C" fn trisap_world_nearest(
         let world = call.world()?;
         // SAFETY: the caller's promise.
         let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
-        let found = match accepts(condition, user) {
-            Some(condition) => world.among(condition).nearest(position, hits.as_options()),
-            None => world.nearest(position, hits.as_options()),
-        };
+        let found = world.among(accepts(condition, user)).nearest(position, hits.as_options());
         hits.settle();
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { count.write(found?) };

@@ -4,12 +4,11 @@ use crate::aabb::trisap_aabb;
 use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Answers};
 use crate::call::{Look, look, trisap_world};
-use crate::query::trisap_visit_id;
+use crate::query::{collect_ids, trisap_visit_id, visitor};
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
 use core::ffi::c_void;
-use core::ops::ControlFlow;
-use trisap_core::{Id, Planes, Side, Volume};
+use trisap_core::{Planes, Side, Volume};
 
 /// Writes the objects whose boxes are on the inner side of all of `plane_count` planes, or touch it, to `ids`, which has room for `room`
 /// of them, by ascending slot, and their number to `count`: what is in a frustum, for instance. A plane is four numbers: a normal that
@@ -39,16 +38,12 @@ pub unsafe extern "C" fn trisap_world_within(
             unsafe { core::slice::from_raw_parts(planes, plane_count) }
         };
         // SAFETY: the caller's promise.
-        let mut answers = unsafe { Answers::new(ids, room, count, &call.range())? };
-        let condition = accepts(condition, user);
-        call.world()?.visit_within(&Planes(planes), &mut |id| {
-            if condition.as_ref().is_none_or(|condition| condition(id)) {
-                answers.push(id.to_bits());
-            }
-            ControlFlow::Continue(())
-        });
-        answers.written().sort_unstable_by_key(|id| *id as u32);
-        answers.conclude()
+        let answers = unsafe { Answers::new(ids, room, count, &call.range())? };
+        let world = call.world()?;
+        collect_ids(answers, accepts(condition, user), |visit| {
+            world.visit_within(&Planes(planes), visit);
+            Ok(())
+        })
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -90,15 +85,8 @@ pub unsafe extern "C" fn trisap_world_visit_within(
     user: *mut c_void,
 ) -> trisap_status {
     let ask = |call: &Look| {
-        let visit = visit.ok_or(trisap_status::NullPointer)?;
+        let mut visit = visitor(visit, user)?;
         let sides = Sides { side: side.ok_or(trisap_status::NullPointer)?, user: side_user };
-        let mut visit = |id: Id| {
-            // SAFETY: called as its contract says.
-            match unsafe { visit(user, id.to_bits()) } {
-                0 => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
-            }
-        };
         call.world()?.visit_within(&sides, &mut visit);
         Ok(())
     };

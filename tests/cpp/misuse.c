@@ -614,6 +614,60 @@ static void regions(void) {
 #undef BATCH
 }
 
+static int32_t is_across(void *user, const trisap_aabb *aabb) {
+    *(int *)user += aabb->min[0] <= aabb->max[0];
+    return 0;
+}
+
+static void volumes(void) {
+    const double planes[4] = {1.0, 0.0, 0.0, -INFINITY};
+    trisap_id out[CAPACITY] = {77};
+    size_t count = 77;
+    int asked = 0, visits = 0;
+    const double *inside = (const double *)(const void *)world;
+    REFUSED(trisap_world_within(world, NULL, 1, NULL, NULL, out, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_within(world, planes, 1, NULL, NULL, NULL, CAPACITY, &count), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_within(world, planes, 1, NULL, NULL, out, CAPACITY, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_within(world, planes, SIZE_MAX / 8, NULL, NULL, out, 1, &count), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(trisap_world_within(world, inside, 1, NULL, NULL, out, 1, &count), TRISAP_STATUS_OVERLAP);
+    CHECK(out[0] == 77 && count == 77);
+    REFUSED(trisap_world_within(world, NULL, 0, NULL, NULL, out, 3, &count), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(count == OBJECTS && trisap_world_error_detail(world) == OBJECTS);
+    REFUSED(trisap_world_within(world, planes, 1, NULL, NULL, NULL, 0, &count), TRISAP_STATUS_OK);
+    CHECK(count == 0);
+
+    REFUSED(trisap_world_visit_within(world, NULL, NULL, meddle, &visits), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_visit_within(world, is_across, &asked, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    CHECK(asked == 0 && visits == 0);
+    REFUSED(trisap_world_visit_within(world, is_across, &asked, meddle, &visits), TRISAP_STATUS_OK);
+    CHECK(asked >= OBJECTS && visits == OBJECTS);
+}
+
+static void nearest_many(void) {
+    float points[9] = {-1.0f, 0.5f, 0.5f, 4.0f, 0.5f, 0.5f, NAN, 0.0f, 0.0f};
+    const size_t stride = 3 * sizeof(float);
+    trisap_hit out[6] = {{77, 7.0}};
+#define BATCH(...) trisap_world_nearest_many(world, __VA_ARGS__)
+    REFUSED(BATCH(NULL, stride, 2, NULL, NULL, NULL, out, 2), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, NULL, NULL, 2), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(points, 8, 2, NULL, NULL, NULL, out, 2), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(points, 14, 2, NULL, NULL, NULL, out, 2), TRISAP_STATUS_MISALIGNED);
+    REFUSED(BATCH(points, stride, SIZE_MAX / 8, NULL, NULL, NULL, out, 2), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, NULL, out, SIZE_MAX), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, NULL, (trisap_hit *)(void *)world, 2), TRISAP_STATUS_OVERLAP);
+    trisap_jobs jobs = trisap_default_jobs();
+    jobs.worker_count = 0;
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, &jobs, out, 2), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(out[0].id == 77);
+    REFUSED(BATCH(points, stride, 3, NULL, NULL, NULL, out, 2), TRISAP_STATUS_BAD_QUERY);
+    CHECK(trisap_world_error_detail(world) == 2 && out[0].id == TRISAP_NULL_ID && out[5].id == TRISAP_NULL_ID);
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, NULL, out, 2), TRISAP_STATUS_OK);
+    CHECK(out[0].id == ids[0] && out[0].distance == 1.0 && out[2].distance == 0.0);
+    REFUSED(BATCH(points, stride, 2, NULL, NULL, NULL, NULL, 0), TRISAP_STATUS_OK);
+    REFUSED(BATCH(NULL, stride, 0, NULL, NULL, NULL, NULL, 9), TRISAP_STATUS_OK);
+#undef BATCH
+}
+
 static void casts(void) {
     const float origin[3] = {-1.0f, 0.5f, 0.5f}, direction[3] = {1.0f, 0.0f, 0.0f};
     const trisap_cast good = trisap_cast_ray(origin, direction, INFINITY);
@@ -844,6 +898,8 @@ int main(void) {
     no_filters();
     filters();
     regions();
+    volumes();
+    nearest_many();
     casts();
     resting();
     views();
