@@ -1,7 +1,6 @@
 //! Boxes and what they are stored as: keys, records in the frame of a leaf; and the lines of casts.
 
 pub(crate) mod aabb;
-mod algebra;
 pub(crate) mod boxes;
 pub(crate) mod extent;
 pub(crate) mod key;

@@ -5,23 +5,15 @@ use super::scalar::Scalar;
 
 /// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
 /// levels give the same bytes; only their speed differs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kernels(Level);
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
     Scalar(Scalar),
     Narrow(Narrow),
     Wide(Wide),
 }
-
-impl PartialEq for Kernels {
-    fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name()
-    }
-}
-
-impl Eq for Kernels {}
 
 /// The best vectors that every CPU of the target has.
 const GUARANTEED: Option<Level> = match (Wide::GUARANTEED, Narrow::GUARANTEED) {

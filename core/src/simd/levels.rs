@@ -23,7 +23,7 @@ pub(crate) use {Absent as Wide, absent as run_wide};
 
 /// A level that no CPU of the target has.
 #[allow(dead_code, reason = "some targets have all levels")]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Absent {}
 
 #[allow(dead_code, reason = "some targets have all levels")]

@@ -6,7 +6,7 @@ use crate::geometry::key::{KeyBox, value};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
 
 /// No more than the target's baseline.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scalar;
 
 impl Simd for Scalar {

@@ -9,7 +9,7 @@ use core::arch::x86_64::*;
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
 
 /// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system saves the wide registers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Avx2(());
 
 /// Operations that the token proves.
@@ -65,8 +65,6 @@ impl Vectors for Avx2 {
 
     type Vector = __m256i;
 
-    type Bytes = [u8; 32];
-
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
         #[inline(never)]
@@ -76,18 +74,6 @@ impl Vectors for Avx2 {
         }
         // SAFETY: `self` proves that the CPU has these features.
         unsafe { compiled(work) }
-    }
-
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 32]) -> __m256i {
-        // SAFETY: `self` proves AVX2; the 32 bytes are read.
-        unsafe { _mm256_loadu_si256(bytes.as_ptr().cast()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 32], a: __m256i) {
-        // SAFETY: `self` proves AVX2; the 32 bytes are written.
-        unsafe { _mm256_storeu_si256(bytes.as_mut_ptr().cast(), a) }
     }
 
     #[inline(always)]
@@ -212,11 +198,11 @@ impl Halves for Avx2 {
     }
 
     #[inline(always)]
-    fn kept64(self, a: __m256i, mask: u32, to: &mut [u8; 32]) {
-        // SAFETY: `self` proves AVX2; eight bytes of the table are read.
+    fn kept64(self, a: __m256i, mask: u32, to: &mut [[u8; 16]; 2]) {
+        // SAFETY: `self` proves AVX2; eight bytes of the table are read, and all 32 written.
         unsafe {
             let kept = _mm256_cvtepu8_epi32(_mm_loadl_epi64(KEPT[mask as usize & 15].as_ptr().cast()));
-            self.store(to, _mm256_permutevar8x32_epi32(a, kept));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, kept));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Where a cast meets nodes and records.
 
-use super::operations::{Half, Halves, places};
+use super::operations::{Half, Halves, ends, places};
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::Record;
@@ -9,10 +9,9 @@ use crate::simd::EIGHT;
 /// As [`Simd::enter`](crate::simd::Simd::enter): a node in each half.
 #[inline(always)]
 pub(super) fn enter<W: Halves>(w: W, walk: &Walk, [a, b]: [&KeyBox; 2], until: f32) -> [f32; 2] {
-    let [a, b]: [&[u8; 24]; 2] = [bytemuck::cast_ref(a), bytemuck::cast_ref(b)];
-    // The low sides and one more; one, then the high sides. There are as many.
-    let low = w.pick(a.first_chunk().unwrap_or(&[0; 16]), b.first_chunk().unwrap_or(&[0; 16]));
-    let high = w.pick(a.last_chunk().unwrap_or(&[0; 16]), b.last_chunk().unwrap_or(&[0; 16]));
+    let ([a_low, a_high], [b_low, b_high]) = (ends(a), ends(b));
+    // The low sides and one more; one, then the high sides.
+    let (low, high) = (w.pick(a_low, b_low), w.pick(a_high, b_high));
     let high = w.shuffle(high, w.both(&places([1, 2, 3, 3])));
     let (low, high) = (w.floats(low), w.floats(high));
     let back = w.both(bytemuck::cast_ref(&walk.back));
@@ -61,8 +60,9 @@ pub(super) fn met<W: Halves>(w: W, records: &[Record; EIGHT], crossing: &Crossin
         }
     }
     let from = w.minimum(from, w.splat(Crossing::LATEST.to_bits()));
-    let (met, mut times) = (w.at_most(from, to), [0; 32]);
-    w.store(&mut times, w.select(met, from, w.splat(f32::NAN.to_bits())));
+    let (met, mut times) = (w.at_most(from, to), [[0; 16]; 2]);
+    let [first, last] = &mut times;
+    w.put(first, last, w.select(met, from, w.splat(f32::NAN.to_bits())));
     (bytemuck::cast(times), w.bits8(met))
 }
 

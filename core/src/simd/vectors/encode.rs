@@ -3,7 +3,7 @@
 //! Each half of three vectors has the twelve numbers of two boxes: the first one of a box to the first of its maxima; its other two
 //! maxima and the first two minima of the next box; the rest of that.
 
-use super::operations::{Halves, NO_BYTE, Vectors, places};
+use super::operations::{Halves, NO_BYTE, places};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 
@@ -64,11 +64,9 @@ pub(super) fn encode_four<W: Halves>(
         return None;
     }
     let [first, second, third, fourth, fifth, sixth]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);
-    for (vector, first, last) in [(a, first, fourth), (b, second, fifth), (c, third, sixth)] {
-        let halves = w.split(vector);
-        w.half().store(first, halves[0]);
-        w.half().store(last, halves[1]);
-    }
+    w.put(first, fourth, a);
+    w.put(second, fifth, b);
+    w.put(third, sixth, c);
     // Two bytes for each two keys, zero if they are the same.
     let (a, b, c) = (w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c));
     let others = w.join16(w.join16(a, b), w.join16(c, c));

@@ -116,7 +116,7 @@ fn keep<W: Halves, I: Index>(
         h.store(bytes.first_chunk_mut()?, h.shuffle(h.even32(a, b), places));
     } else {
         let second = w.words([0, u32::MAX, 0, u32::MAX]);
-        w.kept64(w.select(second, upper, lower), kept, bytes.first_chunk_mut()?);
+        w.kept64(w.select(second, upper, lower), kept, bytes.as_chunks_mut().0.first_chunk_mut()?);
     }
     Some(kept.count_ones() as usize)
 }

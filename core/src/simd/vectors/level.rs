@@ -10,7 +10,7 @@ use crate::id::{Index, Pair};
 use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
 
 /// The level of some vectors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level<W>(W);
 
 impl<W: Halves> Level<W> {
@@ -173,12 +173,12 @@ impl<W: Halves> Simd for Level<W> {
     #[inline(always)]
     fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
         let w = self.0;
-        let bytes: &mut [u8; 32] = bytemuck::cast_mut(numbers);
-        let all = w.load(bytes);
+        let [first, last]: &mut [[u8; 16]; 2] = bytemuck::cast_mut(numbers);
+        let all = w.pick(first, last);
         let least = w.least32(all, w.swap(all));
         let least = w.least32(least, w.shuffle(least, w.both(&places([2, 3, 0, 1]))));
         let least = w.least32(least, w.shuffle(least, w.both(&places([1, 0, 3, 2]))));
-        w.store(bytes, w.or(all, w.equal32(all, least)));
+        w.put(first, last, w.or(all, w.equal32(all, least)));
         w.half().first(w.split(least)[0])
     }
 

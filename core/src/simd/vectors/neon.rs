@@ -4,7 +4,7 @@ use super::operations::{Half, Vectors, operations};
 use core::arch::aarch64::*;
 
 /// Proof of NEON. A program that is compiled with vectors runs nowhere else.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Neon(());
 
 /// The same bits as other numbers.
@@ -38,9 +38,6 @@ macro_rules! guaranteed {
 /// A bit for each byte of eight, in each half.
 const BIT: [u8; 16] = [1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128];
 
-/// A bit for each of eight lanes of 16 bits.
-const BIT_OF_EIGHT: [u8; 16] = [1, 0, 2, 0, 4, 0, 8, 0, 16, 0, 32, 0, 64, 0, 128, 0];
-
 impl Vectors for Neon {
     const NAME: &'static str = "neon";
 
@@ -48,23 +45,9 @@ impl Vectors for Neon {
 
     type Vector = uint8x16_t;
 
-    type Bytes = [u8; 16];
-
     #[inline(never)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
         work()
-    }
-
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 16]) -> uint8x16_t {
-        // SAFETY: the 16 bytes are read.
-        unsafe { vld1q_u8(bytes.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 16], a: uint8x16_t) {
-        // SAFETY: the 16 bytes are written.
-        unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
     }
 
     #[inline(always)]
@@ -124,6 +107,18 @@ impl Vectors for Neon {
 
 impl Half for Neon {
     #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> uint8x16_t {
+        // SAFETY: the 16 bytes are read.
+        unsafe { vld1q_u8(bytes.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: uint8x16_t) {
+        // SAFETY: the 16 bytes are written.
+        unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
+    }
+
+    #[inline(always)]
     fn first(self, a: uint8x16_t) -> u32 {
         // SAFETY: as in `guaranteed`.
         unsafe { vgetq_lane_u32::<0>(words(a)) }
@@ -157,15 +152,6 @@ impl Half for Neon {
     fn bits4(self, mask: uint8x16_t) -> u32 {
         // SAFETY: as in `guaranteed`.
         unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
-    }
-
-    #[inline(always)]
-    fn bits8(self, a: uint8x16_t, b: uint8x16_t) -> u32 {
-        // SAFETY: as in `guaranteed`.
-        unsafe {
-            let masks = vreinterpretq_u8_u16(vuzp1q_u16(shorts(a), shorts(b)));
-            u32::from(vaddvq_u16(shorts(self.and(masks, self.load(&BIT_OF_EIGHT)))))
-        }
     }
 
     // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that no two bits are in one

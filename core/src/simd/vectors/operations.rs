@@ -25,14 +25,9 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     /// A vector in registers, the first byte lowest.
     type Vector: Copy;
 
-    /// A vector in memory.
-    type Bytes;
-
     /// As [`Simd::call`](crate::simd::Simd::call).
     fn call<R>(self, work: impl FnOnce() -> R) -> R;
 
-    fn load(self, bytes: &Self::Bytes) -> Self::Vector;
-    fn store(self, bytes: &mut Self::Bytes, a: Self::Vector);
     /// Four words, in each half.
     fn words(self, words: [u32; 4]) -> Self::Vector;
     /// One word everywhere.
@@ -112,7 +107,9 @@ pub(crate) trait Vectors: Copy + Send + Sync {
 }
 
 /// Vectors of one half.
-pub(crate) trait Half: Vectors<Bytes = [u8; 16]> {
+pub(crate) trait Half: Vectors {
+    fn load(self, bytes: &[u8; 16]) -> Self::Vector;
+    fn store(self, bytes: &mut [u8; 16], a: Self::Vector);
     /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
     #[inline(always)]
     fn prefetch<T>(self, _: &[T], _: usize) {}
@@ -132,11 +129,6 @@ pub(crate) trait Half: Vectors<Bytes = [u8; 16]> {
     fn reached(self, rows: [Self::Vector; 4], query: Self::Vector) -> Self::Vector;
     /// A bit for each lane of a mask of 32 bits.
     fn bits4(self, mask: Self::Vector) -> u32;
-    /// The same of two masks.
-    #[inline(always)]
-    fn bits8(self, a: Self::Vector, b: Self::Vector) -> u32 {
-        self.bits4(a) | self.bits4(b) << 4
-    }
     /// A bit for each lane of four masks of 8 bits.
     fn bits64(self, masks: [Self::Vector; 4]) -> u64;
 }
@@ -145,7 +137,7 @@ pub(crate) trait Half: Vectors<Bytes = [u8; 16]> {
 pub(crate) type HalfOf<W> = <<W as Halves>::Half as Vectors>::Vector;
 
 /// Vectors of two halves.
-pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
+pub(crate) trait Halves: Vectors {
     /// The operations on one half.
     type Half: Half;
 
@@ -159,6 +151,13 @@ pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
     #[inline(always)]
     fn pick(self, first: &[u8; 16], last: &[u8; 16]) -> Self::Vector {
         self.joined(self.half().load(first), self.half().load(last))
+    }
+    /// Both halves to memory.
+    #[inline(always)]
+    fn put(self, first: &mut [u8; 16], last: &mut [u8; 16], a: Self::Vector) {
+        let halves = self.split(a);
+        self.half().store(first, halves[0]);
+        self.half().store(last, halves[1]);
     }
     /// The same half twice.
     #[inline(always)]
@@ -191,7 +190,7 @@ pub(crate) trait Halves: Vectors<Bytes = [u8; 32]> {
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Vector) -> u64;
 
     /// The lanes of 64 bits whose bit is set.
-    fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]);
+    fn kept64(self, a: Self::Vector, mask: u32, to: &mut [[u8; 16]; 2]);
 }
 
 /// For each mask of four lanes, of so many parts together, the places of the parts of those that it keeps.
@@ -210,6 +209,14 @@ pub(crate) const fn kept<const PARTS: usize>() -> [[u8; PARTS]; 16] {
         mask += 1;
     }
     table
+}
+
+/// The first and the last four keys of a box.
+#[inline(always)]
+pub(crate) fn ends(bounds: &KeyBox) -> [&[u8; 16]; 2] {
+    let bytes: &[u8; 24] = bytemuck::cast_ref(bounds);
+    // There are as many.
+    [bytes.first_chunk().unwrap_or(&[0; 16]), bytes.last_chunk().unwrap_or(&[0; 16])]
 }
 
 /// A place for [`Vectors::shuffle`] that gives zero.

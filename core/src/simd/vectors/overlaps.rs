@@ -1,16 +1,15 @@
 //! Tests pairs of boxes.
 
-use super::operations::{Halves, Vectors, places};
+use super::operations::{Halves, Vectors, ends, places};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 
 /// As [`KeyBox::overlaps`].
 #[inline(always)]
 pub(super) fn overlap<W: Halves>(w: W, a: &KeyBox, b: &KeyBox) -> bool {
-    let [a, b]: [&[u8; 24]; 2] = [bytemuck::cast_ref(a), bytemuck::cast_ref(b)];
-    // The minima of both; one number, then the maxima of the other one, which they must not exceed. There are as many.
-    let minima = w.pick(a.first_chunk().unwrap_or(&[0; 16]), b.first_chunk().unwrap_or(&[0; 16]));
-    let maxima = w.pick(b.last_chunk().unwrap_or(&[0; 16]), a.last_chunk().unwrap_or(&[0; 16]));
+    let ([a_min, a_max], [b_min, b_max]) = (ends(a), ends(b));
+    // The minima of both; one number, then the maxima of the other one, which they must not exceed.
+    let (minima, maxima) = (w.pick(a_min, b_min), w.pick(b_max, a_max));
     let maxima = w.shuffle(maxima, w.both(&places([1, 2, 3, 0])));
     !w.any_of_three(w.above32(minima, maxima))
 }

@@ -1,6 +1,6 @@
 //! Predicted boxes.
 
-use super::operations::{Halves, Vectors, places};
+use super::operations::{Half, Halves, Vectors, places};
 use crate::geometry::key::{AHEAD, AROUND, KeyBox, SHORTEST};
 
 /// Lengths, but those that are too short to be one are zero, and NaN.

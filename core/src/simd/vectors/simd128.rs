@@ -4,7 +4,7 @@ use super::operations::{Half, Vectors, operations};
 use core::arch::wasm32::*;
 
 /// Proof of simd128. A module that is compiled with vectors runs nowhere else.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Simd128(());
 
 impl Vectors for Simd128 {
@@ -17,23 +17,9 @@ impl Vectors for Simd128 {
 
     type Vector = v128;
 
-    type Bytes = [u8; 16];
-
     #[inline(never)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
         work()
-    }
-
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 16]) -> v128 {
-        // SAFETY: the 16 bytes are read.
-        unsafe { v128_load(bytes.as_ptr().cast()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 16], a: v128) {
-        // SAFETY: the 16 bytes are written.
-        unsafe { v128_store(bytes.as_mut_ptr().cast(), a) }
     }
 
     #[inline(always)]
@@ -88,6 +74,18 @@ impl Vectors for Simd128 {
 }
 
 impl Half for Simd128 {
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> v128 {
+        // SAFETY: the 16 bytes are read.
+        unsafe { v128_load(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: v128) {
+        // SAFETY: the 16 bytes are written.
+        unsafe { v128_store(bytes.as_mut_ptr().cast(), a) }
+    }
+
     #[inline(always)]
     fn first(self, a: v128) -> u32 {
         u32x4_extract_lane::<0>(a)

@@ -10,7 +10,7 @@ use core::arch::x86_64::*;
 cpufeatures::new!(detected, "ssse3", "sse4.1", "popcnt");
 
 /// Proof that the CPU has SSSE3, SSE4.1 and POPCNT.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sse41(pub(super) ());
 
 /// Operations that the token proves.
@@ -35,8 +35,6 @@ impl Vectors for Sse41 {
 
     type Vector = __m128i;
 
-    type Bytes = [u8; 16];
-
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
         #[inline(never)]
@@ -46,18 +44,6 @@ impl Vectors for Sse41 {
         }
         // SAFETY: `self` proves that the CPU has these features.
         unsafe { compiled(work) }
-    }
-
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 16]) -> __m128i {
-        // SAFETY: `self` proves SSE2; the 16 bytes are read.
-        unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 16], a: __m128i) {
-        // SAFETY: `self` proves SSE2; the 16 bytes are written.
-        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), a) }
     }
 
     #[inline(always)]
@@ -116,6 +102,18 @@ impl Vectors for Sse41 {
 }
 
 impl Half for Sse41 {
+    #[inline(always)]
+    fn load(self, bytes: &[u8; 16]) -> __m128i {
+        // SAFETY: `self` proves SSE2; the 16 bytes are read.
+        unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8; 16], a: __m128i) {
+        // SAFETY: `self` proves SSE2; the 16 bytes are written.
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), a) }
+    }
+
     #[inline(always)]
     fn prefetch<T>(self, items: &[T], index: usize) {
         // SAFETY: `self` proves SSE. A prefetch has no effect on the program, wherever it points.

@@ -1,12 +1,12 @@
 //! Vectors of two registers.
 
 use super::fours;
-use super::operations::{Half, HalfOf, Halves, Vectors, places};
+use super::operations::{Half, HalfOf, Halves, Vectors, ends, places};
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
 /// Vectors of two registers of an instruction set.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Twice<V>(V);
 
 /// Operations on each register.
@@ -36,24 +36,9 @@ impl<V: Half> Vectors for Twice<V> {
 
     type Vector = (V::Vector, V::Vector);
 
-    type Bytes = [u8; 32];
-
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
         self.0.call(work)
-    }
-
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 32]) -> Self::Vector {
-        let [first, last]: &[[u8; 16]; 2] = bytemuck::cast_ref(bytes);
-        (self.0.load(first), self.0.load(last))
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 32], a: Self::Vector) {
-        let [first, last]: &mut [[u8; 16]; 2] = bytemuck::cast_mut(bytes);
-        self.0.store(first, a.0);
-        self.0.store(last, a.1);
     }
 
     #[inline(always)]
@@ -132,9 +117,8 @@ impl<V: Half> Halves for Twice<V> {
     /// The first four and the last four: two of them twice, so no lane is empty.
     #[inline(always)]
     fn sides(self, bounds: &KeyBox) -> Self::Vector {
-        let bytes: &[u8; 24] = bytemuck::cast_ref(bounds);
-        // There are as many.
-        self.pick(bytes.first_chunk().unwrap_or(&[0; 16]), bytes.last_chunk().unwrap_or(&[0; 16]))
+        let [first, last] = ends(bounds);
+        self.pick(first, last)
     }
 
     #[inline(always)]
@@ -149,7 +133,7 @@ impl<V: Half> Halves for Twice<V> {
 
     #[inline(always)]
     fn bits8(self, mask: Self::Vector) -> u32 {
-        self.0.bits8(mask.0, mask.1)
+        self.0.bits4(mask.0) | self.0.bits4(mask.1) << 4
     }
 
     #[inline(always)]
@@ -171,10 +155,11 @@ impl<V: Half> Halves for Twice<V> {
     }
 
     #[inline(always)]
-    fn kept64(self, a: Self::Vector, mask: u32, to: &mut [u8; 32]) {
+    fn kept64(self, a: Self::Vector, mask: u32, [first, last]: &mut [[u8; 16]; 2]) {
         let v = self.0;
         let kept = v.load(&fours::KEPT[mask as usize & 15]);
-        let (first, second) = (v.shuffle(v.even32(a.0, a.1), kept), v.shuffle(v.odd32(a.0, a.1), kept));
-        self.store(to, (v.zip_first32(first, second), v.zip_last32(first, second)));
+        let (lower, upper) = (v.shuffle(v.even32(a.0, a.1), kept), v.shuffle(v.odd32(a.0, a.1), kept));
+        v.store(first, v.zip_first32(lower, upper));
+        v.store(last, v.zip_last32(lower, upper));
     }
 }
