@@ -208,7 +208,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("snapshot", 600),
     ("step", 675),
     ("sweep", 1445),
-    ("tree", 2250),
+    ("tree", 2200),
     ("validate", 425),
     ("world", 1687),
 ];

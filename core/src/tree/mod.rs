@@ -29,7 +29,7 @@ pub(crate) mod slack;
 pub(crate) mod subdivide;
 pub(crate) mod visit;
 
-pub(crate) use crate::geometry::record::{Frame, GRID_MAX, Record};
+pub(crate) use crate::geometry::record::{Frame, Record};
 pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Nodes, Split, Straddler, first_of_eight};
 
 use crate::access::Access;

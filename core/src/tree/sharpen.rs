@@ -3,8 +3,7 @@
 //! which loses no pair.
 
 use super::cells::Sample;
-use super::limits::SPARSE;
-use super::{Cell, Frame, GRID_MAX, Leaf, Record};
+use super::{Cell, Frame, Leaf, Record};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
@@ -14,7 +13,8 @@ use crate::simd::Simd;
 use crate::simd::kernels::Kernels;
 use crate::simd::kernels::run;
 
-/// Makes such frames narrower, and the records of their leaves anew. O(leaves + members of those leaves).
+/// Makes such frames narrower, and the records of their leaves anew, as a sample of each leaf tells. O(leaves + members of
+/// those leaves).
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
     let leaves = parts.state.tree.count as usize;
     let extent = parts.state.tree.extent;
@@ -24,22 +24,8 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
         tree.cells.span(0, leaves).iter().zip(&mut *tree.frames).zip(&mut *tree.leaves)
     {
         let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
-        if is_sparse(members) {
-            run!(kernels, |simd| sharpen_leaf(simd, boxes, &extent, cell, frame, leaf, members));
-        }
+        run!(kernels, |simd| sharpen_leaf(simd, boxes, &extent, cell, frame, leaf, members));
     }
-}
-
-/// Whether most members use a small part of their grid on some axis.
-fn is_sparse(members: &[Record]) -> bool {
-    let lanes = |at| {
-        members.get(at).map(|record: &Record| {
-            let [x, y, z, ..] = record.lanes;
-            [i32::from(x), i32::from(y), i32::from(z)]
-        })
-    };
-    let (low, high) = Sample::of(members.len(), lanes).bounds();
-    (0..3).any(|k| low[k] <= high[k] && SPARSE * ((high[k] - low[k]) as f32) < GRID_MAX)
 }
 
 /// Makes the frame of one leaf from where most of its members are.
