@@ -177,7 +177,7 @@ impl fmt::Display for Error {
             Self::SlabMisaligned { align } => write!(f, "the slab must start on a multiple of {align} bytes"),
             Self::NotAWorld => f.write_str("the slab holds no world of this index width and version"),
             Self::CapacityTooLarge { field, most } => {
-                write!(f, "the configuration is too large: at most {most} {field} for this width of slots")
+                write!(f, "at most {most} {field} for this width of slots, lean or not, and this build")
             }
             Self::NoMemory { bytes } => write!(f, "{bytes} bytes of memory cannot be had"),
             Self::BadMargin => f.write_str("a margin must be finite, not negative, and its bounds in order"),
