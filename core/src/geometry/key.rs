@@ -184,7 +184,6 @@ impl KeyBox {
 
     /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`] ones too, each with a little
     /// around it, at least `margin`: a share of its smallest side. A motion beyond that side predicts nothing.
-    /// [`Simd::predict`](crate::simd::Simd::predict) does the same operations on all sides at once.
     pub(crate) fn predicted(&self, old: &Self, margin: f32) -> Self {
         let [keys, old] = [*self, *old].map(bytemuck::cast::<KeyBox, [i32; 6]>);
         let mut smallest = f32::MAX;

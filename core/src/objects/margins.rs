@@ -11,7 +11,6 @@ use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::simd::Simd;
-use crate::simd::scalar::Scalar;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
@@ -66,14 +65,14 @@ impl FatBoxes<'_> {
             self.motions.moved_inside_margin = true;
             return true;
         }
-        self.make(simd, at, old, bounds);
+        self.make(at, old, bounds);
         false
     }
 
     /// Makes the fat box of an object that stays in its own anew, if that has become far too wide. Returns whether it had.
     pub(crate) fn shrinks(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
         let fat = self.boxes.at(at);
-        self.make(Scalar, at, old, bounds);
+        self.make(at, old, bounds);
         let shrinks = fat.largest_extent() > MOST_WIDTH * self.boxes.at(at).largest_extent();
         if !shrinks {
             self.boxes.put(at, fat);
@@ -83,9 +82,9 @@ impl FatBoxes<'_> {
 
     /// Makes the fat box of an object that has come from an old box.
     #[inline(always)]
-    fn make<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) {
+    fn make(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
         let margin = self.margin(at);
-        let fat = if self.predicted { simd.predict(old, bounds, margin) } else { bounds.grown(margin) };
+        let fat = if self.predicted { bounds.predicted(old, margin) } else { bounds.grown(margin) };
         self.boxes.put(at, fat);
     }
 }

@@ -166,12 +166,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
         }
     }
 
-    /// As [`KeyBox::predicted`].
-    #[inline(always)]
-    fn predict(self, old: &KeyBox, bounds: &KeyBox, margin: f32) -> KeyBox {
-        bounds.predicted(old, margin)
-    }
-
     /// Prepares the rows of a sweep along an axis.
     fn axis(self, axis: usize) -> Self::Axis;
 

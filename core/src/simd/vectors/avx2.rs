@@ -118,7 +118,6 @@ impl Vectors for Avx2 {
         zip_last64(a, b) = _mm256_unpackhi_epi64(a, b);
         fourth_on(a, b) = _mm256_alignr_epi8::<12>(b, a);
         above32(a, b) = _mm256_cmpgt_epi32(a, b);
-        lower32(a, b) = _mm256_min_epi32(a, b);
         upper32(a, b) = _mm256_max_epi32(a, b);
         least32(a, b) = _mm256_min_epu32(a, b);
         most32(a, b) = _mm256_max_epu32(a, b);

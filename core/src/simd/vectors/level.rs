@@ -1,7 +1,7 @@
 //! The level of some vectors, whatever the instruction set.
 
 use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, places};
-use super::{casts, encode, fours, overlaps, predict};
+use super::{casts, encode, fours, overlaps};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Walk};
@@ -89,11 +89,6 @@ impl<W: Halves> Simd for Level<W> {
     #[inline(always)]
     fn prefetch<T>(self, items: &[T], index: usize) {
         self.0.half().prefetch(items, index);
-    }
-
-    #[inline(always)]
-    fn predict(self, old: &KeyBox, bounds: &KeyBox, margin: f32) -> KeyBox {
-        predict::predict(self.0, old, bounds, margin)
     }
 
     #[inline(always)]

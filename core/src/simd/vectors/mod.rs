@@ -17,7 +17,6 @@ mod level;
 mod neon;
 mod operations;
 mod overlaps;
-mod predict;
 #[cfg(target_arch = "wasm32")]
 mod simd128;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

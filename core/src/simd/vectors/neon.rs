@@ -89,7 +89,6 @@ impl Vectors for Neon {
         zip_last64(a, b) = vreinterpretq_u8_u64(vzip2q_u64(longs(a), longs(b)));
         fourth_on(a, b) = vextq_u8::<12>(a, b);
         above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
-        lower32(a, b) = vreinterpretq_u8_s32(vminq_s32(signed(a), signed(b)));
         upper32(a, b) = vreinterpretq_u8_s32(vmaxq_s32(signed(a), signed(b)));
         least32(a, b) = vreinterpretq_u8_u32(vminq_u32(words(a), words(b)));
         most32(a, b) = vreinterpretq_u8_u32(vmaxq_u32(words(a), words(b)));

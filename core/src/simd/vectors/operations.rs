@@ -70,8 +70,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
 
     /// Whether `a` is above `b`, with signs.
     fn above32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The lower of two numbers with signs.
-    fn lower32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The upper of two numbers with signs.
     fn upper32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The lower of two numbers without signs.
@@ -169,11 +167,6 @@ pub(crate) trait Halves: Vectors {
     fn swap(self, a: Self::Vector) -> Self::Vector {
         let [first, last] = self.split(a);
         self.joined(last, first)
-    }
-    /// The first half of `a`, then the last half of `b`.
-    #[inline(always)]
-    fn first_and_last(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.joined(self.split(a)[0], self.split(b)[1])
     }
 
     /// The six keys of a box, in an order of the instruction set.

@@ -57,7 +57,6 @@ impl Vectors for Simd128 {
         zip_last64(a, b) = u64x2_shuffle::<1, 3>(a, b);
         fourth_on(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
         above32(a, b) = i32x4_gt(a, b);
-        lower32(a, b) = i32x4_min(a, b);
         upper32(a, b) = i32x4_max(a, b);
         least32(a, b) = u32x4_min(a, b);
         most32(a, b) = u32x4_max(a, b);

@@ -84,7 +84,6 @@ impl Vectors for Sse41 {
         zip_last64(a, b) = _mm_unpackhi_epi64(a, b);
         fourth_on(a, b) = _mm_alignr_epi8::<12>(b, a);
         above32(a, b) = _mm_cmpgt_epi32(a, b);
-        lower32(a, b) = _mm_min_epi32(a, b);
         upper32(a, b) = _mm_max_epi32(a, b);
         least32(a, b) = _mm_min_epu32(a, b);
         most32(a, b) = _mm_max_epu32(a, b);

@@ -80,7 +80,6 @@ impl<V: Half> Vectors for Twice<V> {
         zip_last64(a, b);
         fourth_on(a, b);
         above32(a, b);
-        lower32(a, b);
         upper32(a, b);
         least32(a, b);
         most32(a, b);
