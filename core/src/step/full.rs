@@ -34,7 +34,7 @@ pub(super) fn full<I: Index>(
         persistent::start_over(parts);
         None
     };
-    let Arranged { left, coarse, rebalanced } = arrange(parts, anew, settled, context);
+    let (left, arranged) = arrange(parts, anew, settled, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.tree.count;
     let (pairs, work) = sweep(parts, kept, leaves as usize, context);
@@ -42,26 +42,18 @@ pub(super) fn full<I: Index>(
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
     keep::plan(parts.state, work.tied, left);
-    let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
-    (route, Progress { pairs, work, leaves, rebalanced, coarse })
+    let rebalanced = if anew { parts.state.objects.live } else { arranged.rebalanced };
+    (route, Progress { pairs, work, leaves, rebalanced, ..arranged })
 }
 
-/// What the leaves were filled with.
-pub(super) struct Arranged {
-    /// How many objects had left their leaf, if all leaves were filled.
-    left: Option<u32>,
-    coarse: Option<bool>,
-    /// How many objects were in leaves that got new planes.
-    rebalanced: u32,
-}
-
-/// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole tree.
+/// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole tree. Returns how many
+/// objects had left their leaf, if all leaves were filled, and what it has done.
 pub(super) fn arrange<I: Index>(
     parts: &mut Parts<'_, I>,
     anew: bool,
     settled: Option<u32>,
     context: StepContext<'_>,
-) -> Arranged {
+) -> (Option<u32>, Progress) {
     let executor = context.executor;
     let was_filled = parts.state.tree.filled != 0;
     executor.enter(Stage::Build);
@@ -87,7 +79,7 @@ pub(super) fn arrange<I: Index>(
         left = Some(if was_filled { counted.1 } else { u32::MAX });
     }
     balance::review(parts);
-    Arranged { left, coarse, rebalanced }
+    (left, Progress { coarse, rebalanced, ..Progress::default() })
 }
 
 /// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns how many

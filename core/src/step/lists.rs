@@ -22,7 +22,9 @@ use crate::tree::cells::{Sample, longest_axis};
 pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
-    clean_lists(parts);
+    if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
+        links::list_all(parts);
+    }
     let Parts { state, boxes, order, output, filters, .. } = parts;
     let boxes = boxes.swept().span(0, state.objects.slots as usize);
     let coarse = choose_axes(order[0].span(0, state.objects.live as usize), state, boxes);
@@ -97,11 +99,4 @@ fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Op
     let (a, b) = ((state.lists.axis + 1) % 3, (state.lists.axis + 2) % 3);
     state.lists.second_axis = if side(b) > side(a) { b } else { a };
     Some(bounds_scan.is_coarse(state.objects.live))
-}
-
-/// Makes the lists hold exactly the living objects.
-fn clean_lists<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live {
-        links::list_all(parts);
-    }
 }

@@ -25,7 +25,10 @@ pub(crate) fn find<I: Index>(
 ) -> (Route, Progress) {
     parts.state.pairs.unkept = 0;
     match route.path {
-        Path::Unchanged => (route, unchanged(parts, context)),
+        Path::Unchanged => {
+            let (pairs, leaves) = (persistent::persistent(parts, context), parts.state.leaves());
+            (route, Progress { pairs, leaves, ..Progress::default() })
+        }
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
@@ -67,10 +70,4 @@ pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
         full::arrange(parts, balance::needs_planes(parts.state), None, context);
         parts.state.tree.filled = if filled == 1 { 1 } else { 2 };
     }
-}
-
-/// Nothing has moved: all pairs stay.
-fn unchanged<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
-    let leaves = parts.state.leaves();
-    Progress { pairs: persistent::persistent(parts, context), leaves, ..Progress::default() }
 }

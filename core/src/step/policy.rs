@@ -252,14 +252,14 @@ fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
 pub(super) fn anew<I: Index>(parts: &Parts<'_, I>, reason: Reason) -> Route {
     let tree = &parts.state.tree;
     if !balance::needs_planes(parts.state) {
-        Route { path: Path::Full, reason }
-    } else if tree.count == 0 {
-        Route { path: Path::Rebuilt, reason: Reason::NothingKept }
-    } else if tree.due == Due::Heavy as u8 {
-        Route { path: Path::Rebuilt, reason: Reason::OutOfBalance }
-    } else {
-        Route { path: Path::Rebuilt, reason: Reason::Outgrown }
+        return Route { path: Path::Full, reason };
     }
+    let reason = match tree.count {
+        0 => Reason::NothingKept,
+        _ if tree.due == Due::Heavy as u8 => Reason::OutOfBalance,
+        _ => Reason::Outgrown,
+    };
+    Route { path: Path::Rebuilt, reason }
 }
 
 /// Divides some leaves in each step of a calm world.

@@ -79,25 +79,19 @@ impl<'g, I: Index> Kinds<'g, I> {
     #[inline(never)]
     fn tell_apart(filters: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
         let (mut known, mut count) = ([Filter::ALL; KNOWN], 0);
-        let (mut last, mut same) = (Filter::ALL, None);
+        let mut last = None;
         for (filter, code) in filters.all().iter().zip(&mut *codes) {
             // Most objects have the filter of the one before.
-            if let Some(known) = same
-                && *filter == last
-            {
-                *code = known;
-                continue;
+            if last.is_none_or(|(known, _)| known != *filter) {
+                let lone = filter.group == 0 || filter.mask == 0;
+                let kind = known.iter().take(count).position(|known| known == filter).unwrap_or(count);
+                if let (false, true, Some(new)) = (lone, kind == count, known.get_mut(kind)) {
+                    *new = *filter;
+                    count += 1;
+                }
+                last = Some((*filter, if lone { KNOWN + 1 } else { kind }));
             }
-            last = *filter;
-            let lone = filter.group == 0 || filter.mask == 0;
-            let kind = known.iter().take(count).take_while(|known| *known != filter).count();
-            let kind = if lone { KNOWN + 1 } else { kind };
-            if let (true, Some(known)) = (kind == count, known.get_mut(kind)) {
-                *known = *filter;
-                count += 1;
-            }
-            *code = I::from_slot(kind as u32);
-            same = Some(*code);
+            *code = I::from_slot(last.map_or(0, |(_, kind)| kind) as u32);
         }
         // Others are one more kind.
         let meet = |a: usize, b: usize| match (known.get(a), known.get(b)) {

@@ -8,12 +8,12 @@ use super::Sink;
 use super::leaves::TreeView;
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
-use crate::id::{Index, pair};
+use crate::id::{Index, Pair, pair};
 use crate::memory::prefetch::{LEAVES_TOGETHER, MOVERS_AHEAD, RECORDS_AHEAD};
 use crate::memory::scratch::Scratch;
 use crate::simd::{Simd, limit};
 use crate::tree::visit::Visit;
-use crate::tree::{ChunksOfEight, Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
+use crate::tree::{Frame, Record, SUB_LEAVES, first_of_eight, sub_leaves_of};
 
 /// Tests some movers.
 #[inline(always)]
@@ -26,12 +26,20 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let mut report =
-        Report { boxes: tree_view.boxes, moved, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
-    let visits = [(0, 0, 0); LEAVES_TOGETHER];
-    let (leaves, records) = ([0; LEAVES_TOGETHER], [Record::NOTHING; LEAVES_TOGETHER]);
-    let mut near =
-        Near { tree_view, movers, visits, visit_count: 0, leaves, records, test_count: 0, tested: 0 };
+    let mut near = Near {
+        tree_view,
+        moved,
+        movers,
+        visits: [(0, 0, 0); LEAVES_TOGETHER],
+        visit_count: 0,
+        leaves: [0; LEAVES_TOGETHER],
+        records: [Record::NOTHING; LEAVES_TOGETHER],
+        test_count: 0,
+        tested: 0,
+        pairs: scratch.leaf_scratch.pairs,
+        found: 0,
+        sink,
+    };
     let mut start = 0;
     while start < homes.len() {
         let home = homes.at(start);
@@ -40,18 +48,19 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
         while homes.get(end) == Some(&home) && home != I::LARGE {
             end += 1;
         }
-        near.visit(simd, home, start as u32, end as u32, &mut report);
+        near.visit(simd, home, start as u32, end as u32);
         start = end;
     }
-    near.divide(simd, &mut report);
-    near.test(simd, &mut report);
-    report.flush();
-    scratch.leaf_scratch.tested += near.tested as u64;
+    near.divide(simd);
+    near.test(simd);
+    near.hand_on();
+    scratch.leaf_scratch.tested += near.tested;
 }
 
 /// Leaves near movers, collected so that they can be prefetched together.
-struct Near<'n, 'g, I> {
+struct Near<'n, 'g, 'o, I> {
     tree_view: &'n TreeView<'g>,
+    moved: &'n [u32],
     movers: &'n [I],
     /// A whole leaf, and where the movers near it start and end.
     visits: [(usize, u32, u32); LEAVES_TOGETHER],
@@ -62,13 +71,17 @@ struct Near<'n, 'g, I> {
     records: [Record; LEAVES_TOGETHER],
     test_count: usize,
     /// How many boxes were looked at.
-    tested: usize,
+    tested: u64,
+    pairs: &'n mut [Pair<I>],
+    /// Pairs that wait to be passed on.
+    found: usize,
+    sink: &'n mut Sink<'o, I>,
 }
 
-impl<I: Index> Near<'_, '_, I> {
+impl<I: Index> Near<'_, '_, '_, I> {
     /// Collects the leaves around movers of one leaf.
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32, report: &mut Report<'_, '_, I>) {
+    fn visit<S: Simd>(&mut self, simd: S, home: I, start: u32, end: u32) {
         let tree_view = self.tree_view;
         let movers = self.movers.span(start as usize, (end - start) as usize);
         for ahead in self.movers.iter().skip(start as usize + MOVERS_AHEAD).take(movers.len()) {
@@ -82,7 +95,7 @@ impl<I: Index> Near<'_, '_, I> {
                 tree_view.large.each(simd, bounds, |large| {
                     self.tested += 1;
                     if large.bounds.overlaps(&bounds) {
-                        report.pair(mover.slot(), large.slot);
+                        self.report(mover.slot(), large.slot);
                     }
                 });
             }
@@ -96,14 +109,14 @@ impl<I: Index> Near<'_, '_, I> {
             self.visits.put(self.visit_count, (whole, start, end));
             self.visit_count += 1;
             if self.visit_count == LEAVES_TOGETHER {
-                self.divide(simd, report);
+                self.divide(simd);
             }
         }
     }
 
     /// Finds which of the collected leaves each mover touches, and which of their sub-leaves.
     #[inline(always)]
-    fn divide<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
+    fn divide<S: Simd>(&mut self, simd: S) {
         let tree_view = self.tree_view;
         for index in 0..self.visit_count {
             let (whole, start, end) = self.visits.at(index);
@@ -124,7 +137,7 @@ impl<I: Index> Near<'_, '_, I> {
                     self.records.put(self.test_count, record);
                     self.test_count += 1;
                     if self.test_count == LEAVES_TOGETHER {
-                        self.test(simd, report);
+                        self.test(simd);
                     }
                 }
             }
@@ -134,78 +147,47 @@ impl<I: Index> Near<'_, '_, I> {
 
     /// Tests movers against the members of leaves that they touch.
     #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S, report: &mut Report<'_, '_, I>) {
-        let tree_view = self.tree_view;
-        let leaves = self.leaves.span(0, self.test_count);
-        for leaf in leaves {
-            simd.prefetch_from::<RECORDS_AHEAD, _>(
-                tree_view.records,
-                tree_view.leaves.at(*leaf as usize).start as usize,
-            );
+    fn test<S: Simd>(&mut self, simd: S) {
+        let TreeView { boxes, leaves, records, .. } = *self.tree_view;
+        for leaf in self.leaves.span(0, self.test_count) {
+            simd.prefetch_from::<RECORDS_AHEAD, _>(records, leaves.at(*leaf as usize).start as usize);
         }
-        for (leaf, mover) in leaves.iter().zip(&self.records) {
-            let leaf = tree_view.leaves.at(*leaf as usize);
-            self.tested += leaf.len as usize;
-            scan(simd, leaf.chunks_of_eight(tree_view.records), mover, report);
+        for index in 0..self.test_count {
+            let (leaf, mover) = (leaves.at(self.leaves.at(index) as usize), self.records.at(index));
+            self.tested += u64::from(leaf.len);
+            let limit = limit(&mover);
+            for (eight, left) in leaf.chunks_of_eight(records) {
+                let mut mask = simd.touching(eight, limit);
+                if mask != 0 {
+                    mask &= first_of_eight(left);
+                }
+                while mask != 0 {
+                    let other = eight.at(mask.trailing_zeros() as usize);
+                    mask &= mask - 1;
+                    let contact = simd.contact(&mover, &other);
+                    let bounds = |record: &Record| KeyBox::of(boxes, record.slot() as usize);
+                    if contact.touches && (!contact.tied || bounds(&mover).overlaps(bounds(&other))) {
+                        self.report(mover.slot(), other.slot());
+                    }
+                }
+            }
         }
         self.test_count = 0;
     }
-}
-
-/// Tests one mover against all members of a leaf.
-#[inline(always)]
-fn scan<S: Simd, I: Index>(
-    simd: S,
-    members: ChunksOfEight<'_>,
-    mover: &Record,
-    report: &mut Report<'_, '_, I>,
-) {
-    let limit = limit(mover);
-    for (eight, left) in members {
-        let mut mask = simd.touching(eight, limit);
-        if mask != 0 {
-            mask &= first_of_eight(left);
-        }
-        while mask != 0 {
-            let other = eight.at(mask.trailing_zeros() as usize);
-            report.contact(simd, mover, &other);
-            mask &= mask - 1;
-        }
-    }
-}
-
-/// Decides contacts, and passes pairs on in batches.
-struct Report<'r, 'o, I> {
-    boxes: &'r [KeyBox],
-    moved: &'r [u32],
-    pairs: &'r mut [[I; 2]],
-    found: usize,
-    sink: &'r mut Sink<'o, I>,
-}
-
-impl<I: Index> Report<'_, '_, I> {
-    #[inline(always)]
-    fn contact<S: Simd>(&mut self, simd: S, mover: &Record, other: &Record) {
-        let contact = simd.contact(mover, other);
-        let bounds = |record: &Record| KeyBox::of(self.boxes, record.slot() as usize);
-        if contact.touches && (!contact.tied || bounds(mover).overlaps(bounds(other))) {
-            self.pair(mover.slot(), other.slot());
-        }
-    }
 
     #[inline(always)]
-    fn pair(&mut self, mover: u32, other: u32) {
+    fn report(&mut self, mover: u32, other: u32) {
         if other == mover || (other < mover && bits::test(self.moved, other as usize)) {
             return;
         }
         self.pairs.put(self.found, pair(mover, other));
         self.found += 1;
         if self.found == self.pairs.len() {
-            self.flush();
+            self.hand_on();
         }
     }
 
-    fn flush(&mut self) {
+    fn hand_on(&mut self) {
         self.sink.take(self.pairs.span_mut(0, self.found));
         self.found = 0;
     }

@@ -30,7 +30,7 @@ pub(crate) mod subdivide;
 pub(crate) mod visit;
 
 pub(crate) use crate::geometry::record::{Frame, Record};
-pub(crate) use crate::memory::leaf::{Cell, ChunksOfEight, Leaf, Nodes, Split, Straddler, first_of_eight};
+pub(crate) use crate::memory::leaf::{Cell, Leaf, Nodes, Split, Straddler, first_of_eight};
 
 use crate::access::Access;
 use crate::id::Index;
