@@ -65,7 +65,7 @@ fn upkeep(state: &State, moved: u64) -> u64 {
 /// Whether all fat boxes are to be made anew, after so many steps without that which have cost so much beyond quiet ones, and one
 /// that costs so much: if that is more than the mean of all, with what making them costs.
 fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
-    cost > 0 && cost * u64::from(age + 1) >= RENEWAL + u64::from(step.spent)
+    cost > 0 && cost * (u64::from(age) + 1) >= RENEWAL + u64::from(step.spent)
 }
 
 /// Whether fat boxes are in use that steps may make anew.
