@@ -76,7 +76,6 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
     }
 
     /// Replaces the element.
-    #[inline(always)]
     fn put(&mut self, index: usize, value: T) {
         let items = self.as_mut();
         debug_assert!(index < items.len(), "write {index} of {}", items.len());
@@ -97,7 +96,6 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
     }
 
     /// Copies as many elements as both slices have. `copy_from_slice` would check the lengths and could panic.
-    #[inline(always)]
     fn copy_in(&mut self, from: &[T])
     where
         T: Copy,
@@ -108,7 +106,6 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
     }
 
     /// `len` elements from `start`, or none.
-    #[inline(always)]
     fn span(&self, start: usize, len: usize) -> &[T] {
         let items = self.as_ref();
         debug_assert!(start + len <= items.len(), "span {start}+{len} of {}", items.len());
@@ -119,7 +116,6 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
     }
 
     /// `len` elements from `start`, or none.
-    #[inline(always)]
     fn span_mut(&mut self, start: usize, len: usize) -> &mut [T] {
         let items = self.as_mut();
         let slice = items.as_ptr().addr();
@@ -142,20 +138,17 @@ pub(crate) mod bits {
         count.div_ceil(32)
     }
 
-    #[inline(always)]
     pub(crate) fn test(words: &[u32], bit: usize) -> bool {
         words.at(bit / 32) >> (bit % 32) & 1 != 0
     }
 
     /// Sets the bit and tells whether it was clear.
-    #[inline(always)]
     pub(crate) fn set(words: &mut [u32], bit: usize) -> bool {
         let word = words.at(bit / 32);
         words.put(bit / 32, word | 1 << (bit % 32));
         word >> (bit % 32) & 1 == 0
     }
 
-    #[inline(always)]
     pub(crate) fn clear(words: &mut [u32], bit: usize) {
         let word = words.at(bit / 32);
         words.put(bit / 32, word & !(1 << (bit % 32)));

@@ -9,9 +9,9 @@ use crate::error::Error;
 pub struct Capacity {
     /// The most living objects. One more is [`Error::ObjectsFull`].
     pub objects: u32,
-    /// The most boxes that reach beyond their leaf. If a scene has more, the tree uses larger leaves, which is
-    /// slower; with zero it is one leaf. Half of `objects` suits most scenes. Worlds for up to 64 objects and lean
-    /// ones have no tree and do not use this.
+    /// The most boxes that reach beyond their leaf. If a scene has more, the tree uses larger leaves, which
+    /// is slower; with zero it is one leaf. Half of `objects` suits most scenes. Worlds for up to 64 objects
+    /// and lean ones have no tree and do not use this.
     pub leaf_refs: u32,
     /// The most pairs that a step can return. If there are more, the step counts them and reports
     /// [`Error::PairsFull`]. An exact world with margins also keeps the overlaps of fat boxes here while there is
@@ -48,25 +48,25 @@ pub enum Mode {
     /// Exactly the closed overlaps of the boxes as given.
     #[default]
     Exact,
-    /// The overlaps of the boxes with their margins: a superset that changes less often. The surplus is counted
-    /// by [`Step::surplus`](crate::Step::surplus).
+    /// The overlaps of the boxes with their margins: a superset that changes less often. The surplus is
+    /// counted by [`Step::surplus`](crate::Step::surplus).
     Fat,
 }
 
 /// How far a box may move before it counts as moved. Its fat box is the box of its last move, grown by
-/// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the box, or
-/// less for flat boxes: see [`per_extent`](Self::per_extent).
+/// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the
+/// box, or less for flat boxes: see [`per_extent`](Self::per_extent).
 ///
-/// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones have a
-/// margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are left
-/// unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, fat boxes are also [predicted](Config::predicted), so
-/// that they hold objects that move steadily.
+/// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones
+/// have a margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in
+/// each step, these are left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, fat
+/// boxes are also [predicted](Config::predicted), so that they hold objects that move steadily.
 #[doc(alias("fat_aabb", "skin", "speculative_margin"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {
-    /// A share of the object's largest side. That side counts only up to eight times the smallest one above zero. A
-    /// box without bounds counts as size zero.
+    /// A share of the object's largest side. That side counts only up to eight times the smallest one above
+    /// zero. A box without bounds counts as size zero.
     pub per_extent: f32,
     /// Lower bound, a length.
     pub min: f32,
@@ -115,23 +115,23 @@ pub struct Config {
     pub margin: Option<Margin>,
     /// Whether steps tell found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
-    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object. Needs
-    /// the feature `large`.
+    /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object.
+    /// Needs the feature `large`.
     pub filters: bool,
     /// Whether objects have a value of 64 bits for the caller's use: see
-    /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, and no time of a step.
-    /// Needs the feature `large`.
+    /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, and no time of
+    /// a step. Needs the feature `large`.
     pub values: bool,
-    /// Whether a world for up to 256 objects does without a tree, vectors and scratch memory, as worlds for up to 64
-    /// always do. It takes a third to half of the bytes and is faster on a microcontroller. On a processor with
-    /// vectors it is slower from about 100 objects on.
+    /// Whether a world for up to 256 objects does without a tree, vectors and scratch memory, as worlds for
+    /// up to 64 always do. It takes a third to half of the bytes and is faster on a microcontroller. On a
+    /// processor with vectors it is slower from about 100 objects on.
     pub lean: bool,
-    /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer to
-    /// merge their pairs.
+    /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer
+    /// to merge their pairs.
     pub workers: u32,
-    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made anew when that costs
-    /// less than to search for the objects that leave theirs, and are left unused for some steps where they cost more than they
-    /// spare.
+    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made
+    /// anew when that costs less than to search for the objects that leave theirs, and are left unused for
+    /// some steps where they cost more than they spare.
     pub fixed_margins: bool,
     /// Whether fat boxes are predicted from the motion of each object and hold it for some steps as it goes on, so that steps
     /// in which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result of an exact
@@ -263,13 +263,13 @@ impl Config {
     }
 }
 
-/// Whether steps test only the objects that have moved. Always: after every complete step. Never: every step finds all
-/// pairs anew, even if nothing has moved.
+/// Whether steps test only the objects that have moved. Always: after every complete step. Never: every step
+/// finds all pairs anew, even if nothing has moved.
 pub(crate) const MOVERS_ONLY: u8 = 0;
 /// Whether leaves are divided in such steps. Always: from the first one on.
 pub(crate) const FINE_LEAVES: u8 = 1;
 /// Whether steps are shared between the workers of the executor.
 pub(crate) const SHARING: u8 = 2;
-/// Whether steps that fill all leaves find only the pairs of objects that have moved. Always: after every complete step,
-/// if [`MOVERS_ONLY`] is free.
+/// Whether steps that fill all leaves find only the pairs of objects that have moved. Always: after every
+/// complete step, if [`MOVERS_ONLY`] is free.
 pub(crate) const MOVERS_BY_LEAF: u8 = 3;

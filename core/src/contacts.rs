@@ -6,14 +6,14 @@ use crate::id::{Index, Pair};
 
 /// Small numbers for pairs: whoever keeps something for each pair (a manifold, a sound, damage) keeps it in an array.
 ///
-/// A pair has a number from the step that finds it to the step that loses it; then the number is given again, the one
-/// that became free last first. So numbers are below the most pairs that there were at once, and the same calls give
-/// the same numbers. Contacts stand beside a [`World`](crate::World) with events and are [told](Self::update) of the
-/// lost and found pairs of each step.
+/// A pair has a number from the step that finds it to the step that loses it; then the number is given again,
+/// the one that became free last first. So numbers are below the most pairs that there were at once, and the
+/// same calls give the same numbers. Contacts stand beside a [`World`](crate::World) with events and are
+/// [told](Self::update) of the lost and found pairs of each step.
 ///
-/// The memory, of [`words`](Self::words), is the caller's: a slice, an array, a vector. All state is in it and holds no
-/// addresses, so a copy of it is a copy of the contacts: kept beside a copy or a snapshot of the world it gives each
-/// pair the same number after going back. A number takes 24 bytes, a slot 4.
+/// The memory, of [`words`](Self::words), is the caller's: a slice, an array, a vector. All state is in it
+/// and holds no addresses, so a copy of it is a copy of the contacts: kept beside a copy or a snapshot of the
+/// world it gives each pair the same number after going back. A number takes 24 bytes, a slot 4.
 ///
 /// ```
 /// use trisap_core::{Aabb, Capacity, Config, Contacts, Error, InlineWorld, layout};
@@ -55,8 +55,8 @@ const LIVE: usize = 3;
 const USED: usize = 4;
 /// The number that became free last; [`NEXT`] of it leads on.
 const FREE: usize = 5;
-/// Behind them, by slot: the first contact of an object. Then, by contact and side: the slots of the pair, and what is
-/// next to it in the lists of its two objects.
+/// Behind them, by slot: the first contact of an object. Then, by contact and side: the slots of the pair,
+/// and what is next to it in the lists of its two objects.
 const HEAD: usize = 6;
 const SLOT: usize = 0;
 const NEXT: usize = 2;
@@ -262,8 +262,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
     /// them as found ones. O(events), each times the partners of that object of the two which has fewer.
     ///
     /// # Errors
-    /// [`Error::NoRoom`] where the slots or the pairs do not fit; [`Error::BadPair`]. Nothing is told or changed then: with [more
-    /// room](Self::move_into) the same events fit.
+    /// [`Error::NoRoom`] where the slots or the pairs do not fit; [`Error::BadPair`]. Nothing is told or
+    /// changed then: with [more room](Self::move_into) the same events fit.
     pub fn update<I: Index>(
         &mut self,
         lost: &[Pair<I>],
@@ -303,8 +303,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
         Ok(())
     }
 
-    /// Takes back all numbers of an object, and tells each with the partner's slot: before the object is removed, for
-    /// whoever cannot wait for the lost pairs of the next step. O(answers).
+    /// Takes back all numbers of an object, and tells each with the partner's slot: before the object is
+    /// removed, for whoever cannot wait for the lost pairs of the next step. O(answers).
     pub fn remove_all(&mut self, slot: u32, mut ended: impl FnMut(u32, u32)) {
         while let Some((contact, other)) = { self.of(slot).next() } {
             self.free(contact);

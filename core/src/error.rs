@@ -21,8 +21,8 @@ pub enum Error {
     },
     /// The slab holds no world of this index width and version.
     NotAWorld,
-    /// The configuration needs more than the index width, the address space or the features of this build allow. Or a
-    /// lean world is for more than 256 objects, or the number of workers is not from 1 to 32.
+    /// The configuration needs more than the index width, the address space or the features of this build
+    /// allow. Or a lean world is for more than 256 objects, or the number of workers is not from 1 to 32.
     CapacityTooLarge {
         /// What there is too much of.
         field: Field,
@@ -87,8 +87,8 @@ pub enum Error {
     BadSnapshot,
     /// The two slots of a pair are the same one.
     BadPair,
-    /// A world, a snapshot or [contacts](crate::Contacts) hold more than there is room for where they move to, or contacts are
-    /// to hold more than there is room for. Nothing is done.
+    /// A world, a snapshot or [contacts](crate::Contacts) hold more than there is room for where they move
+    /// to, or contacts are to hold more than there is room for. Nothing is done.
     NoRoom {
         /// What there is too much of.
         field: Field,
@@ -114,8 +114,8 @@ pub enum Error {
     /// has none. The next step finds all pairs anew; found and lost are then relative to the last complete
     /// step. `World::validate` (feature `validate`) tells more.
     InvariantBroken,
-    /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit. Found and
-    /// lost are empty; the next complete step tells them relative to the last complete one.
+    /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit.
+    /// Found and lost are empty; the next complete step tells them relative to the last complete one.
     PairsFull {
         /// Pairs that would have to fit.
         needed: u64,

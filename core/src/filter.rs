@@ -8,8 +8,8 @@ pub(crate) const FILTERS: bool = cfg!(feature = "large");
 /// Classes that the class matrix knows.
 pub(crate) const CLASSES: usize = 32;
 
-/// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
-/// (see [`World::set_classes`](crate::World::set_classes)).
+/// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their
+/// classes meet (see [`World::set_classes`](crate::World::set_classes)).
 #[doc(alias("InteractionGroups", "CollisionLayers"))]
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable)]
@@ -63,8 +63,8 @@ pub(crate) fn meet(a: &Filter, b: &Filter, row: impl Fn(usize) -> u32) -> bool {
     groups && class(a, b) & class(b, a) != 0
 }
 
-/// Whether every two of these filters meet. `true` is certain; `false` may be wrong. Filters of free slots count too.
-/// O(filters).
+/// Whether every two of these filters meet. `true` is certain; `false` may be wrong. Filters of free slots
+/// count too. O(filters).
 #[inline(always)]
 pub(crate) fn all_meet(filters: &[Filter], row: impl Fn(usize) -> u32) -> bool {
     // An object in all groups needs no look: it meets every mask that is not empty.

@@ -6,8 +6,8 @@ use core::num::NonZeroU64;
 
 /// Names one object while it lives: a slot and the generation of that slot.
 ///
-/// The bits are never zero: zero is null in C, and `Option<Id>` takes no more bytes. A slot gets a new generation
-/// with each object, so the id of a removed object is stale.
+/// The bits are never zero: zero is null in C, and `Option<Id>` takes no more bytes. A slot gets a new
+/// generation with each object, so the id of a removed object is stale.
 #[repr(transparent)]
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Id(NonZeroU64);
@@ -112,7 +112,6 @@ impl Index for u32 {
 pub type Pair<I = u32> = [I; 2];
 
 /// The pair of two slots.
-#[inline(always)]
 pub(crate) fn pair<I: Index>(a: u32, b: u32) -> Pair<I> {
     [I::from_slot(a.min(b)), I::from_slot(a.max(b))]
 }

@@ -2,9 +2,9 @@
 //!
 //! ## The types that one needs
 //!
-//! A [`Config`] says what there is, an [`InlineWorld`] is the memory, a [`World`] the view of it that does everything, an [`Aabb`] a
-//! box, and a [`Step`] what a step has found. [`Cast`] and [`Region`] ask; [`Boxes`] are an array of yours; an [`Executor`] is your
-//! job system. All else comes up where it is needed.
+//! A [`Config`] says what there is, an [`InlineWorld`] is the memory, a [`World`] the view of it that does
+//! everything, an [`Aabb`] a box, and a [`Step`] what a step has found. [`Cast`] and [`Region`] ask;
+//! [`Boxes`] are an array of yours; an [`Executor`] is your job system. All else comes up where it is needed.
 #![no_std]
 #![warn(clippy::undocumented_unsafe_blocks)]
 

@@ -345,10 +345,7 @@ fn what_cannot_change_is_named() {
     room.bytes_mut().fill(3);
     let said = world.move_into(room.bytes_mut(), &few).map(|_| ()).expect_err("too few");
     assert_eq!(said, Error::NoRoom { field: Field::Objects, needed: 10, room: 9 });
-    assert_eq!(
-        said.to_string(),
-        "too many objects (slots that have been in use): 10 have to fit, and there is room for 9"
-    );
+    assert_eq!(said.to_string(), "10 objects (slots that have been in use), but room for 9");
     let short = room.bytes().len() - 64;
     let said = world.move_into(&mut room.bytes_mut()[..short], &base).map(|_| ());
     assert!(matches!(said, Err(Error::SlabTooSmall { .. })));

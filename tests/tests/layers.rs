@@ -196,19 +196,19 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1399),
-    ("geometry", 1105),
+    ("", 1392),
+    ("geometry", 1085),
     ("lists", 105),
-    ("memory", 1850),
-    ("objects", 670),
+    ("memory", 1825),
+    ("objects", 675),
     ("pairs", 520),
     ("parallel", 490),
-    ("query", 1360),
-    ("simd", 2320),
+    ("query", 1345),
+    ("simd", 2240),
     ("snapshot", 600),
     ("step", 660),
-    ("sweep", 1425),
-    ("tree", 2200),
+    ("sweep", 1360),
+    ("tree", 2155),
     ("validate", 425),
     ("world", 1687),
 ];

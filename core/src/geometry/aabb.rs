@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 
 /// An axis-aligned bounding box in `f32`, closed on all sides: touching boxes overlap.
 ///
-/// Any unit is right if all boxes use the same. Infinite bounds are allowed (a ground plane, a half-space). The
-/// [`World`](crate::World) refuses NaN and `min > max`.
+/// Any unit is right if all boxes use the same. Infinite bounds are allowed (a ground plane, a half-space).
+/// The [`World`](crate::World) refuses NaN and `min > max`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,12 +24,12 @@ impl Aabb {
         Self { min, max }
     }
 
-    /// The least box that holds a box in `f64`, relative to `origin`. Minima are rounded down and maxima up, so boxes
-    /// that overlap in `f64` overlap in `f32` too. Rounding to nearest would leave parts of objects outside their
-    /// boxes.
+    /// The least box that holds a box in `f64`, relative to `origin`. Minima are rounded down and maxima up,
+    /// so boxes that overlap in `f64` overlap in `f32` too. Rounding to nearest would leave parts of objects
+    /// outside their boxes.
     ///
-    /// Keep `origin` near the objects: far from it boxes lose precision, but never a pair. Add margins of your own to
-    /// the `f64` box, so that the rounding comes after them.
+    /// Keep `origin` near the objects: far from it boxes lose precision, but never a pair. Add margins of
+    /// your own to the `f64` box, so that the rounding comes after them.
     #[must_use]
     pub fn from_f64(min: [f64; 3], max: [f64; 3], origin: [f64; 3]) -> Self {
         let low = |k: usize| round_down(min[k], origin[k]);
@@ -42,8 +42,8 @@ impl Aabb {
     /// that overlap in fixed point overlap in `f32` too. Coordinates of at most 24 significant bits, such as all from
     /// -2^24 to 2^24, are exact, and so are their overlaps.
     ///
-    /// Uses integer operations alone, so a processor without FPU calls no soft-float. With more than 126 fraction
-    /// bits the box is not [valid](Self::is_valid), since `f32` does not go so low.
+    /// Uses integer operations alone, so a processor without FPU calls no soft-float. With more than 126
+    /// fraction bits the box is not [valid](Self::is_valid), since `f32` does not go so low.
     ///
     /// ```
     /// use trisap_core::Aabb;
@@ -65,8 +65,8 @@ impl Aabb {
         KeyBox::from_aabb(self).is_some()
     }
 
-    /// Whether the closed boxes share a point; false if one of them is not [valid](Self::is_valid). Exact also if the
-    /// host flushes denormals to zero, since integers are compared, as in a step.
+    /// Whether the closed boxes share a point; false if one of them is not [valid](Self::is_valid). Exact
+    /// also if the host flushes denormals to zero, since integers are compared, as in a step.
     #[doc(alias("intersects", "intersects_aabb"))]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
@@ -182,8 +182,8 @@ fn without_denormals(x: f64) -> f64 {
     }
 }
 
-/// The greatest `f32` that is not above `x`, or NaN. No operation makes or takes a denormal, so a host that flushes these gets the
-/// same.
+/// The greatest `f32` that is not above `x`, or NaN. No operation makes or takes a denormal, so a host that
+/// flushes these gets the same.
 pub(crate) const fn narrowed(x: f64) -> f32 {
     if x.abs() < f32::MIN_POSITIVE as f64 {
         // In steps of the least denormal, which are the keys there. Even that of a denormal `f64` below zero is a whole one.
@@ -200,7 +200,6 @@ pub(crate) const fn narrowed(x: f64) -> f32 {
 const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
 
 /// A number as `f64`. A denormal is converted by its bits, for the same reason.
-#[inline(always)]
 pub(crate) const fn widened(x: f32) -> f64 {
     let magnitude = x.to_bits() & (u32::MAX >> 1);
     if magnitude >= f32::MIN_POSITIVE.to_bits() {
@@ -262,7 +261,6 @@ impl From<Aabb> for [mint::Point3<f32>; 2] {
 
 impl KeyBox {
     /// The keys of a box; `None` if it has NaN in it or a minimum above its maximum.
-    #[inline(always)]
     pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
         let [a, b, c] = aabb.min;
         let [d, e, f] = aabb.max;

@@ -3,8 +3,8 @@
 use super::aabb::Aabb;
 use bytemuck::NoUninit;
 
-/// Boxes in the caller's memory. Each item has three `f32` of the minimum and three of the maximum at fixed places.
-/// Nothing is copied, and any alignment is right.
+/// Boxes in the caller's memory. Each item has three `f32` of the minimum and three of the maximum at fixed
+/// places. Nothing is copied, and any alignment is right.
 #[derive(Clone, Copy, Debug)]
 pub struct Boxes<'a> {
     bytes: &'a [u8],
@@ -37,16 +37,16 @@ impl<'a> Boxes<'a> {
         Self { bytes: bytemuck::cast_slice(boxes), stride: 24, end: 24, count: boxes.len() }
     }
 
-    /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings: `[min x, y,
-    /// z, _, max x, y, z, _]`.
+    /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings:
+    /// `[min x, y, z, _, max x, y, z, _]`.
     #[must_use]
     pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
         Self { bytes: bytemuck::cast_slice(boxes), stride: 32, end: 16 + CORNER, count: boxes.len() }
     }
 
-    /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its maximum corner
-    /// `max_at` bytes later. `None` if the corners overlap or do not fit the stride. A last item that ends right
-    /// after its maximum corner counts.
+    /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its
+    /// maximum corner `max_at` bytes later. `None` if the corners overlap or do not fit the stride. A last
+    /// item that ends right after its maximum corner counts.
     #[must_use]
     pub fn strided(bytes: &'a [u8], stride: usize, max_at: usize) -> Option<Self> {
         let end = max_at.checked_add(CORNER)?;
@@ -57,8 +57,8 @@ impl<'a> Boxes<'a> {
         Some(Self { bytes, stride, end, count })
     }
 
-    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` if the box is no part
-    /// of its item.
+    /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` if the box is
+    /// no part of its item.
     ///
     /// ```
     /// use trisap_core::{Aabb, Boxes};
@@ -99,13 +99,11 @@ impl<'a> Boxes<'a> {
 
     /// The box at `index`.
     #[must_use]
-    #[inline(always)]
     pub fn get(&self, index: usize) -> Option<Aabb> {
         self.first(self.items_from(index))
     }
 
     /// The bytes of the items from `index` on.
-    #[inline(always)]
     pub(crate) fn items_from(&self, index: usize) -> &'a [u8] {
         // For a larger index the product could overflow.
         if index >= self.count {
@@ -115,7 +113,6 @@ impl<'a> Boxes<'a> {
     }
 
     /// All items but the first so many.
-    #[inline(always)]
     pub(crate) fn items_after(&self, count: usize, items: &'a [u8]) -> &'a [u8] {
         items.get(count * self.stride..).unwrap_or_default()
     }
@@ -139,7 +136,6 @@ impl<'a> Boxes<'a> {
     }
 
     /// The first of some items, if it is not cut off.
-    #[inline(always)]
     pub(crate) fn first(&self, items: &[u8]) -> Option<Aabb> {
         let item = items.get(..self.end)?;
         // Word by word: a copy of twelve bytes would be a call.

@@ -18,7 +18,6 @@ impl Extent {
     pub(crate) const FINITE: Self = Self { low: [key(f32::MIN); 3], high: [key(f32::MAX); 3] };
 
     /// Takes in one minimum corner, unbounded or not.
-    #[inline(always)]
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
         let mut include = |k: usize| {
             self.low[k] = self.low[k].min(min[k]);

@@ -1,8 +1,8 @@
 //! Boxes as order-preserving integer keys.
 //!
-//! Every decision compares keys, never floats: integers know no NaN, no -0.0 and no flush-to-zero mode. So the same
-//! boxes give the same bytes on any host, and a CPU without FPU compares in one instruction. The mapping is one to
-//! one, except that -0.0 becomes 0.0.
+//! Every decision compares keys, never floats: integers know no NaN, no -0.0 and no flush-to-zero mode. So
+//! the same boxes give the same bytes on any host, and a CPU without FPU compares in one instruction. The
+//! mapping is one to one, except that -0.0 becomes 0.0.
 
 use crate::access::note_fault;
 use bytemuck::{Pod, Zeroable};
@@ -17,19 +17,16 @@ const CUT: i32 = 10;
 const BEYOND: i32 = POSITIVE_INFINITY + 1 + (POSITIVE_INFINITY >> CUT);
 
 /// The key of a float: `key(a) < key(b)` exactly if `a < b`. NaN maps beyond the infinities.
-#[inline(always)]
 pub(crate) const fn key(x: f32) -> i32 {
     mirrored(x.to_bits() as i32)
 }
 
 /// The float of a key.
-#[inline(always)]
 pub(crate) const fn value(key: i32) -> f32 {
     f32::from_bits(mirrored(key) as u32)
 }
 
 /// From sign and magnitude to two's complement, and back: -0.0 and 0.0 are both zero.
-#[inline(always)]
 const fn mirrored(bits: i32) -> i32 {
     if bits < 0 { i32::MIN.wrapping_sub(bits) } else { bits }
 }
@@ -48,13 +45,12 @@ pub(crate) fn length(low: i32, high: i32) -> f32 {
     flushed(value(high) - value(low))
 }
 
-#[inline(always)]
 fn flushed(length: f32) -> f32 {
     if length < SHORTEST { 0.0 } else { length }
 }
 
-/// Whether something holds on all three axes. Written out, since a loop of three costs more than its body where code
-/// is compiled for size.
+/// Whether something holds on all three axes. Written out, since a loop of three costs more than its body
+/// where code is compiled for size.
 #[inline(always)]
 pub(crate) fn on_all_axes(holds: impl Fn(usize) -> bool) -> bool {
     holds(0) && holds(1) && holds(2)
@@ -72,8 +68,8 @@ impl KeyBox {
     /// The box of a slot without an object. It overlaps nothing, not even itself.
     pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
 
-    /// A box around nothing, to be grown by [`include`](Self::include). Its sides are numbers; it overlaps only
-    /// unbounded boxes.
+    /// A box around nothing, to be grown by [`include`](Self::include). Its sides are numbers; it overlaps
+    /// only unbounded boxes.
     pub(crate) const NOTHING: Self = Self { min: [POSITIVE_INFINITY; 3], max: [NEGATIVE_INFINITY; 3] };
 
     /// The box that holds all others.
@@ -105,10 +101,9 @@ impl KeyBox {
     }
 
     /// Whether these are the keys of a box.
-    #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
-        // Compared so that the constants are the infinities, which fit into the compare instruction of a small
-        // processor.
+        // Compared so that the constants are the infinities, which fit into the compare instruction of a
+        // small processor.
         let wrong = |k: usize| {
             self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
         };
@@ -116,7 +111,6 @@ impl KeyBox {
     }
 
     /// Whether all keys are the same. With `==` it would be a call.
-    #[inline(always)]
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let differs = |k: usize| (self.min[k] ^ other.min[k]) | (self.max[k] ^ other.max[k]);
         differs(0) | differs(1) | differs(2) == 0
@@ -127,8 +121,8 @@ impl KeyBox {
         self.min[0] == i32::MAX
     }
 
-    /// The box of an object that becomes disabled: empty, with a minimum beyond infinity. There is no room for the low
-    /// bits of that minimum, which come beside.
+    /// The box of an object that becomes disabled: empty, with a minimum beyond infinity. There is no room
+    /// for the low bits of that minimum, which come beside.
     pub(crate) const fn disabled(mut self) -> (Self, u16) {
         let low = self.min[0] as u16 & ((1 << CUT) - 1);
         self.min[0] = (self.min[0] >> CUT) + BEYOND;
@@ -141,24 +135,20 @@ impl KeyBox {
         self
     }
 
-    #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.min[0] > self.max[0]
     }
 
-    #[inline(always)]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         on_all_axes(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// Containment on all three axes (errata E3 and E4).
-    #[inline(always)]
     pub(crate) fn contains(&self, inner: &Self) -> bool {
         on_all_axes(|k| self.min[k] <= inner.min[k] && inner.max[k] <= self.max[k])
     }
 
     /// Grows the box to hold another one too.
-    #[inline(always)]
     pub(crate) fn include(&mut self, other: &Self) {
         for k in 0..3 {
             self.min[k] = self.min[k].min(other.min[k]);
@@ -166,8 +156,8 @@ impl KeyBox {
         }
     }
 
-    /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where rounding would
-    /// shrink the box, the old side stays.
+    /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where
+    /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
         let mut fat = *self;
         if length < SHORTEST {
@@ -219,7 +209,6 @@ impl KeyBox {
     }
 
     /// Whether a side is shorter than four steps of `f32` there. Only such a box can be coarse.
-    #[inline(always)]
     pub(crate) fn is_narrow(&self) -> bool {
         !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
     }
@@ -229,8 +218,8 @@ impl KeyBox {
         self.min == self.max && !on_all_axes(|k| value(self.min[k]).abs() <= 1e-20)
     }
 
-    /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than four steps
-    /// of the coordinate. Where a side has vanished, the largest one decides.
+    /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than
+    /// four steps of the coordinate. Where a side has vanished, the largest one decides.
     pub(crate) fn is_coarse(&self) -> bool {
         let largest = self.largest_extent();
         (0..3).any(|k| {

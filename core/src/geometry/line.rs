@@ -5,8 +5,8 @@ use super::aabb::{Aabb, widened};
 use super::key::{KeyBox, value};
 use super::record::{Frame, Record};
 
-/// A prepared cast. It meets a box where the point `t * direction` is inside the box's difference from the start. A
-/// fourth axis without movement fills the vectors.
+/// A prepared cast. It meets a box where the point `t * direction` is inside the box's difference from the
+/// start. A fourth axis without movement fills the vectors.
 pub(crate) struct Line {
     direction: [f64; 4],
     pub(crate) distance: f64,
@@ -31,15 +31,15 @@ const GRID_END: f32 = 65_536.0;
 /// Sides are moved outwards by this many steps of the grid: more than all roundings that do not grow with the
 /// distance.
 const OUTWARDS: f32 = 8.0;
-/// The longest time that a cast takes for a step of the grid, on an axis where it hardly moves: `f32` must hold this
-/// times the number of steps.
+/// The longest time that a cast takes for a step of the grid, on an axis where it hardly moves: `f32` must
+/// hold this times the number of steps.
 const SLOWEST: f32 = (1u128 << 102) as f32;
 
-/// The numbers that tell which records of a leaf a cast may touch. When the cast passes the sides of their boxes, in
-/// the time of [`Walk`], is a linear function of their lanes.
+/// The numbers that tell which records of a leaf a cast may touch. When the cast passes the sides of their
+/// boxes, in the time of [`Walk`], is a linear function of their lanes.
 ///
-/// It excludes nothing that [`Line::span`] meets. Sides are moved outwards by more than all roundings together. A
-/// lane of zero excludes nothing, since its side may be anywhere outside the grid.
+/// It excludes nothing that [`Line::span`] meets. Sides are moved outwards by more than all roundings
+/// together. A lane of zero excludes nothing, since its side may be anywhere outside the grid.
 pub(crate) struct Crossing {
     /// The bytes of a record's lanes in this order: sides that are met first, then sides that are met last.
     pub(crate) order: [u8; 16],
@@ -53,8 +53,8 @@ pub(crate) struct Crossing {
 impl Crossing {
     /// Added to each lane. From this number on floats are whole numbers, so a lane becomes the low bits of a float.
     pub(crate) const BASE: f32 = (1u32 << 23) as f32;
-    /// A later time counts as this one. It is less than `OUTWARDS * SLOWEST`, the least time at which that bound
-    /// could make a cast leave a box too early.
+    /// A later time counts as this one. It is less than `OUTWARDS * SLOWEST`, the least time at which that
+    /// bound could make a cast leave a box too early.
     pub(crate) const LATEST: f32 = (1u128 << 100) as f32;
 
     /// As [`Simd::met`](crate::simd::Simd::met), for one record.
@@ -62,8 +62,8 @@ impl Crossing {
     pub(crate) fn met(&self, record: &Record) -> f32 {
         let (mut from, mut to) = (0.0, self.until);
         for k in 0..3 {
-            // The first byte in the order tells whether the minimum or the maximum comes first. Looking up both lanes
-            // by the order would take twice the instructions of a cast.
+            // The first byte in the order tells whether the minimum or the maximum comes first. Looking up
+            // both lanes by the order would take twice the instructions of a cast.
             let (low, high) = (record.lanes[k], record.lanes[3 + k]);
             let (first, last) = if self.order[2 * k] < 6 { (low, high) } else { (high, low) };
             let time = |k: usize, lane: u16| self.scale[k] * (Self::BASE + f32::from(lane)) + self.offset[k];
@@ -95,8 +95,8 @@ struct SidesMet {
 
 /// A cast on its way through the tree, in `f32`. Its time is its distance on the axis where it moves most.
 ///
-/// It enters nodes no later, and leaves them no earlier, than [`Line::span`] says: the factors include more than all
-/// roundings.
+/// It enters nodes no later, and leaves them no earlier, than [`Line::span`] says: the factors include more
+/// than all roundings.
 pub(crate) struct Walk {
     /// As in [`Slabs`].
     pub(crate) back: [i32; 4],

@@ -28,8 +28,8 @@ impl Frame {
         Self { origin: twice(origin), scale: twice(scale) }
     }
 
-    /// The longest axis. Any axis is right to sweep along (errata E16 and E17); along the longest one a box meets the
-    /// fewest others.
+    /// The longest axis. Any axis is right to sweep along (errata E16 and E17); along the longest one a box
+    /// meets the fewest others.
     pub(crate) const fn longest_axis(&self) -> usize {
         let [x, y, z, ..] = self.scale;
         let (longest, steps) = if y < x { (1, y) } else { (0, x) };
@@ -38,15 +38,15 @@ impl Frame {
 
     /// The grid over the minima between two corners.
     ///
-    /// Any monotone map is conservative. It can make boxes touch that are apart, which the exact test finds, but it
-    /// never makes boxes apart that touch. Maxima beyond the cell get the last step, above every minimum, so they tie
-    /// with nothing.
+    /// Any monotone map is conservative. It can make boxes touch that are apart, which the exact test finds,
+    /// but it never makes boxes apart that touch. Maxima beyond the cell get the last step, above every
+    /// minimum, so they tie with nothing.
     pub(crate) fn over(low: [i32; 3], high: [i32; 3]) -> Self {
         let origin = low.map(value);
         let scale = |k: usize| {
             let (low, high) = (origin[k], value(high[k]));
-            // A flat cell still needs a step above zero for the maxima. The floor also keeps denormals out, so a
-            // flush-to-zero mode of the host changes nothing.
+            // A flat cell still needs a step above zero for the maxima. The floor also keeps denormals out,
+            // so a flush-to-zero mode of the host changes nothing.
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
             GRID_MAX / (high - low).max(floor).min(f32::MAX)
         };
@@ -58,8 +58,8 @@ impl Frame {
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Record {
-    /// The minimum, then the complemented maximum. Both fall as boxes grow, so one kind of compare decides all six
-    /// lanes.
+    /// The minimum, then the complemented maximum. Both fall as boxes grow, so one kind of compare decides
+    /// all six lanes.
     pub(crate) lanes: [u16; 6],
     /// The slot, and marks above it.
     pub(crate) tag: u32,
@@ -80,14 +80,12 @@ impl Record {
     /// Bounds of nothing.
     pub(crate) const NOTHING: Self = Self { lanes: [u16::MAX; 6], tag: 0 };
 
-    #[inline(always)]
     pub(crate) fn slot(&self) -> u32 {
         self.tag & Self::SLOT
     }
 
-    /// Grows bounds to hold another record of the same frame. Whatever touches or crosses that record also touches or
-    /// crosses the bounds, since a lower lane excludes less.
-    #[inline(always)]
+    /// Grows bounds to hold another record of the same frame. Whatever touches or crosses that record also
+    /// touches or crosses the bounds, since a lower lane excludes less.
     pub(crate) fn include(&mut self, other: &Self) {
         for k in 0..6 {
             self.lanes[k] = self.lanes[k].min(other.lanes[k]);

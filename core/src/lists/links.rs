@@ -1,11 +1,11 @@
 //! The tri-linked sorted lists (paper, section III.A): each object once in a list per axis, by ascending minimum.
 //!
-//! A list is an array of slots (erratum E12). Its order is total: by key, then by slot (erratum E10). No array holds
-//! an object's position in a list: a search by its key finds it.
+//! A list is an array of slots (erratum E12). Its order is total: by key, then by slot (erratum E10). No
+//! array holds an object's position in a list: a search by its key finds it.
 //!
-//! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort while few
-//! objects overtake each other, else by a heap sort (erratum E13). Others have no lists: a plane is at the median of a
-//! sample.
+//! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort
+//! while few objects overtake each other, else by a heap sort (erratum E13). Others have no lists: a plane is
+//! at the median of a sample.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
@@ -17,7 +17,6 @@ use crate::sort::heapsort;
 const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
-#[inline(always)]
 pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
     // By reference: one number of a box is needed.
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);

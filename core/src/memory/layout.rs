@@ -26,9 +26,9 @@ pub(crate) const VALUES: bool = cfg!(feature = "large");
 /// A cache line, which is at least the alignment of every item.
 pub(crate) const ALIGN: usize = CACHE_LINE;
 
-/// The memory of a world with this configuration, for slots of width `I`. `None` if the index width, the address
-/// space or the features of the build do not allow it, if the number of workers is not from 1 to 32, or if the margin
-/// is not valid.
+/// The memory of a world with this configuration, for slots of width `I`. `None` if the index width, the
+/// address space or the features of the build do not allow it, if the number of workers is not from 1 to 32,
+/// or if the margin is not valid.
 ///
 /// A constant function, so a static can be sized by it. The size is linear in objects, leaf references and pairs.
 ///

@@ -7,8 +7,8 @@ use crate::geometry::record::Record;
 use crate::simd::{EIGHT, MAXIMA, MINIMA, Simd};
 use bytemuck::{Pod, Zeroable};
 
-/// The cell of a leaf: the half-open box of the minimum corners that are at home there. Sides without bounds are
-/// `i32::MIN` and `i32::MAX`.
+/// The cell of a leaf: the half-open box of the minimum corners that are at home there. Sides without bounds
+/// are `i32::MIN` and `i32::MAX`.
 ///
 /// Its numbers are stored as two boxes, since two comparisons of six keys each tell all about a box.
 #[repr(C)]
@@ -82,32 +82,27 @@ pub(crate) struct Classification {
 
 impl Classification {
     /// Whether its minimum corner is at home here.
-    #[inline(always)]
     pub(crate) const fn is_home(self) -> bool {
         self.inside & !self.before & MINIMA == MINIMA
     }
 
     /// Whether its minimum corner is at home here, and the box is no large object.
-    #[inline(always)]
     pub(crate) const fn is_member(self) -> bool {
         // Both in one comparison.
         (self.before & (MINIMA | MAXIMA)) << 3 | self.inside & MINIMA == MAXIMA << 3 | MINIMA
     }
 
     /// Whether the box, if it is at home here, reaches beyond the cell.
-    #[inline(always)]
     pub(crate) const fn straddles(self) -> bool {
         self.inside & MAXIMA != MAXIMA
     }
 
     /// The marks of its record, if it is at home here.
-    #[inline(always)]
     pub(crate) const fn marks(self) -> u32 {
         if self.straddles() { Record::STRADDLES } else { 0 }
     }
 
     /// Whether the box, if it is at home here, is a large object.
-    #[inline(always)]
     pub(crate) const fn is_large(self) -> bool {
         self.before & MAXIMA != MAXIMA
     }
@@ -152,7 +147,6 @@ impl Split {
     }
 
     /// The leaf, if it is one.
-    #[inline(always)]
     pub(crate) const fn as_leaf(self) -> Option<usize> {
         if self.below & LEAF == 0 { None } else { Some((self.below & !LEAF) as usize) }
     }
@@ -172,13 +166,11 @@ pub(crate) struct Nodes<'n> {
 
 impl<'n> Nodes<'n> {
     /// The box around the members of a leaf of a full step.
-    #[inline(always)]
     pub(crate) fn around(&self, leaf: usize) -> &'n KeyBox {
         KeyBox::of(self.boxes, self.tops.at(leaf) as usize)
     }
 
     /// The node above.
-    #[inline(always)]
     pub(crate) fn above(&self, node: usize) -> usize {
         self.parents.at(node / 2) as usize
     }
@@ -195,9 +187,8 @@ impl<'n> Nodes<'n> {
 }
 
 impl Leaf {
-    /// The records of the leaf, eight at a time; and with each eight how many records are left from its first one on.
-    /// The last eight are filled up with what stands behind: free room, or records of the next leaf.
-    #[inline(always)]
+    /// The records of the leaf, eight at a time; and with each eight how many records are left from its first
+    /// one on. The last eight are filled up with what stands behind: free room, or records of the next leaf.
     pub(crate) fn chunks_of_eight<'r>(&self, records: &'r [Record]) -> ChunksOfEight<'r> {
         let records = records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT));
         ChunksOfEight { rest: records.as_chunks().0.iter(), left: self.len }
@@ -213,7 +204,6 @@ pub(crate) struct ChunksOfEight<'r> {
 impl<'r> Iterator for ChunksOfEight<'r> {
     type Item = (&'r [Record; EIGHT], u32);
 
-    #[inline(always)]
     fn next(&mut self) -> Option<Self::Item> {
         let eight = self.rest.next()?;
         let left = self.left;
@@ -224,13 +214,12 @@ impl<'r> Iterator for ChunksOfEight<'r> {
 }
 
 /// Which of eight records belong to a leaf with so many left: a bit for each.
-#[inline(always)]
 pub(crate) const fn first_of_eight(left: u32) -> u32 {
     0xff >> 8u32.saturating_sub(left)
 }
 
-/// A box that reaches beyond its leaf, or a large object. Stored as keys, since each leaf that it reaches has its own
-/// frame.
+/// A box that reaches beyond its leaf, or a large object. Stored as keys, since each leaf that it reaches has
+/// its own frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Straddler {

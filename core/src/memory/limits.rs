@@ -1,5 +1,5 @@
-//! The sizes at which a world changes how it works, the blocks that work is cut into, and the stacks of fixed length. The table
-//! of constants in `NOTEBOOK.md` says what was measured for each.
+//! The sizes at which a world changes how it works, the blocks that work is cut into, and the stacks of fixed
+//! length. The table of constants in `NOTEBOOK.md` says what was measured for each.
 
 use super::slot_set::GROUP;
 
@@ -9,8 +9,8 @@ use super::slot_set::GROUP;
 pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
 /// The most objects of a lean world.
 pub(crate) const SMALL: usize = 256;
-/// The most objects in a leaf when its planes are new, at exact medians. Random sequences of operations take few, since they need
-/// small worlds that take all paths.
+/// The most objects in a leaf when its planes are new, at exact medians. Random sequences of operations take
+/// few, since they need small worlds that take all paths.
 pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
 /// Levels of planes below the leaves of a full step: each of these divides into eight sub-leaves.
 pub(crate) const SUB_LEVELS: u32 = 3;
@@ -67,8 +67,8 @@ pub(crate) const fn histogram_row(leaves: usize) -> usize {
     2 * leaves + 1
 }
 
-/// The depth of new leaves for a number of objects, so that none has more than [`LEAF_TARGET`] at exact medians
-/// (erratum E14).
+/// The depth of new leaves for a number of objects, so that none has more than [`LEAF_TARGET`] at exact
+/// medians (erratum E14).
 pub(crate) const fn depth_for(objects: usize) -> u32 {
     let mut depth = 0;
     while objects > LEAF_TARGET << depth {
@@ -76,3 +76,10 @@ pub(crate) const fn depth_for(objects: usize) -> u32 {
     }
     depth
 }
+
+/// Worlds of up to this many boxes have them in the cache: no boxes of pairs are prefetched.
+pub(crate) const BOXES_NEAR: usize = 4096;
+/// The same where some pairs are tested at once, which waits less for the boxes.
+pub(crate) const BOXES_OF_SOME_NEAR: usize = 32_768;
+/// Records of a leaf that are prefetched; the processor sees for itself that the others follow.
+pub(crate) const RECORDS_AHEAD: usize = 48;

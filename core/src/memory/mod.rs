@@ -1,10 +1,9 @@
-//! The memory of a world: how large it is, the slab and the slices that it is carved into, the numbers that are not
-//! arrays, and all constants of sizes and distances.
+//! The memory of a world: how large it is, the slab and the slices that it is carved into, the numbers that
+//! are not arrays, and all constants of sizes and distances.
 
 pub(crate) mod layout;
 pub(crate) mod leaf;
 pub(crate) mod limits;
-pub(crate) mod prefetch;
 pub(crate) mod scratch;
 pub(crate) mod sections;
 pub(crate) mod slab;

@@ -1,5 +1,5 @@
-//! Divides a worker's scratch memory: all that the sweep of a leaf needs, for a bucket of records that stays in the
-//! cache.
+//! Divides a worker's scratch memory: all that the sweep of a leaf needs, for a bucket of records that stays
+//! in the cache.
 
 use super::limits::{BATCH, BUCKET, MASKS_PER_ROUND, ROWS};
 use crate::access::Access;
@@ -8,8 +8,8 @@ use crate::id::{Index, Pair};
 use crate::simd::{Row, WINDOW};
 use bytemuck::{Pod, Zeroable};
 
-/// The fewest records in a bucket: `scan` needs room for the candidates of one round, or it would lose them. Smaller worlds have
-/// no bucket.
+/// The fewest records in a bucket: `scan` needs room for the candidates of one round, or it would lose them.
+/// Smaller worlds have no bucket.
 const LEAST: usize = 128;
 const _: () = assert!(batch(LEAST) + WINDOW >= CANDIDATES_PER_ROUND);
 
@@ -20,8 +20,8 @@ pub(crate) const fn bucket(objects: usize) -> usize {
     if bucket < BUCKET { bucket } else { BUCKET }
 }
 
-/// Candidates that are collected before they are tested. Fewer in a small world, where a worker must not take more
-/// memory than the world.
+/// Candidates that are collected before they are tested. Fewer in a small world, where a worker must not take
+/// more memory than the world.
 const fn batch(bucket: usize) -> usize {
     if bucket < BATCH { bucket } else { BATCH }
 }
@@ -53,8 +53,8 @@ pub(crate) const CANDIDATES_PER_ROUND: usize = 4 * MASKS_PER_ROUND + 4;
 pub(crate) struct Lists {
     /// The masks: a bit for each row of a window that may touch.
     pub(crate) bits: [u64; ROWS],
-    /// The window of each mask: the position of its record, and of its first row, `at << 16 | first`. The candidate
-    /// of bit `k` is `base + k`.
+    /// The window of each mask: the position of its record, and of its first row, `at << 16 | first`. The
+    /// candidate of bit `k` is `base + k`.
     pub(crate) bases: [u32; ROWS],
     /// The next window of a row that has more neighbours, in the same form.
     pub(crate) open: [u32; ROWS],
@@ -64,13 +64,11 @@ pub(crate) struct Lists {
 
 impl Lists {
     /// The bits and the base of a mask.
-    #[inline(always)]
     pub(crate) fn mask(&self, index: usize) -> (u64, u32) {
         (self.bits.at(index % ROWS), self.bases.at(index % ROWS))
     }
 
     /// Replaces a mask.
-    #[inline(always)]
     pub(crate) fn put_mask(&mut self, index: usize, bits: u64, base: u32) {
         self.bits.put(index % ROWS, bits);
         self.bases.put(index % ROWS, base);

@@ -1,13 +1,13 @@
 //! The table of all arrays of a world. A line here and the use of the array is all that a new one needs: its bytes, its
 //! place in the slab, what it is in a new world, copies, snapshots and the figure in `ARCHITECTURE.md` follow.
 
-/// Calls another macro with the table. A line has the name of an array, its type, its items and how many there are;
-/// and then what is in it where nothing has been written: `new` the value that all items have in a new world, or
-/// `used` how many items mean something between two steps, the first ones. `saved` arrays are in snapshots, by another
-/// name, with so many items or as many as there are.
+/// Calls another macro with the table. A line has the name of an array, its type, its items and how many
+/// there are; and then what is in it where nothing has been written: `new` the value that all items have in a
+/// new world, or `used` how many items mean something between two steps, the first ones. `saved` arrays are
+/// in snapshots, by another name, with so many items or as many as there are.
 ///
-/// `s` are the [`Sizes`](super::layout::Sizes), `state` is the [`State`](super::state::State), `n` the numbers of a
-/// snapshot. Here are arrays by slot, if nothing else is said.
+/// `s` are the [`Sizes`](super::layout::Sizes), `state` is the [`State`](super::state::State), `n` the
+/// numbers of a snapshot. Here are arrays by slot, if nothing else is said.
 macro_rules! sections {
     ($then:ident) => {
         $then! { |s, state, n| {
@@ -15,13 +15,13 @@ macro_rules! sections {
             generations: &'m mut [u32] = [u32; s.objects], new 0, saved generations [n.slots];
             /// The swept box has changed since the last complete step (the paper's dynamic objects).
             moved: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved moved [n.words];
-            /// The same of the objects that the tree has had as they are since then, so that queries need not know of it:
-            /// the next step counts them as moved.
+            /// The same of the objects that the tree has had as they are since then, so that queries need not
+            /// know of it: the next step counts them as moved.
             settled: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved settled [n.words];
             /// One bit a slot: the caller has put the object to rest.
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
-            /// With events, and in an exact world with margins and a tree: the swept box, the reported box or the filter
-            /// has changed since the last complete step.
+            /// With events, and in an exact world with margins and a tree: the swept box, the reported box or
+            /// the filter has changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
             /// With events: `before` may be out of date, since the slot changed before the last complete step.
             outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.events))], new 0;
@@ -48,8 +48,8 @@ macro_rules! sections {
                 /// With margins: the length that the box is grown by (erratum E2).
                 margins: &'m mut [f32] = [f32; s.by_object(s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events: the box that the last complete step reported, if the object has
-                /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this is its
-                /// reported box, unless it is [outdated](Parts::outdated).
+                /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this
+                /// is its reported box, unless it is [outdated](Parts::outdated).
                 before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.config.events)], used state.objects.slots as usize;
                 + /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are
                 /// left unused. Fat boxes then mean nothing.
@@ -74,8 +74,8 @@ macro_rules! sections {
                 former: &'m mut [u64] = [u64; s.by_object(s.config.values && s.config.events)], used state.objects.slots as usize;
             }
 
-            /// Which slots new objects have got since the complete step before; with events also who had them, so that
-            /// lost pairs can be named.
+            /// Which slots new objects have got since the complete step before; with events also who had
+            /// them, so that lost pairs can be named.
             former: FormerParts ['m] {
                 /// With events, of these slots: the generation of the former object.
                 generations: &'m mut [u32] = [u32; s.by_object(s.config.events)], used state.objects.slots as usize;
@@ -87,8 +87,8 @@ macro_rules! sections {
             tree: TreeParts ['m] {
                 /// The records of all leaves, one leaf after another, each with some room.
                 records: &'m mut [Record] = [Record; s.records()], used s.records();
-                /// The straddlers of all leaves, one leaf after another; behind them the boxes of the nodes over the large
-                /// objects, and their list.
+                /// The straddlers of all leaves, one leaf after another; behind them the boxes of the nodes
+                /// over the large objects, and their list.
                 straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],
                     used state.tree.large_list() + state.tree.large as usize;
                 /// By node.
@@ -105,8 +105,8 @@ macro_rules! sections {
                 frames: &'m mut [Frame] = [Frame; s.whole_leaves], used s.whole_leaves;
                 /// By leaf.
                 leaves: &'m mut [Leaf] = [Leaf; s.leaves], new Leaf::default();
-                /// By leaf, while leaves are divided: a box around its members, as a record in their frame. Else it
-                /// means nothing.
+                /// By leaf, while leaves are divided: a box around its members, as a record in their frame.
+                /// Else it means nothing.
                 bounds: &'m mut [Record] = [Record; s.leaves], used s.leaves;
                 /// By node: a box around its members. There is no node zero.
                 boxes: &'m mut [KeyBox] = [KeyBox; 2 * s.whole_leaves], new KeyBox::NOTHING;

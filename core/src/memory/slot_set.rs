@@ -51,7 +51,6 @@ impl<'m> SlotSet<'m> {
     }
 
     /// Adds slots of one word. Does nothing if the world does not keep this set.
-    #[inline(always)]
     pub(crate) fn add(&mut self, word: usize, bits: u32) {
         if let Some(to) = self.words.get_mut(word) {
             *to |= bits;

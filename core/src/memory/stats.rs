@@ -17,8 +17,8 @@ pub enum Path {
     Full,
     /// As `Full`, after new planes for the whole tree.
     Rebuilt,
-    /// Many have moved, but most pairs stay: as `Full`, but leaves were swept for the pairs of moved objects alone,
-    /// and the other pairs stay.
+    /// Many have moved, but most pairs stay: as `Full`, but leaves were swept for the pairs of moved objects
+    /// alone, and the other pairs stay.
     MoversByLeaf,
 }
 
@@ -36,15 +36,15 @@ pub enum Reason {
     NoMovers,
     /// Lists: the world has no tree.
     FewObjects,
-    /// Movers: few have moved. That is at most one object in 13 if there are no pairs, one in 16 with a pair or two
-    /// an object, one in 28 with six.
+    /// Movers: few have moved. That is at most one object in 13 if there are no pairs, one in 16 with a pair
+    /// or two an object, one in 28 with six.
     FewMovers,
     /// Full or movers by leaf: more have moved.
     ManyMovers,
     /// Movers, movers by leaf or full: a test has fixed it.
     Fixed,
-    /// Full or rebuilt: there were no leaves of a complete step to use again. So it is in the first step, after one
-    /// with too many pairs or few objects, and after a shift of the origin.
+    /// Full or rebuilt: there were no leaves of a complete step to use again. So it is in the first step,
+    /// after one with too many pairs or few objects, and after a shift of the origin.
     NothingKept,
     /// Full or rebuilt: few have moved, but a leaf and its neighbours had no room for one of them.
     NoRoom,
@@ -52,8 +52,8 @@ pub enum Reason {
     Outgrown,
     /// Rebuilt: three steps in a row have tested far more pairs in vain, or had far more ghosts, than with new planes.
     OutOfBalance,
-    /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat
-    /// boxes, and also found those of the boxes as given. With more room steps are cheaper: see
+    /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of
+    /// fat boxes, and also found those of the boxes as given. With more room steps are cheaper: see
     /// [`Capacity::pairs`](crate::Capacity::pairs).
     NoRoomForSurplus,
 }
@@ -84,15 +84,15 @@ impl Route {
     pub(crate) const UNCHANGED: Self = Self { path: Path::Unchanged, reason: Reason::NoMovers };
 }
 
-/// What a step did, and what it chose. All of it follows from counts, so equal calls give equal statistics on every
-/// machine.
+/// What a step did, and what it chose. All of it follows from counts, so equal calls give equal statistics on
+/// every machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Stats {
     /// Living objects.
     pub objects: u32,
-    /// Objects that are new or gone, or have left their fat box (without margins: have another box) since the last
-    /// complete step.
+    /// Objects that are new or gone, or have left their fat box (without margins: have another box) since the
+    /// last complete step.
     pub moved: u32,
     /// How the pairs were found.
     pub path: Path,
@@ -106,11 +106,11 @@ pub struct Stats {
     pub outran: u32,
     /// Leaves of the tree; 1 in a world without one.
     pub leaves: u32,
-    /// Leaves that had members when all leaves were last filled. If they are far fewer than `leaves`, the planes do
-    /// not fit the scene.
+    /// Leaves that had members when all leaves were last filled. If they are far fewer than `leaves`, the
+    /// planes do not fit the scene.
     pub leaves_in_use: u32,
-    /// Members of the fullest leaf then. About 500 is usual. Far more means boxes that no plane can part, or a bad
-    /// tree.
+    /// Members of the fullest leaf then. About 500 is usual. Far more means boxes that no plane can part, or
+    /// a bad tree.
     pub fullest_leaf: u32,
     /// Ghosts: boxes swept in leaves where they are not at home.
     pub copies: u64,
@@ -118,8 +118,8 @@ pub struct Stats {
     pub candidates: u64,
     /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
     pub spared: u64,
-    /// Candidates whose sides share a step of their leaf's 16-bit grid, so that the `f32` boxes had to decide. Zero
-    /// in worlds without a tree, which compare nothing else.
+    /// Candidates whose sides share a step of their leaf's 16-bit grid, so that the `f32` boxes had to
+    /// decide. Zero in worlds without a tree, which compare nothing else.
     pub tied: u64,
     /// Overlapping pairs.
     pub pairs: u64,
@@ -133,11 +133,11 @@ pub struct Stats {
     pub large: u32,
     /// Objects whose leaves got new planes.
     pub rebalanced: u32,
-    /// Whether `f32` is too coarse for some box at its place: a side is shorter than four steps of its coordinate. A
-    /// box without any side counts only if the world has not even steps enough to tell such boxes apart. The pairs
-    /// are right for the boxes as given, but the boxes may have lost their shape before; shift the origin. Steps that
-    /// fill all leaves look, which is at least one full step in 33; worlds without a tree look in every eighth step
-    /// and when objects are new.
+    /// Whether `f32` is too coarse for some box at its place: a side is shorter than four steps of its
+    /// coordinate. A box without any side counts only if the world has not even steps enough to tell such
+    /// boxes apart. The pairs are right for the boxes as given, but the boxes may have lost their shape
+    /// before; shift the origin. Steps that fill all leaves look, which is at least one full step in 33;
+    /// worlds without a tree look in every eighth step and when objects are new.
     pub coarse_resolution: bool,
 }
 

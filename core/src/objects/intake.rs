@@ -14,7 +14,7 @@ use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
 use crate::simd::kernels::{Kernels, run};
-use crate::simd::{CACHE_LINE, Simd, call};
+use crate::simd::{Simd, call};
 
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,9 +28,9 @@ pub(crate) struct Intake {
     pub(crate) left: u32,
 }
 
-/// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do those
-/// whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the slots of the objects that have
-/// left their leaves to the front of the second of the sorted lists.
+/// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
+/// those whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the
+/// slots of the objects that have left their leaves to the front of the second of the sorted lists.
 pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
@@ -41,7 +41,7 @@ pub(crate) fn ingest<I: Index>(
     if parts.sizes.is_small() {
         let mut objects = parts.objects();
         objects.now = core::mem::take(&mut objects.now).span_mut(0, slots);
-        return ingest_block(context.kernels, 0, bounds, objects, None::<Records<'_, '_, I>>);
+        return ingest_block(context.kernels, 0, bounds, objects, None::<&mut Records<'_, '_, I>>);
     }
     // What has changed before.
     let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
@@ -76,8 +76,8 @@ pub(crate) fn ingest<I: Index>(
     sum
 }
 
-/// Takes in the first slots of a world with a tree, in blocks of so many. The slots that have left their leaves stand at the start
-/// of each block in the second of the sorted lists.
+/// Takes in the first slots of a world with a tree, in blocks of so many. The slots that have left their
+/// leaves stand at the start of each block in the second of the sorted lists.
 // Its frame does not stand below those of the sweep.
 #[inline(never)]
 fn ingest_blocks<I: Index>(
@@ -110,10 +110,11 @@ fn ingest_blocks<I: Index>(
         let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
-        let objects = Objects { now, cut: &mut [], fat, moved, changed, before, resting, mode };
+        let objects =
+            Objects { now, cut: &mut [], fat, moved, changed, outdated: &[], before, resting, mode };
         let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
-        let records = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
-        found.fill(ingest_block(context.kernels, first, bounds, objects, settle.then_some(records)));
+        let mut records = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
+        found.fill(ingest_block(context.kernels, first, bounds, objects, settle.then_some(&mut records)));
     });
     found
 }
@@ -124,7 +125,7 @@ fn ingest_block<I: Index>(
     first: usize,
     bounds: &Boxes<'_>,
     objects: Objects<'_>,
-    records: Option<Records<'_, '_, I>>,
+    records: Option<&mut Records<'_, '_, I>>,
 ) -> Intake {
     run!(kernels, |simd| take_in_words(simd, first, bounds, objects, records))
 }
@@ -135,7 +136,7 @@ fn take_in_words<S: Simd, I: Index>(
     first: usize,
     bounds: &Boxes<'_>,
     mut objects: Objects<'_>,
-    mut records: Option<Records<'_, '_, I>>,
+    mut records: Option<&mut Records<'_, '_, I>>,
 ) -> Intake {
     let mut intake = Intake::default();
     for word in 0..objects.now.len().div_ceil(32) {
@@ -157,8 +158,8 @@ fn take_in_words<S: Simd, I: Index>(
     intake
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for those that rest. Returns the bits of those whose swept boxes
-/// are others now.
+/// Takes in the boxes of the slots of a word of the bit sets, but for those that rest. Returns the bits of
+/// those whose swept boxes are others now.
 #[inline(always)]
 fn take_in<S: Simd, const EVENTS: bool>(
     simd: S,
@@ -174,15 +175,15 @@ fn take_in<S: Simd, const EVENTS: bool>(
     // The boxes that the events compare with are kept where they have not changed since the last complete step.
     let before = before.get_mut(word * 32..end).unwrap_or_default();
     let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
-    // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to compare a box; and
-    // shifted in, since it has few registers.
+    // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to
+    // compare a box; and shifted in, since it has few registers.
     let (mut changed, mut contained, unused) = (0u32, 0u32, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
     let (mut skipped, mut four_changed) = (resting.get(word).copied().unwrap_or_default(), 0);
     if S::ENCODES_FOUR {
         let fours = Fours { bounds, items, now, before, kept, skipped, fat, first: word * 32, mode: *mode };
-        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network; and one for worlds
-        // with fat boxes, so that others pay nothing for them.
+        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network;
+        // and one for worlds with fat boxes, so that others pay nothing for them.
         let (taken, others, stay) = if cfg!(target_family = "wasm") || fours.fat.exist() {
             call!(simd, take_in_fours::<S, true, true>(simd, fours))
         } else {
@@ -240,9 +241,9 @@ struct Fours<'f, 'b, 'o> {
     mode: Mode,
 }
 
-/// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live and do not rest. Returns
-/// the bits of the slots that are done with, of those among them that have other boxes now, and of those that stay in
-/// their fat boxes.
+/// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live
+/// and do not rest. Returns the bits of the slots that are done with, of those among them that have other
+/// boxes now, and of those that stay in their fat boxes.
 #[inline(always)]
 fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     simd: S,
@@ -258,7 +259,6 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
         if FAT {
             // The caller's boxes are seldom in the cache.
             simd.prefetch(items, 1024);
-            simd.prefetch(items, 1024 + CACHE_LINE);
         }
         items = bounds.items_after(4, items);
         if skipped >> first & 0b1111 != 0 {
@@ -278,16 +278,16 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
                 None => continue,
             },
         };
-        if EVENTS && let Some(before) = before.get_mut(four) {
-            let unkept = others & !(kept >> first);
-            if kept >> first & 0b1111 == 0 && (!FAT || mode == Mode::Exact) {
-                // Also of those that have not changed, so that no branch asks for it.
-                *before = *old;
-            } else {
-                for bit in bits::of_word(unkept) {
-                    let old = KeyBox::of(old, bit);
-                    before.put(bit, if FAT { fat.reported(mode, word + first + bit, old) } else { *old });
-                }
+        let unkept = others & !(kept >> first);
+        if unkept == 0b1111
+            && (!FAT || mode == Mode::Exact)
+            && let Some(before) = before.get_mut(four)
+        {
+            *before = *old;
+        } else if EVENTS && let Some(before) = before.get_mut(four) {
+            for bit in bits::of_word(unkept) {
+                let old = KeyBox::of(old, bit);
+                before.put(bit, if FAT { fat.reported(mode, word + first + bit, old) } else { *old });
             }
         }
         if quiet.is_some() {

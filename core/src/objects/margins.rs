@@ -35,18 +35,15 @@ pub(crate) struct Motions {
 
 impl FatBoxes<'_> {
     /// Whether there are fat boxes in use.
-    #[inline(always)]
     pub(crate) fn exist(&self) -> bool {
         !self.boxes.is_empty()
     }
 
     /// The box of an object whose overlaps a result has; `now` is its box as given.
-    #[inline(always)]
     pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
         if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
     }
 
-    #[inline(always)]
     fn margin(&self, at: usize) -> f32 {
         self.margins.get(at).copied().unwrap_or_default()
     }
@@ -81,7 +78,6 @@ impl FatBoxes<'_> {
     }
 
     /// Makes the fat box of an object that has come from an old box.
-    #[inline(always)]
     fn make(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
         let margin = self.margin(at);
         let fat = if self.predicted { bounds.predicted(old, margin) } else { bounds.grown(margin) };

@@ -22,6 +22,8 @@ pub(crate) struct Objects<'o> {
     pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: SlotSet<'o>,
     pub(crate) changed: SlotSet<'o>,
+    /// With events: who had another box in the last complete step; steps need it not.
+    pub(crate) outdated: &'o [u32],
     /// See [`BoxParts::before`](crate::memory::slab::BoxParts::before).
     pub(crate) before: &'o mut [KeyBox],
     /// Who is put to rest by the caller; empty where nobody is.
@@ -54,6 +56,7 @@ impl<I: Index> Parts<'_, I> {
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
+            outdated: self.outdated.words,
             before: self.boxes.before,
             resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
             mode: self.sizes.config.mode,
@@ -70,9 +73,8 @@ impl ObjectState {
 }
 
 impl Objects<'_> {
-    /// Keeps the box that the last complete step reported, for the events of the next one. To be called before
-    /// anything of the slot is replaced; only the first call after that step counts.
-    #[inline(always)]
+    /// Keeps the box that the last complete step reported, for the events of the next one. To be called
+    /// before anything of the slot is replaced; only the first call after that step counts.
     fn keep(&mut self, at: usize) {
         if let Some(before) = self.before.get_mut(at)
             && !bits::test(self.changed.words, at)
@@ -89,8 +91,8 @@ impl Objects<'_> {
         self.changed.set(at);
     }
 
-    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another object had
-    /// the slot in the last step, its pairs are lost in any case.
+    /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another
+    /// object had the slot in the last step, its pairs are lost in any case.
     pub(crate) fn insert(&mut self, at: usize, bounds: KeyBox) {
         if let Some(before) = self.before.get_mut(at) {
             *before = KeyBox::EMPTY;
@@ -111,16 +113,18 @@ impl Objects<'_> {
         } else if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
+            // If it rested before, it probably does again: nothing is predicted.
+            let goes_on = !self.outdated.is_empty() && bits::test(self.outdated, at);
+            let from = if goes_on { old } else { bounds };
             let contained = self.fat.exist()
-                && self.fat.follow(Scalar, at, &old, &bounds)
-                && !self.fat.shrinks(at, &old, &bounds);
+                && self.fat.follow(Scalar, at, &from, &bounds)
+                && !self.fat.shrinks(at, &from, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }
 
-    /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat boxes.
-    /// Returns the others: those have moved.
-    #[inline(always)]
+    /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
+    /// boxes. Returns the others: those have moved.
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) -> u32 {
         let moved = changed & !contained;
         let reported = if self.mode == Mode::Exact { changed } else { moved };

@@ -1,5 +1,5 @@
-//! Brings new boxes to the records of the tree as they are taken in: most objects stay in their leaf, and then the record is
-//! where it was.
+//! Brings new boxes to the records of the tree as they are taken in: most objects stay in their leaf, and
+//! then the record is where it was.
 
 use crate::access::bits;
 use crate::geometry::key::KeyBox;

@@ -24,9 +24,9 @@ impl<'g> PairFilter<'g> {
         (FILTERS && !parts.of.is_empty()).then_some(Self { filters: parts.of, classes: parts.classes, rule })
     }
 
-    /// As [`new`](Self::new), for a step that looks at all objects: `None` if every pair would pass. To look at each
-    /// object once costs less than to look at two for each pair. The filters of living objects are among the first
-    /// `slots`. O(slots).
+    /// As [`new`](Self::new), for a step that looks at all objects: `None` if every pair would pass. To look
+    /// at each object once costs less than to look at two for each pair. The filters of living objects are
+    /// among the first `slots`. O(slots).
     pub(crate) fn if_needed(
         parts: &'g FilterParts<'_>,
         slots: u32,

@@ -3,8 +3,7 @@
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
-use crate::memory::prefetch::{BOXES_NEAR, BOXES_OF_SOME_NEAR};
+use crate::memory::limits::{BOXES_NEAR, BOXES_OF_SOME_NEAR, PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::run;
@@ -24,13 +23,12 @@ pub(crate) enum Test<'b, I> {
 }
 
 /// Whether neither object of a pair is in a set.
-#[inline(always)]
 pub(crate) fn is_clear_of<I: Index>(set: &[u32], pair: &Pair<I>) -> bool {
     !(bits::test(set, pair[0].at()) | bits::test(set, pair[1].at()))
 }
 
-/// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then pairs
-/// on the wrong side of the border change places.
+/// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then
+/// pairs on the wrong side of the border change places.
 pub(crate) fn partition<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
@@ -59,12 +57,12 @@ pub(crate) fn partition<I: Index>(
     border
 }
 
-/// Brings the pairs of one block that pass a test to the front and returns how many there are. The first pair that does not pass
-/// changes places with the last one that passes, and so on.
+/// Brings the pairs of one block that pass a test to the front and returns how many there are. The first pair
+/// that does not pass changes places with the last one that passes, and so on.
 #[inline(always)]
 fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
-    // Pairs are tested together, since which ones pass is hard to predict: the next ones from either end. These have bits where
-    // pairs wait to change places.
+    // Pairs are tested together, since which ones pass is hard to predict: the next ones from either end.
+    // These have bits where pairs wait to change places.
     let (mut start, mut end) = (0, pairs.len());
     let (mut failing, mut first, mut passing) = (0, 0, 0usize);
     loop {
@@ -99,7 +97,6 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
 }
 
 /// Exchanges the pair of the lowest bit of a word with that of the highest bit of another one, and clears both bits.
-#[inline(always)]
 fn exchange_bits<I: Index>(pairs: &mut [Pair<I>], low: (usize, &mut usize), high: (usize, &mut usize)) {
     let (lowest, highest) =
         (low.1.trailing_zeros() as usize, PAIRS_TOGETHER - 1 - high.1.leading_zeros() as usize);

@@ -1,13 +1,13 @@
-//! Keeps pairs from one step to the next. Pairs of two resting objects are parked, so that a step with few movers
-//! does not touch them (paper, section III.B.1; erratum E6).
+//! Keeps pairs from one step to the next. Pairs of two resting objects are parked, so that a step with few
+//! movers does not touch them (paper, section III.B.1; erratum E6).
 //!
-//! Parked pairs are at the front of the pair buffer. Neither object of such a pair is *active*. While only active
-//! objects get other boxes, parked pairs stay, and a step deals with the others alone. When another object gets
-//! another box, it becomes active, and its parked pairs are unparked. When far fewer objects get other boxes than are
-//! active, the others become inactive again.
+//! Parked pairs are at the front of the pair buffer. Neither object of such a pair is *active*. While only
+//! active objects get other boxes, parked pairs stay, and a step deals with the others alone. When another
+//! object gets another box, it becomes active, and its parked pairs are unparked. When far fewer objects get
+//! other boxes than are active, the others become inactive again.
 //!
-//! With margins, an object that moves inside its fat box is active too, since its exact pairs change. So no object of
-//! a parked surplus pair is active either.
+//! With margins, an object that moves inside its fat box is active too, since its exact pairs change. So no
+//! object of a parked surplus pair is active either.
 
 use crate::access::Access;
 use crate::id::{Index, Pair};
@@ -67,8 +67,8 @@ pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
     *kept_result = (from as u32).min(*kept_result);
 }
 
-/// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the two
-/// buffers change places.
+/// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the
+/// two buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.pairs.complete == 0 {
         set_aside(parts, parts.state.pairs.parked as usize);
@@ -102,8 +102,8 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
 /// Updates the active objects and the parked pairs. O(parked pairs) if objects become active, O(others) if some become inactive.
 fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let Parts { state, moved, changed, active, output, .. } = parts;
-    // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not before,
-    // or no longer.
+    // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not
+    // before, or no longer.
     let stirring = if changed.words.is_empty() { moved } else { changed };
     let (mut words, mut woken, mut paired) = (0, 0, 0);
     stirring.for_each_word(|index, word| {

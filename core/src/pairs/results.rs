@@ -16,9 +16,9 @@ use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones.
-/// Kept pairs are looked at only if a box has moved inside its fat box: where such a pair stands tells whether it
-/// overlapped before. Events need complete pairs: a part does not tell what is lost.
+/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the
+/// lost ones. Kept pairs are looked at only if a box has moved inside its fat box: where such a pair stands
+/// tells whether it overlapped before. Events need complete pairs: a part does not tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,
@@ -51,8 +51,8 @@ pub(crate) fn sort_out<I: Index>(
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
         persisting = partition(context, new, Overlap(before));
-        // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not have
-        // overlapped then.
+        // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not
+        // have overlapped then.
         let asked = &*parts.filters.changed.words;
         let asks = FILTERS && parts.filters.changed.count() > 0;
         let mut known = 0..0;
@@ -73,8 +73,8 @@ pub(crate) fn sort_out<I: Index>(
     } else {
         parts.state.pairs.found = 0;
     }
-    // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying, persisting, coming,
-    // found, all others.
+    // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying,
+    // persisting, coming, found, all others.
     let pairs = pairs.span_mut(staying - parked, kept + result - staying);
     let (gone, others) = (kept_result - staying, kept - staying - coming);
     exchange(pairs.span_mut(0, gone + coming), gone);
@@ -84,8 +84,8 @@ pub(crate) fn sort_out<I: Index>(
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
 }
 
-/// Brings `before` up to date for objects that have not changed since the last complete step. The others have kept
-/// their boxes.
+/// Brings `before` up to date for objects that have not changed since the last complete step. The others have
+/// kept their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     let mode = parts.mode();
     let BoxParts { now, fat, before, tight, .. } = &mut parts.boxes;
@@ -117,8 +117,8 @@ fn stay_known<I: Index>(
     others..others + stay
 }
 
-/// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs nothing is
-/// done: which pairs fitted has no rule.
+/// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs
+/// nothing is done: which pairs fitted has no rule.
 pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     let Parts { state, output, .. } = parts;
     if state.pairs.complete == 0 {

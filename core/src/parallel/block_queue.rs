@@ -1,5 +1,5 @@
-//! Hands out blocks of work and areas of scratch memory: each is claimed once, as exclusive slices, by whichever worker
-//! comes next. The bounds of the blocks follow from counts alone.
+//! Hands out blocks of work and areas of scratch memory: each is claimed once, as exclusive slices, by
+//! whichever worker comes next. The bounds of the blocks follow from counts alone.
 
 use core::marker::PhantomData;
 use core::num::NonZeroU32;
@@ -110,9 +110,9 @@ unsafe impl Parted for usize {
 /// The most shares; if there are more workers, some begin in the same one.
 const SHARES: usize = 8;
 
-/// A queue of parts, each claimed once, in as many shares as there are workers. Each worker claims the parts of one share first,
-/// in ascending order, and then those that are left in other shares. So a worker mostly gets the same parts in each stage and step,
-/// and has them in its cache.
+/// A queue of parts, each claimed once, in as many shares as there are workers. Each worker claims the parts
+/// of one share first, in ascending order, and then those that are left in other shares. So a worker mostly
+/// gets the same parts in each stage and step, and has them in its cache.
 pub(crate) struct BlockQueue<P> {
     parts: P,
     count: u32,
@@ -157,8 +157,8 @@ impl<P: Parted> BlockQueue<P> {
         self.claim_from(&mut 0)
     }
 
-    /// The next part of a share, or of the one after it that has some left, and its index; `None` after the last one. Goes on
-    /// with that share.
+    /// The next part of a share, or of the one after it that has some left, and its index; `None` after the
+    /// last one. Goes on with that share.
     pub(crate) fn claim_from(&self, share: &mut u32) -> Option<(usize, P::Part)> {
         for _ in 0..self.shares.get() {
             // Without overflow: see `shared`. The shares are disjoint and end at `count`.
@@ -176,8 +176,8 @@ impl<P: Parted> BlockQueue<P> {
     }
 }
 
-/// The next index below `count`; a counter gives each once. Relaxed order is enough: the executor orders memory at
-/// the start and the end of a job, and so what the parts hold.
+/// The next index below `count`; a counter gives each once. Relaxed order is enough: the executor orders
+/// memory at the start and the end of a job, and so what the parts hold.
 fn claim_index(next: &AtomicU32, count: u32) -> Option<usize> {
     // Without this, late callers could overflow the counter.
     let index = next.load(Relaxed);

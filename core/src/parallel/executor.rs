@@ -4,10 +4,10 @@ use core::cell::Cell;
 
 /// A job system, as far as a step needs one.
 ///
-/// A step has a few stages, one after another, that can be shared. For each it makes a *job* on its own stack and
-/// lends it to [`fork_join`](Self::fork_join). Each call of the job takes blocks of work, one by one, until none is
-/// left, and returns. A call that comes later returns at once. After `fork_join` the step calls the job once more
-/// itself, so nothing remains undone whatever the executor did.
+/// A step has a few stages, one after another, that can be shared. For each it makes a *job* on its own stack
+/// and lends it to [`fork_join`](Self::fork_join). Each call of the job takes blocks of work, one by one,
+/// until none is left, and returns. A call that comes later returns at once. After `fork_join` the step calls
+/// the job once more itself, so nothing remains undone whatever the executor did.
 ///
 /// # What an executor may do
 /// The result is the same, byte for byte, if the executor
@@ -28,13 +28,13 @@ use core::cell::Cell;
 ///   claimed with relaxed atomics.
 ///
 /// # What it can rely on
-/// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job, and needs
-/// less than 16 KiB of stack. A step never has two jobs at once.
+/// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job,
+/// and needs less than 16 KiB of stack. A step never has two jobs at once.
 ///
 /// # When others want the processors
-/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. Beside other
-/// busy threads an executor that spins and waits can make a step several times slower than one thread. It never does
-/// if it follows these rules, and it keeps its gain where processors are free:
+/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each.
+/// Beside other busy threads an executor that spins and waits can make a step several times slower than one
+/// thread. It never does if it follows these rules, and it keeps its gain where processors are free:
 /// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take
 ///   the other calls back. A thread that sleeps or has not been let run then costs nothing. `trisap::Offer` does that.
 /// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job.
@@ -50,8 +50,8 @@ use core::cell::Cell;
 /// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
 /// [`Stage::Done`] comes after the step.
 ///
-/// Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which has no threads, never call
-/// `fork_join`: steps are serial there.
+/// Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which
+/// has no threads, never call `fork_join`: steps are serial there.
 ///
 /// ```
 /// use trisap_core::Executor;
@@ -75,24 +75,24 @@ use core::cell::Cell;
 /// ```
 #[doc(alias("pool", "job_system", "thread_pool", "task_scheduler"))]
 pub trait Executor {
-    /// How many calls of a job can run at once, the calling thread's own included if it makes one. A hint: below 2
-    /// nothing is shared. The answer may change from call to call.
+    /// How many calls of a job can run at once, the calling thread's own included if it makes one. A hint:
+    /// below 2 nothing is shared. The answer may change from call to call.
     fn workers(&self) -> u32;
 
     /// Calls `job` `width` times, at the same time if possible, and returns when all these calls have returned.
     ///
     /// `width` is at least 2. It is at most the least of [`workers`](Self::workers), of
-    /// [`Config::workers`](crate::Config::workers) and of the number of blocks of work. The trait says what else an
-    /// executor may do.
+    /// [`Config::workers`](crate::Config::workers) and of the number of blocks of work. The trait says what
+    /// else an executor may do.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
 
-    /// Called on the calling thread when a step enters a stage; [`Stage::Done`] ends the step. For profilers, and for
-    /// executors that compare the times of steps. An executor that wraps another passes it on.
+    /// Called on the calling thread when a step enters a stage; [`Stage::Done`] ends the step. For profilers,
+    /// and for executors that compare the times of steps. An executor that wraps another passes it on.
     fn enter(&self, _stage: Stage) {}
 }
 
-/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path). It enters each at
-/// most once, and always the last one, also if it ends with an error.
+/// The stages of a step, in order. Which ones a step enters depends on its [`Path`](crate::Path). It enters
+/// each at most once, and always the last one, also if it ends with an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Stage {
@@ -173,8 +173,8 @@ impl Executor for OneStep<'_> {
 pub(crate) const THREADS: bool =
     cfg!(all(target_has_atomic = "32", any(not(target_family = "wasm"), target_feature = "atomics")));
 
-/// Runs `job` to its end. Other threads help if the executor, the areas of scratch memory and the blocks of work
-/// allow it.
+/// Runs `job` to its end. Other threads help if the executor, the areas of scratch memory and the blocks of
+/// work allow it.
 pub(crate) fn run(executor: &dyn Executor, scratches: usize, blocks: usize, job: &(dyn Fn() + Sync)) {
     let width = (executor.workers() as usize).min(scratches).min(blocks);
     if THREADS && width > 1 {

@@ -1,5 +1,5 @@
-//! Shares work between threads: the caller's executor, the blocks that workers claim, the slices that they fill
-//! together.
+//! Shares work between threads: the caller's executor, the blocks that workers claim, the slices that they
+//! fill together.
 
 pub(crate) mod block_queue;
 pub(crate) mod context;

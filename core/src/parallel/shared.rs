@@ -1,15 +1,15 @@
 //! Slices that several workers fill at positions that depend on the data.
 //!
-//! Stores are relaxed atomics: plain moves on every target. So a race would give a wrong result, which tests see, but
-//! never undefined behaviour.
+//! Stores are relaxed atomics: plain moves on every target. So a race would give a wrong result, which tests
+//! see, but never undefined behaviour.
 
 use crate::access::note_fault;
 use bytemuck::Pod;
 use core::marker::PhantomData;
 use core::sync::atomic::Ordering::Relaxed;
 
-// The widest integer that the target stores in one piece. On other targets such an atomic may need a wider alignment than the
-// integer.
+// The widest integer that the target stores in one piece. On other targets such an atomic may need a wider
+// alignment than the integer.
 #[cfg(not(all(target_has_atomic = "64", target_pointer_width = "64")))]
 use core::{primitive::u32 as Plain, sync::atomic::AtomicU32 as Atomic};
 #[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
@@ -31,8 +31,8 @@ impl<'a, T: Pod> Shared<'a, T> {
     /// Shares a slice. If it were not aligned to words, it would be empty; the layout of the slab rules that out.
     pub(crate) fn new(slice: &'a mut [T]) -> Self {
         let words = bytemuck::try_cast_slice_mut::<T, Plain>(slice).unwrap_or_default();
-        // SAFETY: the atomic has the size and bit validity of the integer; its alignment is checked below; the
-        // exclusive borrow becomes a shared one of interior-mutable cells for as long as it lasts.
+        // SAFETY: the atomic has the size and bit validity of the integer; its alignment is checked below;
+        // the exclusive borrow becomes a shared one of interior-mutable cells for as long as it lasts.
         let words = unsafe { &*(core::ptr::from_mut(words) as *const [Atomic]) };
         const { assert!(align_of::<Atomic>() == align_of::<Plain>() && size_of::<Atomic>() == size_of::<Plain>()) };
         Self { words, item: PhantomData }

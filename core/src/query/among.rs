@@ -10,8 +10,8 @@ use crate::parallel::executor::{self, Executor};
 use crate::sort::heapsort;
 use crate::world::World;
 
-/// Queries that only objects with a condition can answer: made by [`World::among`]. Errors are those of the queries
-/// about all objects.
+/// Queries that only objects with a condition can answer: made by [`World::among`]. Errors are those of the
+/// queries about all objects.
 #[must_use = "does nothing until a query is asked"]
 #[derive(Clone, Copy)]
 pub struct Among<'w, 'm, C, I: Index = u32> {
@@ -21,9 +21,9 @@ pub struct Among<'w, 'm, C, I: Index = u32> {
 
 /// Queries about some of the objects alone.
 impl<'m, I: Index> World<'m, I> {
-    /// Asks queries as if there were only the objects for which a condition holds: without one's own, by filters
-    /// ([`meets`](Self::meets)), by what they are. The condition is asked in any order, only about objects that the
-    /// query has found. It has to answer the same for the same object. Visitors
+    /// Asks queries as if there were only the objects for which a condition holds: without one's own, by
+    /// filters ([`meets`](Self::meets)), by what they are. The condition is asked in any order, only about
+    /// objects that the query has found. It has to answer the same for the same object. Visitors
     /// ([`visit_overlaps`](Self::visit_overlaps), [`visit_hits`](Self::visit_hits),
     /// [`visit_nearest`](Self::visit_nearest)) need no condition, as they can refuse what they see.
     ///
@@ -115,8 +115,8 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).first_hits(casts, executor, out)
     }
 
-    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose rest is
-    /// `None` where there are fewer objects.
+    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose
+    /// rest is `None` where there are fewer objects.
     ///
     /// # Errors
     /// [`Error::BadQuery`] for the first point that is not finite. Nothing is written then.
@@ -129,13 +129,13 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).nearest_many(points, executor, out)
     }
 
-    /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how many
-    /// objects overlap each region.
+    /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how
+    /// many objects overlap each region.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is written
-    /// then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are right, and so
-    /// are the shares that suffice.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is
+    /// written then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are
+    /// right, and so are the shares that suffice.
     pub fn overlaps_many(
         &self,
         regions: &[Region],
@@ -210,8 +210,8 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// Answers queries on the workers of an executor. Each query gets an equal share of `out`, and tells a number for
-/// `counts`, if that is not empty.
+/// Answers queries on the workers of an executor. Each query gets an equal share of `out`, and tells a number
+/// for `counts`, if that is not empty.
 fn in_blocks<Q: Sync, T: Send>(
     queries: &[Q],
     executor: &dyn Executor,

@@ -23,8 +23,8 @@ pub struct Cast {
     pub start: Aabb,
     /// How it moves in one unit of distance. Finite, of any length; zero tests the start alone.
     pub direction: [f32; 3],
-    /// How far it moves, in units of `direction`. Zero or more. It may be infinite; then boxes at infinity are not
-    /// reached.
+    /// How far it moves, in units of `direction`. Zero or more. It may be infinite; then boxes at infinity
+    /// are not reached.
     #[doc(alias("max_toi", "max_time_of_impact"))]
     pub distance: f32,
 }
@@ -55,8 +55,8 @@ impl Cast {
 pub struct Hit {
     /// The object.
     pub id: Id,
-    /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts inside.
-    /// For the nearest objects: the distance. Computed in `f64`.
+    /// How far the cast gets before it touches the object's box, in units of its direction; zero if it starts
+    /// inside. For the nearest objects: the distance. Computed in `f64`.
     #[doc(alias("time_of_impact", "toi"))]
     pub distance: f64,
 }
@@ -91,9 +91,9 @@ impl Hit {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The visitor
-    /// returns how far to look on: the cast's distance to see all, the hit's distance to see only nearer ones, less
-    /// than zero to stop.
+    /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The
+    /// visitor returns how far to look on: the cast's distance to see all, the hit's distance to see only
+    /// nearer ones, less than zero to stop.
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the cast is not valid: NaN, an infinity other than the distance, a negative distance.
@@ -114,8 +114,8 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).first_hit(cast)
     }
 
-    /// Writes the objects that a cast meets to `out`, the nearest first, equally near ones by ascending slot. Returns
-    /// how many there are.
+    /// Writes the objects that a cast meets to `out`, the nearest first, equally near ones by ascending slot.
+    /// Returns how many there are.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
@@ -182,12 +182,10 @@ impl Probe for Along<'_> {
         simd.enter(self.walk, nodes, self.until)
     }
 
-    #[inline(always)]
     fn is_met(&self, when: f32) -> bool {
         when <= self.until
     }
 
-    #[inline(always)]
     fn is_right_first(&self, left: f32, right: f32) -> bool {
         right < left || left.is_nan()
     }
@@ -223,7 +221,6 @@ fn visit_along<S: Simd, I: Index>(
 impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     type Probe = Along<'q>;
 
-    #[inline(always)]
     fn probe(&self) -> Along<'q> {
         Along { walk: self.walk, until: self.walk.time(self.far) }
     }
@@ -288,7 +285,6 @@ impl Met {
     /// For a leaf that is not divided.
     const WHOLE: [f32; EIGHT] = [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
 
-    #[inline(always)]
     fn new(times: [f32; EIGHT]) -> Self {
         let mut numbers = times.map(f32::to_bits);
         for (part, number) in (0..).zip(&mut numbers) {

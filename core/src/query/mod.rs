@@ -1,10 +1,10 @@
-//! Answers questions between two steps, on the tree of the last one: what is in a region, what a moving box meets,
-//! what is nearest.
+//! Answers questions between two steps, on the tree of the last one: what is in a region, what a moving box
+//! meets, what is nearest.
 //!
-//! Answers are about the boxes as they are now, without margins. Objects that have changed since the last step or
-//! [refresh](World::refresh) are looked at one by one, and so are all objects before the first one with a tree. All numbers are computed in `f64`
-//! from the boxes' `f32`, in operations that keep the order of their operands. So whatever the tree rules out, the
-//! exact test would too.
+//! Answers are about the boxes as they are now, without margins. Objects that have changed since the last
+//! step or [refresh](World::refresh) are looked at one by one, and so are all objects before the first one
+//! with a tree. All numbers are computed in `f64` from the boxes' `f32`, in operations that keep the order of
+//! their operands. So whatever the tree rules out, the exact test would too.
 
 // In the order of use, in which the documentation lists the methods.
 mod region;
@@ -23,7 +23,7 @@ use crate::access::{Access, bits};
 use crate::geometry::aabb::narrowed;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
-use crate::memory::prefetch::RECORDS_AHEAD;
+use crate::memory::limits::RECORDS_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{Simd, limit};
 use crate::tree::large::Large;
@@ -54,7 +54,6 @@ impl<I: Index> World<'_, I> {
 }
 
 /// Whether the record of an object in the tree is up to date.
-#[inline(always)]
 fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
@@ -73,8 +72,8 @@ trait Search {
     fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()>;
 }
 
-/// Looks through a whole world: at the objects that the tree does not know, at large objects, as they are often among the
-/// answers, and at leaves, from one on if there is a tree.
+/// Looks through a whole world: at the objects that the tree does not know, at large objects, as they are
+/// often among the answers, and at leaves, from one on if there is a tree.
 #[inline(always)]
 fn walk<S: Simd, I: Index>(
     simd: S,
@@ -120,8 +119,8 @@ fn walk<S: Simd, I: Index>(
     ControlFlow::Continue(())
 }
 
-/// A region in the frame of a whole leaf, and which of its sub-leaves the region touches; bit zero if the leaf is not
-/// divided.
+/// A region in the frame of a whole leaf, and which of its sub-leaves the region touches; bit zero if the
+/// leaf is not divided.
 #[inline(always)]
 fn parts_near<S: Simd, I: Index>(
     simd: S,
@@ -151,13 +150,11 @@ fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usiz
 }
 
 /// The key of the greatest `f32` that is not above a number.
-#[inline(always)]
 fn key_below(x: f64) -> i32 {
     key(narrowed(x))
 }
 
 /// The key of the least `f32` that is not below a number.
-#[inline(always)]
 fn key_above(x: f64) -> i32 {
     key(-narrowed(-x))
 }

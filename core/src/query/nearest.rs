@@ -132,8 +132,8 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// Beyond which squared distance nothing matters any more; and for objects that hold the point, beyond which slot: that
-/// spares a look at crowds around it.
+/// Beyond which squared distance nothing matters any more; and for objects that hold the point, beyond which
+/// slot: that spares a look at crowds around it.
 #[derive(Clone, Copy)]
 struct Limit {
     squared: f64,
@@ -167,12 +167,10 @@ impl Probe for Around<'_> {
         })
     }
 
-    #[inline(always)]
     fn is_met(&self, squared: f64) -> bool {
         squared <= self.limit
     }
 
-    #[inline(always)]
     fn is_right_first(&self, left: f64, right: f64) -> bool {
         right < left || left.is_nan()
     }
@@ -204,7 +202,6 @@ fn visit_around<S: Simd, I: Index>(
 impl<'q, I: Index> Search for Near<'q, '_, I> {
     type Probe = Around<'q>;
 
-    #[inline(always)]
     fn probe(&self) -> Around<'q> {
         Around { point: self.point, limit: self.limit.squared }
     }

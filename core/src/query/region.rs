@@ -1,5 +1,5 @@
-//! What overlaps a box, a ball or a point, or is inside a part of space of the caller's own. The tree asks about the
-//! boxes of its nodes first, and about nothing in a node that is wholly inside or outside.
+//! What overlaps a box, a ball or a point, or is inside a part of space of the caller's own. The tree asks
+//! about the boxes of its nodes first, and about nothing in a node that is wholly inside or outside.
 
 use super::{Among, Search, is_current, key_above, key_below, parts_near, prefetch_parts, walk};
 use crate::access::Access;
@@ -23,8 +23,8 @@ pub enum Region {
     Aabb(Aabb),
     /// A point. Decided exactly.
     Point([f32; 3]),
-    /// A ball. The squared distance is computed in `f64`. An object that does not touch the least `f32` box of the
-    /// ball does not touch the ball, however the distance is rounded.
+    /// A ball. The squared distance is computed in `f64`. An object that does not touch the least `f32` box
+    /// of the ball does not touch the ball, however the distance is rounded.
     Sphere {
         /// The centre.
         center: [f32; 3],
@@ -66,16 +66,16 @@ pub enum Side {
 
 /// A part of space to look for objects: of the caller's own, or [`Planes`].
 pub trait Volume {
-    /// How a box lies to it: that of an object, or one around many. [`Side::Across`] is right for any box that is not
-    /// outside, and for any box around many; more certain answers save time.
+    /// How a box lies to it: that of an object, or one around many. [`Side::Across`] is right for any box
+    /// that is not outside, and for any box around many; more certain answers save time.
     fn side(&self, aabb: &Aabb) -> Side;
 }
 
-/// What is on the inner side of some planes or touches it: a frustum of six, an oriented box, any convex part of space.
-/// A plane is a normal that points outward, and its distance along that: `x` is inside where `normal * x <= distance`,
-/// in `f64`. A box is outside if it is wholly beyond one plane, so that near edges and corners some boxes that are not
-/// quite inside count, as is usual in culling. Where there is NaN in a plane, or infinities meet, a box counts as
-/// touching.
+/// What is on the inner side of some planes or touches it: a frustum of six, an oriented box, any convex part
+/// of space. A plane is a normal that points outward, and its distance along that: `x` is inside where
+/// `normal * x <= distance`, in `f64`. A box is outside if it is wholly beyond one plane, so that near edges
+/// and corners some boxes that are not quite inside count, as is usual in culling. Where there is NaN in a
+/// plane, or infinities meet, a box counts as touching.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes<'p>(pub &'p [[f64; 4]]);
 
@@ -84,8 +84,8 @@ impl Volume for Planes<'_> {
         let (low, high) = (aabb.min.map(widened), aabb.max.map(widened));
         let mut side = Side::Inside;
         for plane in self.0 {
-            // Of the innermost corner and of the outermost. Rounded products and sums rise with their parts, so what
-            // is said of a box holds for each box inside it.
+            // Of the innermost corner and of the outermost. Rounded products and sums rise with their parts,
+            // so what is said of a box holds for each box inside it.
             let (mut inner, mut outer) = (0.0, 0.0);
             for k in 0..3 {
                 let normal = plane[k];
@@ -193,15 +193,15 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).overlaps(region, out)
     }
 
-    /// Visits the objects whose boxes are inside a part of space or across its border, each once, until the visitor
-    /// breaks. The same calls give the same order. O(nodes and objects at the border + answers + movers since the last
-    /// step).
+    /// Visits the objects whose boxes are inside a part of space or across its border, each once, until the
+    /// visitor breaks. The same calls give the same order. O(nodes and objects at the border + answers +
+    /// movers since the last step).
     pub fn visit_within(&self, volume: &dyn Volume, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) {
         self.visit_boxes(self.parts.boxes.now, KeyBox::ALL, Some(volume), visit);
     }
 
-    /// Writes the objects whose boxes are inside a part of space or across its border to `out`, by ascending slot.
-    /// Returns how many there are.
+    /// Writes the objects whose boxes are inside a part of space or across its border to `out`, by ascending
+    /// slot. Returns how many there are.
     ///
     /// # Errors
     /// [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
@@ -266,7 +266,6 @@ struct Within<'v> {
 
 impl Within<'_> {
     /// How a box that touches the bounds lies to the volume.
-    #[inline(always)]
     fn side(&self, of: &KeyBox) -> Side {
         match self.volume {
             None => Side::Across,
@@ -290,12 +289,10 @@ impl Probe for Within<'_> {
         ]
     }
 
-    #[inline(always)]
     fn is_met(&self, when: bool) -> bool {
         when
     }
 
-    #[inline(always)]
     fn is_right_first(&self, left: bool, _: bool) -> bool {
         !left
     }
@@ -320,7 +317,6 @@ fn search_region<S: Simd, I: Index>(simd: S, mut search: InRegion<'_, '_, I>) ->
 impl<'q, I: Index> Search for InRegion<'q, '_, I> {
     type Probe = Within<'q>;
 
-    #[inline(always)]
     fn probe(&self) -> Within<'q> {
         self.within
     }
@@ -370,7 +366,6 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
 }
 
 impl<I: Index> InRegion<'_, '_, I> {
-    #[inline(always)]
     fn found(&mut self, slot: usize) -> ControlFlow<()> {
         self.world.id_of(slot).map_or(ControlFlow::Continue(()), &mut self.visit)
     }

@@ -3,8 +3,8 @@
 use super::levels::{Narrow, Wide};
 use super::scalar::Scalar;
 
-/// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and copied. All
-/// levels give the same bytes; only their speed differs.
+/// The instruction set that a step uses. A value is the proof that the CPU has it, so it can be kept and
+/// copied. All levels give the same bytes; only their speed differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kernels(Level);
 
@@ -22,18 +22,18 @@ const GUARANTEED: Option<Level> = match (Wide::GUARANTEED, Narrow::GUARANTEED) {
     (None, None) => None,
 };
 
-/// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed vectors
-/// needs no other.
+/// Whether scalar code is compiled. Each level compiles all phases once more, and a target with guaranteed
+/// vectors needs no other.
 const PLAIN: bool = cfg!(feature = "scalar") || GUARANTEED.is_none();
 
 impl Kernels {
-    /// No vectors. On a target that guarantees vectors, and in builds without the feature `scalar`, there is no such
-    /// code, and this is [`BASELINE`](Self::BASELINE).
+    /// No vectors. On a target that guarantees vectors, and in builds without the feature `scalar`, there is
+    /// no such code, and this is [`BASELINE`](Self::BASELINE).
     pub const SCALAR: Self = Self(Self(Level::Scalar(Scalar)).level());
 
-    /// The best level that needs no detection, since every CPU of the target has it: NEON of AArch64; simd128 of
-    /// WebAssembly, SSE4.1 and AVX2 of x86 if the program is compiled for these; else scalar code. The features `sse41`
-    /// and `avx2`, on by default, are what these two need to be there at all.
+    /// The best level that needs no detection, since every CPU of the target has it: NEON of AArch64; simd128
+    /// of WebAssembly, SSE4.1 and AVX2 of x86 if the program is compiled for these; else scalar code. The
+    /// features `sse41` and `avx2`, on by default, are what these two need to be there at all.
     pub const BASELINE: Self = match GUARANTEED {
         Some(level) => Self(level),
         None => Self::SCALAR,
@@ -45,8 +45,8 @@ impl Kernels {
         Self::avx2().or_else(Self::narrow).unwrap_or(Self::BASELINE)
     }
 
-    /// 128-bit vectors, where this CPU has them: SSE4.1 of x86 with POPCNT, NEON of AArch64, simd128 of WebAssembly where the
-    /// module is compiled with it.
+    /// 128-bit vectors, where this CPU has them: SSE4.1 of x86 with POPCNT, NEON of AArch64, simd128 of
+    /// WebAssembly where the module is compiled with it.
     #[must_use]
     pub fn narrow() -> Option<Self> {
         Narrow::detect().map(|level| Self(Level::Narrow(level)))

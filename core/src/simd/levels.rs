@@ -1,5 +1,5 @@
-//! The levels of vectors that a target may have: of 128 bits, and on x86-64 AVX2. A level that it has not is a type without values,
-//! so it costs nothing.
+//! The levels of vectors that a target may have: of 128 bits, and on x86-64 AVX2. A level that it has not is
+//! a type without values, so it costs nothing.
 
 #[cfg(any(
     all(any(target_arch = "x86", target_arch = "x86_64"), feature = "sse41"),

@@ -126,8 +126,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     #[inline(always)]
     fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
         let (eights, rest) = pairs.as_chunks();
-        // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs, since a branch for each
-        // eight takes half as long again as the tests.
+        // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs,
+        // since a branch for each eight takes half as long again as the tests.
         let mut most = 0;
         if Self::TESTS_SOME_PAIRS {
             for slot in eights.as_flattened().as_flattened() {
@@ -169,21 +169,21 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Prepares the rows of a sweep along an axis.
     fn axis(self, axis: usize) -> Self::Axis;
 
-    /// The row of a record: on each of the two other axes the high bytes of the complemented minimum and of the
-    /// maximum.
+    /// The row of a record: on each of the two other axes the high bytes of the complemented minimum and of
+    /// the maximum.
     fn row(self, axis: Self::Axis, record: &Record) -> Row;
 
-    /// Prepares a comparison of rows with a record: on each of the two other axes the high bytes of its complemented
-    /// maximum and of its minimum. They are at most those of a row that it touches there.
+    /// Prepares a comparison of rows with a record: on each of the two other axes the high bytes of its
+    /// complemented maximum and of its minimum. They are at most those of a row that it touches there.
     fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
 
     /// Which of the first `count` rows, at most all, have no byte below the query's: bit `i` for row `i`.
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
-    /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four bits of a
-    /// mask. Writes the pairs of those that touch and share no mark to the start of `pairs`, in order, and returns
-    /// how many there are. What is behind them means nothing. `None` if only the keys can decide one of the four, or
-    /// if there are no four.
+    /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four
+    /// bits of a mask. Writes the pairs of those that touch and share no mark to the start of `pairs`, in
+    /// order, and returns how many there are. What is behind them means nothing. `None` if only the keys can
+    /// decide one of the four, or if there are no four.
     #[inline(always)]
     fn four<I: Index>(
         self,
@@ -285,8 +285,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
         mask
     }
 
-    /// When a cast enters the boxes of two nodes, between zero and `until`; NaN if it does not. The sides must be
-    /// numbers.
+    /// When a cast enters the boxes of two nodes, between zero and `until`; NaN if it does not. The sides
+    /// must be numbers.
     #[inline(always)]
     fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
         walk.enter(nodes, until)
@@ -338,16 +338,16 @@ const fn query_lanes(axis: usize) -> [usize; 4] {
     [b, a, d, c]
 }
 
-/// What the lanes of another record must not exceed to touch this one: the maxima, then the complemented minima. The
-/// tag's lanes exclude nothing.
+/// What the lanes of another record must not exceed to touch this one: the maxima, then the complemented
+/// minima. The tag's lanes exclude nothing.
 #[inline(always)]
 pub(crate) fn limit(record: &Record) -> Record {
     let [x0, y0, z0, x1, y1, z1] = record.lanes.map(|lane| !lane);
     Record { lanes: [x1, y1, z1, x0, y0, z0], tag: u32::MAX }
 }
 
-/// Calls a function of a level as a call, not inline: `call!(simd, drain(simd, masks))`. What it needs takes no registers from
-/// its caller's loops.
+/// Calls a function of a level as a call, not inline: `call!(simd, drain(simd, masks))`. What it needs takes
+/// no registers from its caller's loops.
 macro_rules! call {
     ($simd:ident, $call:expr) => {
         $crate::simd::Simd::call(

@@ -7,8 +7,8 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use core::fmt;
 
-/// The first broken invariant that [`World::validate`](crate::World::validate) met: a fault of this library, or
-/// something wrote to the slab.
+/// The first broken invariant that [`World::validate`](crate::World::validate) met: a fault of this library,
+/// or something wrote to the slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(not(feature = "validate"), allow(unreachable_pub))]
 pub struct Invalid {
@@ -136,8 +136,8 @@ fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Each pair has two slots in order. If nothing has changed since, the boxes of a pair of the result overlap, and the
-/// filters let it through.
+/// Each pair has two slots in order. If nothing has changed since, the boxes of a pair of the result overlap,
+/// and the filters let it through.
 fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let Stored { moved, settled, changed, filters, .. } = stored;
     let in_order = |pair: &Pair<I>| pair[0] < pair[1] && pair[1].at() < stored.now.len();

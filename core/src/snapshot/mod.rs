@@ -1,9 +1,9 @@
 //! Saves a world to plain bytes and loads it: for files, for those who join late, and for more room.
 //!
-//! A snapshot has what cannot be derived: the configuration, the objects, and the last result with what the next
-//! events are compared with. It has no tree and no record: the next step makes these anew. What is not there cannot be
-//! wrong. It holds positions and no addresses, so any world of the same kind can load it, on any machine of the same
-//! byte order. To go back within a program a copy of the memory is faster.
+//! A snapshot has what cannot be derived: the configuration, the objects, and the last result with what the
+//! next events are compared with. It has no tree and no record: the next step makes these anew. What is not
+//! there cannot be wrong. It holds positions and no addresses, so any world of the same kind can load it, on
+//! any machine of the same byte order. To go back within a program a copy of the memory is faster.
 
 pub(crate) mod check;
 pub(crate) mod stored;
@@ -74,17 +74,17 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Replaces the world by that of a snapshot, with its last result. The configurations may differ as for
-    /// [`move_into`](Self::move_into); the world keeps its own. Builds with and without the feature `large` read each
-    /// other's snapshots. O(bytes).
+    /// [`move_into`](Self::move_into); the world keeps its own. Builds with and without the feature `large`
+    /// read each other's snapshots. O(bytes).
     ///
-    /// The next step finds all pairs anew, and tells as events what has changed since the result that was saved. The
-    /// order of pairs and the kinds of later steps may differ from those of the world that was saved; worlds that load
-    /// the same snapshot go on alike, byte for byte, if their configurations are the same. Until that step queries look
-    /// at all objects.
+    /// The next step finds all pairs anew, and tells as events what has changed since the result that was
+    /// saved. The order of pairs and the kinds of later steps may differ from those of the world that was
+    /// saved; worlds that load the same snapshot go on alike, byte for byte, if their configurations are the
+    /// same. Until that step queries look at all objects.
     ///
-    /// The checksum notices damage, not intent. Forged bytes with a right checksum are refused, or they are a world:
-    /// each object and each pair of it can be, and the pairs of every step are those of its boxes. The saved result and
-    /// what the events of the first step compare with are as the bytes say.
+    /// The checksum notices damage, not intent. Forged bytes with a right checksum are refused, or they are a
+    /// world: each object and each pair of it can be, and the pairs of every step are those of its boxes. The
+    /// saved result and what the events of the first step compare with are as the bytes say.
     ///
     /// # Errors
     /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
@@ -118,12 +118,12 @@ impl<I: Index> World<'_, I> {
     /// what is found and lost since. After [`Error::PairsFull`] the world can move to where there is room for the
     /// pairs; a step there tells events as if there had always been room. The next step finds all pairs anew.
     ///
-    /// Capacities, workers, the margin of new objects and all choices about speed may change. The mode, events,
-    /// filters, values and whether there are margins may not.
+    /// Capacities, workers, the margin of new objects and all choices about speed may change. The mode,
+    /// events, filters, values and whether there are margins may not.
     ///
     /// # Errors
-    /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`. Nothing is
-    /// written then.
+    /// [`Error::NoRoom`], which says what does not fit; [`Error::OtherConfig`]; the errors of `new_in`.
+    /// Nothing is written then.
     ///
     /// ```
     /// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};

@@ -1,5 +1,5 @@
-//! What a snapshot has, as it stands in a slab or in the bytes of a snapshot: so one function each saves, checks and
-//! loads it.
+//! What a snapshot has, as it stands in a slab or in the bytes of a snapshot: so one function each saves,
+//! checks and loads it.
 
 use crate::access::{Access, bits};
 use crate::config::{Config, Mode};
@@ -38,7 +38,6 @@ impl<'b, T: Pod + Default> Packed<'b, T> {
     }
 
     /// The item, or the default: see [`Access`].
-    #[inline(always)]
     pub(crate) fn at(&self, index: usize) -> T {
         debug_assert!(index < self.len(), "read {index} of {}", self.len());
         let bytes = self.bytes.chunks_exact(size_of::<T>()).nth(index).unwrap_or_default();
@@ -46,7 +45,6 @@ impl<'b, T: Pod + Default> Packed<'b, T> {
     }
 
     /// The items in order.
-    #[inline(always)]
     pub(crate) fn iter(&self) -> impl Iterator<Item = T> + use<'b, T> {
         let item = |bytes| bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default();
         self.bytes.chunks_exact(size_of::<T>()).map(item)
@@ -55,7 +53,6 @@ impl<'b, T: Pod + Default> Packed<'b, T> {
 
 impl Packed<'_, u32> {
     /// Whether a slot is in a set. False if the world does not keep the set.
-    #[inline(always)]
     pub(crate) fn has(&self, slot: usize) -> bool {
         slot / 32 < self.len() && self.at(slot / 32) >> (slot % 32) & 1 != 0
     }
@@ -95,8 +92,8 @@ macro_rules! stored {
             $(+ $(#[$pdoc:meta])* $plain:ident: $ptype:ty = $pvalue:expr;)*
         })*
     ) => {
-        /// The sections of a snapshot: those that the table of all arrays says are saved, and these. The state comes
-        /// before them.
+        /// The sections of a snapshot: those that the table of all arrays says are saved, and these. The
+        /// state comes before them.
         #[derive(Clone, Copy, Debug)]
         pub(crate) struct Stored<'b, I> {
             /// See [`State::portable`].

@@ -1,5 +1,5 @@
-//! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for those of moved
-//! objects if it pays to keep the others.
+//! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for those of
+//! moved objects if it pays to keep the others.
 
 use crate::access::Access;
 use crate::id::Index;
@@ -19,8 +19,8 @@ use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
 
-/// Fills all leaves and sweeps them. `settled`: how many objects left their leaf, if the intake has brought the others to
-/// their records.
+/// Fills all leaves and sweeps them. `settled`: how many objects left their leaf, if the intake has brought
+/// the others to their records.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
@@ -46,8 +46,8 @@ pub(super) fn full<I: Index>(
     (route, Progress { pairs, work, leaves, rebalanced, ..arranged })
 }
 
-/// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole tree. Returns how many
-/// objects had left their leaf, if all leaves were filled, and what it has done.
+/// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
+/// tree. Returns how many objects had left their leaf, if all leaves were filled, and what it has done.
 pub(super) fn arrange<I: Index>(
     parts: &mut Parts<'_, I>,
     anew: bool,
@@ -82,8 +82,8 @@ pub(super) fn arrange<I: Index>(
     (left, Progress { coarse, rebalanced, ..Progress::default() })
 }
 
-/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns how many
-/// pairs there are.
+/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns
+/// how many pairs there are.
 fn sweep<I: Index>(
     parts: &mut Parts<'_, I>,
     kept: Option<u64>,

@@ -1,5 +1,5 @@
-//! Steps in which few objects have moved: test each against the leaves that it reaches, and keep all other pairs
-//! (paper, section III.B.1).
+//! Steps in which few objects have moved: test each against the leaves that it reaches, and keep all other
+//! pairs (paper, section III.B.1).
 
 use crate::access::Access;
 use crate::filter::{FILTERS, Filter};
@@ -46,8 +46,8 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     Some(Progress { pairs, work, leaves, ..Progress::default() })
 }
 
-/// Takes movers that can meet nobody out of the lists. Returns how many are left, and with how many others in their leaves those
-/// that went are not compared.
+/// Takes movers that can meet nobody out of the lists. Returns how many are left, and with how many others in
+/// their leaves those that went are not compared.
 fn leave_out<I: Index>(parts: &mut Parts<'_, I>, movers: usize) -> (usize, u64) {
     let [list, _, homes] = &mut parts.order;
     let (mut kept, mut spared) = (0, 0);
@@ -69,8 +69,8 @@ fn leave_out<I: Index>(parts: &mut Parts<'_, I>, movers: usize) -> (usize, u64) 
     (kept, spared)
 }
 
-/// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they are; `None` if a
-/// leaf had no room.
+/// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they
+/// are; `None` if a leaf had no room.
 pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<usize> {
     context.executor.enter(Stage::Fill);
     let moved = parts.moved.list(parts.order[1]);
@@ -78,6 +78,6 @@ pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<
         return None;
     }
     large::arrange_if_due(parts);
-    refit_some(parts, moved, context.kernels);
+    refit_some(parts, moved);
     Some(moved)
 }

@@ -54,8 +54,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
-/// Sweeps the parts of a sorted list that meet. The two other lists are scratch: they end as the same objects in another order.
-/// Returns how many pairs of objects were not compared, as their filters do not meet.
+/// Sweeps the parts of a sorted list that meet. The two other lists are scratch: they end as the same objects
+/// in another order. Returns how many pairs of objects were not compared, as their filters do not meet.
 #[inline(never)]
 fn sweep_parts<I: Index>(
     pair_filter: Option<PairFilter<'_>>,
@@ -83,8 +83,8 @@ fn sweep_parts<I: Index>(
     plan.spared
 }
 
-/// Chooses the axes and tells whether `f32` is too coarse, in every eighth step and when objects are new: a look at
-/// all boxes costs a third of their sweep.
+/// Chooses the axes and tells whether `f32` is too coarse, in every eighth step and when objects are new: a
+/// look at all boxes costs a third of their sweep.
 fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
     if state.lists.scan_in > 0 && state.objects.has_inserted == 0 {
         state.lists.scan_in -= 1;

@@ -15,8 +15,8 @@ use crate::parallel::context::StepContext;
 use crate::tree::balance;
 use crate::tree::keep::LEAVERS_SHARE;
 
-/// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path that was
-/// used.
+/// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path
+/// that was used.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
@@ -61,8 +61,8 @@ pub(crate) fn find_without_surplus<I: Index>(
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 
-/// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all leaves where that
-/// takes less.
+/// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all
+/// leaves where that takes less.
 pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let few = parts.moved.count() <= parts.state.objects.live / LEAVERS_SHARE;
     let filled = parts.state.tree.filled;

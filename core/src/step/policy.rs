@@ -1,5 +1,5 @@
-//! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose equally.
-//! The table of constants in `NOTEBOOK.md` says what was measured.
+//! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose
+//! equally. The table of constants in `NOTEBOOK.md` says what was measured.
 
 use crate::access::{Access, bits};
 use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY, Mode};
@@ -62,8 +62,8 @@ fn upkeep(state: &State, moved: u64) -> u64 {
     if moved == 0 { 0 } else { cost.min(FULL) }
 }
 
-/// Whether all fat boxes are to be made anew, after so many steps without that which have cost so much beyond quiet ones, and one
-/// that costs so much: if that is more than the mean of all, with what making them costs.
+/// Whether all fat boxes are to be made anew, after so many steps without that which have cost so much beyond
+/// quiet ones, and one that costs so much: if that is more than the mean of all, with what making them costs.
 fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
     cost > 0 && cost * (u64::from(age) + 1) >= RENEWAL + u64::from(step.spent)
 }
@@ -144,8 +144,8 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     false
 }
 
-/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare, by a sample. Where none are
-/// in use: whether they would be, as far as the boxes of the last step tell.
+/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare, by a sample.
+/// Where none are in use: whether they would be, as far as the boxes of the last step tell.
 fn are_swollen<I: Index>(parts: &Parts<'_, I>) -> bool {
     let BoxParts { now, fat, before, tight, .. } = &parts.boxes;
     let slots = parts.state.objects.slots as usize;
@@ -222,15 +222,15 @@ fn cost_of_movers(state: &State) -> u64 {
     MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2
 }
 
-/// Whether a step of many movers may keep the pairs of other objects. New planes are judged by all pairs, so they
-/// need all.
+/// Whether a step of many movers may keep the pairs of other objects. New planes are judged by all pairs, so
+/// they need all.
 fn can_keep_pairs<I: Index>(parts: &Parts<'_, I>) -> bool {
     cfg!(feature = "large") && !balance::needs_planes(parts.state)
 }
 
-/// Whether a step of many movers is cheaper if it keeps the pairs of other objects and sweeps leaves only for those
-/// of moved ones. That saves the search for pairs that stay, and their events. It costs a division of the records of
-/// each leaf, and a second look at each pair that goes.
+/// Whether a step of many movers is cheaper if it keeps the pairs of other objects and sweeps leaves only for
+/// those of moved ones. That saves the search for pairs that stay, and their events. It costs a division of
+/// the records of each leaf, and a second look at each pair that goes.
 fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
     let (pairs, live) = (parts.state.pairs.swept, u64::from(parts.state.objects.live));
     let saved = if parts.sizes.previous > 0 { KEPT_SAVES_WITH_EVENTS } else { KEPT_SAVES };

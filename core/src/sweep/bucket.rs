@@ -1,10 +1,10 @@
-//! Sweeps one bucket of records (paper, section IV): sorts it along one axis, compares the neighbours that overlap
-//! there on the other two, and tests what is left on all lanes.
+//! Sweeps one bucket of records (paper, section IV): sorts it along one axis, compares the neighbours that
+//! overlap there on the other two, and tests what is left on all lanes.
 //!
-//! The sort is a counting sort on the high byte of the minimum, so the histogram tells where the neighbours of a
-//! record end. Beside each record is a row of four bytes, the high bytes on the other two axes; vectors compare many
-//! rows at a time. What passes is tested with whole records. Only where two sides share a step of the grid do the
-//! exact boxes decide.
+//! The sort is a counting sort on the high byte of the minimum, so the histogram tells where the neighbours
+//! of a record end. Beside each record is a row of four bytes, the high bytes on the other two axes; vectors
+//! compare many rows at a time. What passes is tested with whole records. Only where two sides share a step
+//! of the grid do the exact boxes decide.
 
 use super::{Sink, scan};
 use crate::access::Access;
@@ -21,7 +21,6 @@ type Ends = [u16; 256];
 pub(super) const WHOLE: usize = 256;
 pub(super) const PARTS: usize = 2 * 256 + 1;
 
-#[inline(always)]
 const fn high(lane: u16) -> u8 {
     (lane >> 8) as u8
 }
@@ -62,8 +61,8 @@ pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
     scan::sweep(simd, (axis, both, boxes), leaf_scratch, run, sink);
 }
 
-/// Sorts records into the scratch memory, the parts one behind the other, and records of no part behind both in any order. Returns
-/// where the runs of equal sort bytes end.
+/// Sorts records into the scratch memory, the parts one behind the other, and records of no part behind both
+/// in any order. Returns where the runs of equal sort bytes end.
 #[inline(always)]
 fn sort<const RUNS: usize, S: Simd, I>(
     simd: S,
@@ -106,7 +105,6 @@ fn sort<const RUNS: usize, S: Simd, I>(
 }
 
 /// The end of the last run that a record reaches.
-#[inline(always)]
 fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
     // All bytes of the record as lanes, so that the index needs no check.
     let lanes: &[u16; 8] = bytemuck::cast_ref(record);

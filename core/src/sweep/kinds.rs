@@ -1,5 +1,5 @@
-//! Who in a leaf is compared with whom. Objects with the same filter are of one kind, and kinds that meet the same kinds are one part
-//! of the world. Parts that do not meet are not compared.
+//! Who in a leaf is compared with whom. Objects with the same filter are of one kind, and kinds that meet the
+//! same kinds are one part of the world. Parts that do not meet are not compared.
 
 use crate::access::{Access, bits};
 use crate::filter::Filter;
@@ -126,13 +126,11 @@ impl<'g, I: Index> Kinds<'g, I> {
     }
 
     /// Whether all records of all leaves are compared.
-    #[inline(always)]
     pub(crate) const fn are_one(&self) -> bool {
         self.codes.is_empty()
     }
 
     /// The code of an object.
-    #[inline(always)]
     pub(super) fn code(&self, slot: usize) -> usize {
         self.codes.get(slot).map_or(0, |code| code.at())
     }
@@ -204,7 +202,6 @@ impl Plan {
     }
 
     /// Whether a record with this code is compared with any other one.
-    #[inline(always)]
     pub(super) fn takes(&self, code: usize) -> bool {
         code < LONE && self.meets.at(self.part(code)) != 0
     }

@@ -1,9 +1,9 @@
 //! Sweeps leaves: each its members, and the ghosts that it gathers from the straddlers of other leaves.
 //!
-//! So pairs across leaves are found (erratum E7): every box that touches the cell of a leaf takes part in its sweep,
-//! wherever it is at home, moved or resting. A pair is reported in the one cell that holds the component-wise maximum
-//! of its two minimum corners (erratum E9). If one box is at home here, that is this cell. If both are ghosts, there
-//! must be no axis on which both minima are below the cell.
+//! So pairs across leaves are found (erratum E7): every box that touches the cell of a leaf takes part in its
+//! sweep, wherever it is at home, moved or resting. A pair is reported in the one cell that holds the
+//! component-wise maximum of its two minimum corners (erratum E9). If one box is at home here, that is this
+//! cell. If both are ghosts, there must be no axis on which both minima are below the cell.
 
 use super::kinds::{CODES, Counts, Kinds, Pass, Plan};
 use super::{Sink, bucket};
@@ -26,6 +26,8 @@ pub(crate) struct TreeView<'g> {
     pub(crate) nodes: Nodes<'g>,
     /// How many levels the leaves are below those of a full step.
     pub(crate) sub_levels: u32,
+    /// As [`TreeState::subdivided`](crate::memory::state::TreeState::subdivided).
+    pub(crate) subdivided: u32,
     pub(crate) cells: &'g [Cell],
     pub(crate) frames: &'g [Frame],
     pub(crate) leaves: &'g [Leaf],
@@ -41,6 +43,7 @@ impl<'g> TreeView<'g> {
             boxes,
             nodes: tree.nodes(),
             sub_levels: state.tree.sub_levels(),
+            subdivided: state.tree.subdivided,
             cells: tree.cells,
             frames: tree.frames,
             leaves: tree.leaves,
@@ -52,13 +55,12 @@ impl<'g> TreeView<'g> {
     }
 
     /// The records of a leaf.
-    #[inline(always)]
     pub(crate) fn members(&self, leaf: &Leaf) -> &'g [Record] {
         self.records.span(leaf.start as usize, leaf.len as usize)
     }
 
-    /// Writes the ghosts of a leaf: the records of boxes that touch its cell and are not its members. Leaves out the
-    /// first `skip` of them, and writes as many as fit. Returns how many there are in all.
+    /// Writes the ghosts of a leaf: the records of boxes that touch its cell and are not its members. Leaves
+    /// out the first `skip` of them, and writes as many as fit. Returns how many there are in all.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, ghosts: &mut [Record]) -> usize {
         let cell = self.cells.at(index);
@@ -244,8 +246,8 @@ fn sweep_tiles<S: Simd, I: Index>(
     }
 }
 
-/// Fills a tile with those of the members and ghosts with these numbers that a plan takes, or all. Returns how many there are;
-/// `numbers` are then what is left for the next tiles.
+/// Fills a tile with those of the members and ghosts with these numbers that a plan takes, or all. Returns
+/// how many there are; `numbers` are then what is left for the next tiles.
 #[inline(always)]
 fn fill_tile<S: Simd, I: Index>(
     simd: S,

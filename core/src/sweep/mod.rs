@@ -1,7 +1,7 @@
 //! Sweeps boxes for overlaps (paper, section IV), and makes one list of the pairs of many workers.
 //!
-//! Work is cut into blocks by counts alone. One worker writes pairs straight to their places. Several workers write
-//! them to chunks, which are then put in the order of their blocks, so the bytes are the same.
+//! Work is cut into blocks by counts alone. One worker writes pairs straight to their places. Several workers
+//! write them to chunks, which are then put in the order of their blocks, so the bytes are the same.
 
 pub(crate) mod bucket;
 pub(crate) mod kinds;
@@ -90,8 +90,8 @@ pub(crate) struct Collector<'o, 'm, I> {
 }
 
 impl<I: Index> Collector<'_, '_, I> {
-    /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from` pairs.
-    /// Returns how many pairs there are now, whether they fit or not.
+    /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from`
+    /// pairs. Returns how many pairs there are now, whether they fit or not.
     pub(crate) fn collect(
         &mut self,
         executor: &dyn Executor,

@@ -1,13 +1,13 @@
-//! Compares the records of a sorted bucket with their neighbours, without branches that depend on boxes: the branch
-//! predictor would guess them wrong, and a wrong guess costs more than the compares.
+//! Compares the records of a sorted bucket with their neighbours, without branches that depend on boxes: the
+//! branch predictor would guess them wrong, and a wrong guess costs more than the compares.
 //!
-//! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares the
-//! first windows of many records, then the second windows of those with more neighbours, and so on. A window gives a
-//! mask of candidates.
+//! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares
+//! the first windows of many records, then the second windows of those with more neighbours, and so on. A
+//! window gives a mask of candidates.
 //!
-//! The bits of the masks are taken in rounds, so that no branch depends on how many bits a mask has. First one, two or three
-//! bits of each mask go to a list of candidates, so that a multiple of four is left. Then four bits of each mask are
-//! tested at once, until no mask has any.
+//! The bits of the masks are taken in rounds, so that no branch depends on how many bits a mask has. First
+//! one, two or three bits of each mask go to a list of candidates, so that a multiple of four is left. Then
+//! four bits of each mask are tested at once, until no mask has any.
 
 use super::Sink;
 use crate::access::Access;
@@ -173,14 +173,13 @@ impl<I: Index> Found<'_, '_, I> {
     }
 
     /// Passes the pairs on.
-    #[inline(always)]
     fn hand_on(&mut self) {
         self.sink.take(self.pairs.span_mut(0, self.found));
         self.found = 0;
     }
 
-    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left are put to
-    /// `to` and on; returns where they end.
+    /// Moves bits of masks to the candidates, so that a multiple of four is left. Masks with bits left are
+    /// put to `to` and on; returns where they end.
     #[inline(always)]
     fn odd_ones(&mut self, lists: &mut Lists, which: Range<usize>, mut to: usize) -> usize {
         let room = self.candidates.get_mut(self.collected..).and_then(<[_]>::first_chunk_mut);
@@ -258,7 +257,6 @@ impl<I: Index> Found<'_, '_, I> {
 }
 
 /// A mask without its lowest bit, its two lowest, and its three lowest.
-#[inline(always)]
 const fn without(bits: u64) -> (u64, u64, u64) {
     let one = bits & bits.wrapping_sub(1);
     let two = one & one.wrapping_sub(1);
@@ -266,13 +264,12 @@ const fn without(bits: u64) -> (u64, u64, u64) {
 }
 
 /// The candidate of the lowest bit of a mask.
-#[inline(always)]
 const fn candidate(base: u32, bits: u64) -> u32 {
     base.wrapping_add(bits.trailing_zeros())
 }
 
-/// Tests candidates: see [`Simd::test_candidates`]. Pairs go to the front of `pairs`, which has a place for each
-/// candidate.
+/// Tests candidates: see [`Simd::test_candidates`]. Pairs go to the front of `pairs`, which has a place for
+/// each candidate.
 #[inline(always)]
 fn test_candidates<S: Simd, I: Index>(
     simd: S,

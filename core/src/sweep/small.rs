@@ -15,9 +15,9 @@ pub(crate) struct Found {
     pub(crate) candidates: usize,
 }
 
-/// Writes the pairs of overlapping boxes that fit, behind those `found` before: of a list, or of two lists if the second one has
-/// objects. Lists have slots by ascending minimum on the first of two axes; the second one is tested first. O(n + candidates);
-/// candidates are at most n²/2.
+/// Writes the pairs of overlapping boxes that fit, behind those `found` before: of a list, or of two lists if
+/// the second one has objects. Lists have slots by ascending minimum on the first of two axes; the second one
+/// is tested first. O(n + candidates); candidates are at most n²/2.
 pub(crate) fn sweep<I: Index>(
     lists: [&[I]; 2],
     boxes: &[KeyBox],

@@ -1,6 +1,6 @@
-//! Keeps leaves of one size: a leaf that is too full is divided where it stands, and two that are nearly empty are
-//! joined. So planes follow where objects come and go, and all others stay (paper, section III.B.2). The first planes
-//! are made the same way, from one leaf that holds all objects.
+//! Keeps leaves of one size: a leaf that is too full is divided where it stands, and two that are nearly
+//! empty are joined. So planes follow where objects come and go, and all others stay (paper, section
+//! III.B.2). The first planes are made the same way, from one leaf that holds all objects.
 
 use super::build::{divide, is_divisible};
 use super::cells::Sample;
@@ -30,8 +30,8 @@ pub(crate) fn needs_planes(state: &State) -> bool {
 /// No leaf is to be divided.
 const STAYS: u32 = u32::MAX;
 
-/// Divides and joins leaves by their counts. Returns how many objects were in leaves that were divided; if there are
-/// any, all must be counted anew.
+/// Divides and joins leaves by their counts. Returns how many objects were in leaves that were divided; if
+/// there are any, all must be counted anew.
 pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
     let (count, most) = (parts.state.tree.count as usize, most(parts.state));
     let mut members = 0;
@@ -68,8 +68,8 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
     members
 }
 
-/// Writes the slots of the leaves that are to be divided to the first of the sorted lists. Each leaf then starts where
-/// its members end. O(slots).
+/// Writes the slots of the leaves that are to be divided to the first of the sorted lists. Each leaf then
+/// starts where its members end. O(slots).
 fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
     let Parts { tree, order, home, state, .. } = parts;
     state.lists.stale = 1;
@@ -84,8 +84,8 @@ fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
     }
 }
 
-/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. A sample of a leaf
-/// that no plane could divide tells whether one would by now.
+/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. A sample
+/// of a leaf that no plane could divide tells whether one would by now.
 pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
     let most = most(parts.state);
     let Parts { state, tree, boxes, .. } = parts;
@@ -155,8 +155,8 @@ pub(crate) fn plan(state: &mut State) {
     state.tree.depth = state.tree.depth.min(depth_for(live + live / 8)).max(depth_for(live));
 }
 
-/// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer. Returns
-/// whether all must be counted anew.
+/// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer.
+/// Returns whether all must be counted anew.
 pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
     let (state, room) = (&mut *parts.state, parts.tree.straddlers.len());
     let (coarser, number) = (state.tree.coarser, u64::from(state.tree.large));

@@ -1,8 +1,8 @@
 //! Makes planes: divides a leaf where it stands, then its parts (paper, section III.A; errata E10, E11, E13, E14, E17).
 //!
-//! A plane is at the median minimum of a sample, on the axis that parts the sample best. The paper keeps three sorted
-//! lists of all objects for exact medians. Those of samples make leaves that are nearly as even, and need no sort.
-//! O(n log n) in all.
+//! A plane is at the median minimum of a sample, on the axis that parts the sample best. The paper keeps
+//! three sorted lists of all objects for exact medians. Those of samples make leaves that are nearly as even,
+//! and need no sort. O(n log n) in all.
 
 use super::large::is_thin;
 use super::limits::{AXIS_SAMPLE, CROSSING, LEAF_SAMPLE, LOPSIDED, SAMPLED_FROM, SAMPLED_SHARE};
@@ -16,9 +16,9 @@ use crate::memory::slab::Parts;
 use crate::sort::select;
 use arrayvec::ArrayVec;
 
-/// Divides a leaf until its parts have at most so many members. They are in the first of the sorted lists, before where
-/// the leaf starts; the other two lists serve as scratch memory. The part with the lowest minima keeps the number of
-/// the leaf. Returns whether there was room for all parts.
+/// Divides a leaf until its parts have at most so many members. They are in the first of the sorted lists,
+/// before where the leaf starts; the other two lists serve as scratch memory. The part with the lowest minima
+/// keeps the number of the leaf. Returns whether there was room for all parts.
 pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64) -> bool {
     let Parts { tree, state, order, boxes, .. } = parts;
     let (boxes, state) = (boxes.swept(), &mut state.tree);

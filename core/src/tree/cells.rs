@@ -60,8 +60,8 @@ impl Sample {
         sample
     }
 
-    /// A sample of the objects in a list. It does not depend on their order, since a world that was loaded has no
-    /// lists.
+    /// A sample of the objects in a list. It does not depend on their order, since a world that was loaded
+    /// has no lists.
     pub(crate) fn of_list<I: Index>(list: &[I], boxes: &[KeyBox]) -> Self {
         let mut sample = Self::NONE;
         for slot in list {
@@ -92,7 +92,6 @@ impl Sample {
     }
 
     /// The least and the greatest numbers, outliers aside. The least is above the greatest if there are none.
-    #[inline(always)]
     pub(crate) fn bounds(&self) -> ([i32; 3], [i32; 3]) {
         // In a small sample nothing is an outlier.
         let left_out = (self.count * OUTLIERS / (SPREAD_SAMPLE * 3 / 4)).min(OUTLIERS);
@@ -166,8 +165,8 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     }
 }
 
-/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that axis is in
-/// order already.
+/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that
+/// axis is in order already.
 pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
     let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
     (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best })

@@ -53,8 +53,8 @@ fn list_straddlers_of<S: Simd>(
     for leaf in leaves {
         let mut at = leaf.straddler_start as usize;
         for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-            // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each box
-            // would be waited for.
+            // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each
+            // box would be waited for.
             let mut marked = 0u64;
             for (bit, record) in records.iter().enumerate() {
                 marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;

@@ -1,5 +1,5 @@
-//! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought the others to their
-//! records, and those that left are moved.
+//! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought
+//! the others to their records, and those that left are moved.
 //!
 //! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
 //! objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
@@ -15,8 +15,8 @@ use crate::parallel::context::StepContext;
 /// One in so many objects may leave its leaf in a step for the others to keep their places.
 pub(crate) const LEAVERS_SHARE: u32 = 8;
 
-/// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and the statistics of boxes
-/// are of late.
+/// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and
+/// the statistics of boxes are of late.
 const MOST_KEPT: u8 = 32;
 
 /// Whether the next boxes are to be brought to their records as they are taken in.
@@ -26,8 +26,8 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
     known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
 }
 
-/// Moves the records of those that have left their leaf, or were changed by themselves. Returns whether all leaves are filled then;
-/// else they must be filled anew.
+/// Moves the records of those that have left their leaf, or were changed by themselves. Returns whether all
+/// leaves are filled then; else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);
     if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context.kernels) {
@@ -50,8 +50,8 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
 const MORE_TIES: u64 = 8;
 const MORE_TIES_SHARE: u64 = 64;
 
-/// Notes a full step in which so many candidates tied, and which has kept the leaves, or has filled them after so many objects had
-/// left theirs: does the next one keep them?
+/// Notes a full step in which so many candidates tied, and which has kept the leaves, or has filled them
+/// after so many objects had left theirs: does the next one keep them?
 pub(crate) fn plan(state: &mut State, ties: u64, refilled: Option<u32>) {
     let (is_calm, kept) = match refilled {
         Some(left) => (left <= state.objects.live / LEAVERS_SHARE && state.tree.uneven == 0, 0),

@@ -1,10 +1,10 @@
-//! The large objects: one list, in groups of eight under a complete tree of their own, so that a road, a cable or a
-//! ground is looked at only by what is near it.
+//! The large objects: one list, in groups of eight under a complete tree of their own, so that a road, a
+//! cable or a ground is looked at only by what is near it.
 //!
-//! Boxes that are long on the same axes stand together, as a box around two that cross holds everything between. Each
-//! half of the list is divided at a median, along the axis on which its boxes are thinnest beside their spread. Behind
-//! the straddlers stand the boxes of nodes, then the list. Movers make the boxes larger, and after enough changes the
-//! list is ordered anew.
+//! Boxes that are long on the same axes stand together, as a box around two that cross holds everything
+//! between. Each half of the list is divided at a median, along the axis on which its boxes are thinnest
+//! beside their spread. Behind the straddlers stand the boxes of nodes, then the list. Movers make the boxes
+//! larger, and after enough changes the list is ordered anew.
 
 use super::Straddler;
 use super::enclose::expand_ancestors;
@@ -59,12 +59,10 @@ pub(crate) struct Heap<'g> {
 }
 
 impl<'g> Shape<'g> for Heap<'g> {
-    #[inline(always)]
     fn boxes(&self) -> &'g [KeyBox] {
         self.boxes
     }
 
-    #[inline(always)]
     fn below(&self, node: u32) -> Result<u32, usize> {
         if node < self.first { Ok(2 * node) } else { Err((node - self.first) as usize) }
     }
@@ -79,7 +77,6 @@ impl<'g> Large<'g> {
     }
 
     /// The walk to the groups that a probe meets.
-    #[inline(always)]
     pub(crate) fn visit<P: Probe>(&self, probe: P) -> Visit<Heap<'g>, P> {
         Visit::from_root(self.nodes, probe)
     }
@@ -90,7 +87,6 @@ impl<'g> Large<'g> {
     }
 
     /// Asked first, since it takes less than a walk.
-    #[inline(always)]
     pub(crate) const fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -213,8 +209,8 @@ pub(super) fn take<I: Index>(parts: &mut Parts<'_, I>, place: usize) {
     }
 }
 
-/// Gives so many large objects their place behind so many straddlers. The list comes along, if it is as long; returns
-/// whether it is.
+/// Gives so many large objects their place behind so many straddlers. The list comes along, if it is as long;
+/// returns whether it is.
 pub(super) fn seat<I: Index>(parts: &mut Parts<'_, I>, straddlers: u32, large: u32) -> bool {
     let tree = &mut parts.state.tree;
     let (from, is_as_long) = (tree.large_list(), tree.large == large);
@@ -254,8 +250,8 @@ const fn is_due(tree: &TreeState) -> bool {
     tree.large as usize > GROUP && tree.large_changed / CHANGES > tree.large
 }
 
-/// Brings the list into order if it is not `listed` or that is due, and makes the boxes of the nodes. O(n log n) if it
-/// is due, else O(n).
+/// Brings the list into order if it is not `listed` or that is due, and makes the boxes of the nodes. O(n log
+/// n) if it is due, else O(n).
 pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, listed: bool) {
     if !listed || is_due(&parts.state.tree) {
         order(parts);

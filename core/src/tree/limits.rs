@@ -1,5 +1,5 @@
-//! When the tree changes, and how much of it in one step. The table of constants in `NOTEBOOK.md` says what was measured for
-//! each.
+//! When the tree changes, and how much of it in one step. The table of constants in `NOTEBOOK.md` says what
+//! was measured for each.
 
 use crate::memory::limits::LEAF_TARGET;
 
@@ -18,8 +18,8 @@ pub(crate) const PATIENCE: u8 = 64;
 
 /// Boxes that are sampled to choose an axis.
 pub(crate) const AXIS_SAMPLE: usize = 512;
-/// From so many objects on, one in so many tells where the planes of a leaf are to be. Odd, since every second object may be of
-/// another kind.
+/// From so many objects on, one in so many tells where the planes of a leaf are to be. Odd, since every
+/// second object may be of another kind.
 pub(crate) const SAMPLED_FROM: usize = 65_536;
 pub(crate) const SAMPLED_SHARE: usize = 7;
 /// Members of a leaf that are sampled to tell whether a plane can part them.

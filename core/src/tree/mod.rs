@@ -10,8 +10,8 @@
 //!   tight again after a while ([`refit`]). Whatever looks for objects near a box or along a line walks by these
 //!   boxes ([`visit`]). Planes only tell where an object is at home.
 //!
-//! Two children have an even number and the next one; the root is 1. When the whole tree is made, nodes are numbered
-//! as in a heap. Later leaves are divided and joined where they stand ([`shape`]).
+//! Two children have an even number and the next one; the root is 1. When the whole tree is made, nodes are
+//! numbered as in a heap. Later leaves are divided and joined where they stand ([`shape`]).
 
 pub(crate) mod assign;
 pub(crate) mod balance;
@@ -42,8 +42,8 @@ use limits::LARGE_PER_OBJECT;
 
 /// A plane above all minima: its node is not divided.
 pub(crate) const UNSPLIT: i32 = i32::MAX & !AXIS;
-/// The low bits of a plane hold its axis. Cutting them off the key moves the plane down by an ulp or two, which is
-/// right for any plane.
+/// The low bits of a plane hold its axis. Cutting them off the key moves the plane down by an ulp or two,
+/// which is right for any plane.
 const AXIS: i32 = 3;
 
 /// A plane on `axis`: minima at or above it go to the right.
@@ -52,7 +52,6 @@ pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
 }
 
 /// The axis of a plane.
-#[inline(always)]
 pub(crate) const fn axis_of(plane: i32) -> usize {
     // The fourth value does not occur. Cut to the third, it needs no check of the range.
     let axis = (plane & AXIS) as usize;
@@ -60,7 +59,6 @@ pub(crate) const fn axis_of(plane: i32) -> usize {
 }
 
 /// The key of a plane.
-#[inline(always)]
 pub(crate) const fn key_of(plane: i32) -> i32 {
     plane & !AXIS
 }
@@ -74,20 +72,17 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    #[inline(always)]
     pub(crate) const fn new([x, y, z]: [i32; 3]) -> Self {
         Self { keys: [x | AXIS, y | AXIS, z | AXIS, i32::MIN] }
     }
 
     /// Whether the corner is at a plane or above it.
-    #[inline(always)]
     pub(crate) const fn reaches(&self, plane: i32) -> bool {
         self.keys[(plane & AXIS) as usize] >= plane
     }
 }
 
 /// The leaf or sub-leaf whose cell holds a minimum corner.
-#[inline(always)]
 pub(crate) fn home_of(tree: &TreeParts<'_>, state: &State, min: &[i32; 3]) -> usize {
     let whole = leaf_of(tree.splits, min);
     let part = if state.tree.is_subdivided(whole) { sub_leaf_of(tree.planes, whole, min) } else { 0 };
@@ -95,7 +90,6 @@ pub(crate) fn home_of(tree: &TreeParts<'_>, state: &State, min: &[i32; 3]) -> us
 }
 
 /// The number of the sub-leaf of a whole leaf that holds a minimum corner.
-#[inline(always)]
 fn sub_leaf_of(planes: &[i32], whole: usize, min: &[i32; 3]) -> usize {
     let planes = planes.span(whole * SUB_LEAVES, SUB_LEAVES);
     let corner = Corner::new(*min);
@@ -121,13 +115,12 @@ pub(crate) const SUB_LEAVES: usize = 1 << SUB_LEVELS;
 const _: () = assert!(SUB_LEAVES == EIGHT);
 
 /// The bounds of the sub-leaves of a whole leaf, in its frame; `None` while no leaf is divided.
-#[inline(always)]
 pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) -> Option<&[Record; EIGHT]> {
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
 }
 
-/// Whether there are few enough large objects. Each is taken for as long as the world on half of the axes that planes
-/// are on.
+/// Whether there are few enough large objects. Each is taken for as long as the world on half of the axes
+/// that planes are on.
 fn are_few(large: u64, leaves: u32, live: u32) -> bool {
     large << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * u64::from(live)
 }

@@ -1,32 +1,27 @@
-//! Makes the boxes of nodes tight again, since movers only make them larger. Each step with movers refits as many
-//! leaves as the movers pay for, so a crowd that is calm for hours stays as cheap as it was.
+//! Makes the boxes of nodes tight again, since movers only make them larger. Each step with movers refits as
+//! many leaves as the movers pay for, so a crowd that is calm for hours stays as cheap as it was.
 
 use super::Record;
 use super::limits::MOVERS_PER_REFIT;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::prefetch::REFIT_AHEAD;
 use crate::memory::slab::Parts;
-use crate::simd::Simd;
-use crate::simd::kernels::{Kernels, run};
 
 /// Makes boxes tight, after the records of `movers` objects were moved.
-pub(crate) fn refit_some<I: Index>(parts: &mut Parts<'_, I>, movers: usize, kernels: Kernels) {
+pub(crate) fn refit_some<I: Index>(parts: &mut Parts<'_, I>, movers: usize) {
     let moved = parts.state.tree.moved_since_refit as usize + movers;
     parts.state.tree.moved_since_refit = (moved % MOVERS_PER_REFIT) as u32;
     for _ in 0..moved / MOVERS_PER_REFIT {
         // There may have been more leaves before.
         let whole = if parts.state.tree.refit < parts.state.tree.count { parts.state.tree.refit } else { 0 };
         parts.state.tree.refit = whole + 1;
-        let parts = &mut *parts;
-        run!(kernels, |simd| refit(simd, parts, whole as usize));
+        refit(parts, whole as usize);
     }
 }
 
 /// Makes the boxes of one whole leaf tight: its own, those of its sub-leaves, those of the nodes above.
-#[inline(always)]
-fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
+fn refit<I: Index>(parts: &mut Parts<'_, I>, whole: usize) {
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
     let sub_levels = parts.state.tree.sub_levels();
@@ -35,10 +30,7 @@ fn refit<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
         let leaf = tree.leaves.at(index);
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         let mut bounds = Record::NOTHING;
-        for (place, record) in members.iter().enumerate() {
-            if let Some(ahead) = members.get(place + REFIT_AHEAD) {
-                simd.prefetch(boxes, ahead.slot() as usize);
-            }
+        for record in members {
             bounds.include(record);
             around.include(KeyBox::of(boxes, record.slot() as usize));
         }

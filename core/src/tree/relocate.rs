@@ -6,14 +6,13 @@ use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of, large};
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::prefetch::RELOCATED_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::Simd;
 use crate::simd::kernels::{Kernels, run};
 
-/// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the large
-/// objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects are full,
-/// nothing is lost, but all leaves must be filled anew.
+/// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the
+/// large objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects
+/// are full, nothing is lost, but all leaves must be filled anew.
 pub(crate) fn relocate_all<I: Index>(parts: &mut Parts<'_, I>, count: usize, kernels: Kernels) -> bool {
     run!(kernels, |simd| relocate_each(simd, parts, count))
 }
@@ -23,7 +22,6 @@ fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: us
     parts.state.lists.stale = 1;
     let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
     for index in 0..count {
-        prefetch(simd, parts, parts.order[1].span(index, count - index));
         let slot = parts.order[1].at(index).at();
         if !relocate(simd, parts, slot, &mut budget) {
             parts.state.tree.filled = 0;
@@ -31,21 +29,6 @@ fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: us
         }
     }
     true
-}
-
-/// Prefetches what the next movers need.
-#[inline(always)]
-fn prefetch<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, movers: &[I]) {
-    if let Some(slot) = movers.get(2 * RELOCATED_AHEAD) {
-        simd.prefetch(parts.boxes.swept(), slot.at());
-        simd.prefetch(parts.home, slot.at());
-        simd.prefetch(parts.place, slot.at());
-    }
-    if let Some(slot) = movers.get(RELOCATED_AHEAD) {
-        let home = parts.home.at(slot.at()).at();
-        simd.prefetch(parts.tree.cells, home);
-        simd.prefetch(parts.tree.leaves, home);
-    }
 }
 
 #[inline(always)]
@@ -120,9 +103,9 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     }
 }
 
-/// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed ones are
-/// dropped. Their slots are then in the first of the sorted lists, their homes in the third. Returns how many there
-/// are. O(movers + leaves).
+/// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed
+/// ones are dropped. Their slots are then in the first of the sorted lists, their homes in the third. Returns
+/// how many there are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
     // With few movers, a count for each sub-leaf would take longer than it saves.

@@ -21,8 +21,8 @@ pub(super) fn set_leaf(splits: &mut [Split], tops: &mut [u32], node: usize, leaf
     tops.put(leaf, node as u32);
 }
 
-/// Joins a leaf with the leaf beside it if both have at most so many members; or gives up the plane above it if it is
-/// empty.
+/// Joins a leaf with the leaf beside it if both have at most so many members; or gives up the plane above it
+/// if it is empty.
 pub(crate) fn join(tree: &mut TreeParts<'_>, state: &mut TreeState, leaf: usize, most: u64) {
     let node = tree.tops.at(leaf) as usize;
     if node <= 1 {

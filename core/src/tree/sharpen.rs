@@ -1,6 +1,6 @@
-//! Makes frames narrower if their grid is far wider than where most members are: a few objects far from the others,
-//! in a cell at the rim, stretch it until all others share a few steps. Outliers then get the first or the last step,
-//! which loses no pair.
+//! Makes frames narrower if their grid is far wider than where most members are: a few objects far from the
+//! others, in a cell at the rim, stretch it until all others share a few steps. Outliers then get the first
+//! or the last step, which loses no pair.
 
 use super::cells::Sample;
 use super::{Cell, Frame, Leaf, Record};

@@ -6,9 +6,9 @@ use crate::access::Access;
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 
-/// Gives a full leaf half of the free room of its nearest neighbour that has some. The records of the leaves between
-/// move along and keep their order, so the places of their objects stay. Returns whether there was room. A leaf
-/// that is to be divided gets none. O(neighbours and their members).
+/// Gives a full leaf half of the free room of its nearest neighbour that has some. The records of the leaves
+/// between move along and keep their order, so the places of their objects stay. Returns whether there was
+/// room. A leaf that is to be divided gets none. O(neighbours and their members).
 ///
 /// At most `budget` records move: beyond that it costs less to fill all leaves anew.
 pub(crate) fn borrow_slack(tree: &mut TreeParts<'_>, state: &State, full: usize, budget: &mut usize) -> bool {

@@ -1,11 +1,11 @@
-//! Divides leaves into eight sub-leaves in calm worlds, for steps and queries that look at a few objects here and
-//! there. Each step divides some, so that none takes long.
+//! Divides leaves into eight sub-leaves in calm worlds, for steps and queries that look at a few objects here
+//! and there. Each step divides some, so that none takes long.
 //!
-//! Sub-leaves share the frame of their leaf, and have [bounds](Record::include) in it: eight records that are tested
-//! at once, in place of three levels of nodes.
+//! Sub-leaves share the frame of their leaf, and have [bounds](Record::include) in it: eight records that are
+//! tested at once, in place of three levels of nodes.
 //!
-//! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are empty.
-//! Divided leaves have no straddlers: only a full step gathers ghosts.
+//! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are
+//! empty. Divided leaves have no straddlers: only a full step gathers ghosts.
 
 use super::cells::{divide, longest_axis};
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
@@ -85,8 +85,8 @@ fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: u
     }
 }
 
-/// Divides one leaf. Its moved objects may be gone or anywhere else by now. They only have to be where their homes
-/// and places say.
+/// Divides one leaf. Its moved objects may be gone or anywhere else by now. They only have to be where their
+/// homes and places say.
 #[inline(always)]
 fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usize) {
     let first = whole * SUB_LEAVES;
@@ -103,12 +103,10 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let count = leaf.len as usize;
     let (slots, goals) = (slots.span_mut(0, count), goals.span_mut(0, count));
     let mut lens = [0u32; SUB_LEAVES];
-    for (ahead, record) in tree.records.span(leaf.start as usize, count).iter().enumerate() {
-        slots.put(ahead, I::from_slot(record.slot()));
-        simd.prefetch(boxes, record.slot() as usize);
-    }
-    for (slot, goal) in slots.iter().zip(&mut *goals) {
-        let bounds = KeyBox::of(boxes, slot.at());
+    let members = tree.records.span(leaf.start as usize, count).iter();
+    for ((record, to), goal) in members.zip(&mut *slots).zip(&mut *goals) {
+        *to = I::from_slot(record.slot());
+        let bounds = KeyBox::of(boxes, record.slot() as usize);
         let sub = sub_leaf_of(tree.planes, whole, &bounds.min);
         *goal = I::from_slot(sub as u32);
         if let Some(len) = lens.get_mut(sub) {

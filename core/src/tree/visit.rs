@@ -36,12 +36,10 @@ impl Probe for KeyBox {
         [simd.overlap(a, self), simd.overlap(b, self)]
     }
 
-    #[inline(always)]
     fn is_met(&self, when: bool) -> bool {
         when
     }
 
-    #[inline(always)]
     fn is_right_first(&self, left: bool, _: bool) -> bool {
         !left
     }
@@ -64,12 +62,10 @@ pub(crate) trait Shape<'v>: Copy {
 }
 
 impl<'v> Shape<'v> for Nodes<'v> {
-    #[inline(always)]
     fn boxes(&self) -> &'v [KeyBox] {
         self.boxes
     }
 
-    #[inline(always)]
     fn below(&self, node: u32) -> Result<u32, usize> {
         let split = self.splits.at(node as usize);
         split.as_leaf().map_or(Ok(split.below), Err)
@@ -87,9 +83,9 @@ pub(crate) struct Visit<N, P: Probe> {
 }
 
 impl<'v, P: Probe> Visit<Nodes<'v>, P> {
-    /// Starts at a leaf, which comes first; best at the one whose cell holds the probe's low corner, since little is
-    /// left to visit then. From there the nodes beside the way up to the root are tested, which do not depend on each
-    /// other; a way down from the root would wait for each test.
+    /// Starts at a leaf, which comes first; best at the one whose cell holds the probe's low corner, since
+    /// little is left to visit then. From there the nodes beside the way up to the root are tested, which do
+    /// not depend on each other; a way down from the root would wait for each test.
     #[inline(always)]
     pub(crate) fn new<S: Simd>(simd: S, nodes: Nodes<'v>, leaf: usize, probe: P) -> Self {
         let top = nodes.tops.at(leaf);
@@ -115,7 +111,6 @@ impl<'v, P: Probe> Visit<Nodes<'v>, P> {
 
 impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
     /// Starts at the root.
-    #[inline(always)]
     pub(crate) fn from_root(nodes: N, probe: P) -> Self {
         let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
         visit.push(Waiting { node: 1, when: P::AT_ONCE });
@@ -123,7 +118,6 @@ impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
     }
 
     /// Lets a node wait if it is met.
-    #[inline(always)]
     fn push(&mut self, node: Waiting<P::When>) {
         if self.probe.is_met(node.when) && self.stack.try_push(node).is_err() {
             note_fault(self.nodes.boxes().as_ptr().addr());

@@ -1,5 +1,5 @@
-//! Checks all invariants of a world, in tests and to debug an embedding. After a world that passes, the next step
-//! finds what brute force finds.
+//! Checks all invariants of a world, in tests and to debug an embedding. After a world that passes, the next
+//! step finds what brute force finds.
 
 mod pairs;
 mod slab;
@@ -12,8 +12,8 @@ use crate::world::World;
 
 /// Tests of an embedding, with the feature `validate`.
 impl<I: Index> World<'_, I> {
-    /// Checks all invariants of the world: slots, boxes, lists, tree and pairs. Steps never call it. O(n log n +
-    /// pairs), and about as long as a step that finds all pairs.
+    /// Checks all invariants of the world: slots, boxes, lists, tree and pairs. Steps never call it. O(n log
+    /// n + pairs), and about as long as a step that finds all pairs.
     ///
     /// # Errors
     /// The first broken one.

@@ -1,5 +1,5 @@
-//! Checks the pairs that a snapshot does not have: which are parked or surplus, how they are divided, and that those
-//! which the next step would keep are all that there are.
+//! Checks the pairs that a snapshot does not have: which are parked or surplus, how they are divided, and
+//! that those which the next step would keep are all that there are.
 
 use super::sum;
 use crate::access::Access;
@@ -43,8 +43,8 @@ fn is_kept<I: Index>(parts: &Parts<'_, I>, pair: &Pair<I>) -> bool {
     is_clear_of(parts.moved.words, pair) && is_clear_of(parts.settled.words, pair)
 }
 
-/// The pairs that the next step would keep are all that there are. Not checked if the step itself looks, or if a rule
-/// may have refused pairs.
+/// The pairs that the next step would keep are all that there are. Not checked if the step itself looks, or
+/// if a rule may have refused pairs.
 fn kept_pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
     let (parts, state) = (&world.parts, &*world.parts.state);
     let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() + parts.settled.count() == 0;

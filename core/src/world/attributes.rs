@@ -45,10 +45,10 @@ use crate::memory::slab::Parts;
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Disables an object, or enables it again. A disabled object is in no pair and in no answer, and costs a step
-    /// nothing. It keeps its id, box, margin, filter and value, and can be given others; steps ignore its box in the
-    /// caller's array. Its pairs are lost at the next step, and found at the next one after it is enabled. It counts as
-    /// [resting](Self::set_resting), and is awake when it is enabled. O(1).
+    /// Disables an object, or enables it again. A disabled object is in no pair and in no answer, and costs a
+    /// step nothing. It keeps its id, box, margin, filter and value, and can be given others; steps ignore
+    /// its box in the caller's array. Its pairs are lost at the next step, and found at the next one after it
+    /// is enabled. It counts as [resting](Self::set_resting), and is awake when it is enabled. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`].
@@ -105,9 +105,9 @@ impl<I: Index> World<'_, I> {
         links::append(parts, slot as u32);
     }
 
-    /// Puts objects to rest, all or none: objects that the caller knows to rest, as steps find out about others by
-    /// themselves. The next step parks their pairs with each other, and steps ignore their boxes in the caller's
-    /// array. An object wakes when it gets another box by [`set_aabb`](Self::set_aabb) or
+    /// Puts objects to rest, all or none: objects that the caller knows to rest, as steps find out about
+    /// others by themselves. The next step parks their pairs with each other, and steps ignore their boxes in
+    /// the caller's array. An object wakes when it gets another box by [`set_aabb`](Self::set_aabb) or
     /// [`update_many`](Self::update_many). O(n).
     ///
     /// # Errors
@@ -177,8 +177,8 @@ impl<I: Index> World<'_, I> {
         self.contains(id) && meet(&self.filter(id).unwrap_or_default(), filter, row)
     }
 
-    /// Sets which classes meet. Two classes `a` and `b` meet if bit `b` of `meets[a]` and bit `a` of `meets[b]` are
-    /// set. At first all classes meet. The next step looks for all pairs anew. O(n).
+    /// Sets which classes meet. Two classes `a` and `b` meet if bit `b` of `meets[a]` and bit `a` of
+    /// `meets[b]` are set. At first all classes meet. The next step looks for all pairs anew. O(n).
     ///
     /// # Errors
     /// [`Error::NoFilters`].
@@ -202,8 +202,8 @@ impl<I: Index> World<'_, I> {
         (*self.parts.filters.classes).try_into().ok()
     }
 
-    /// Makes the next step ask about all pairs of an object again, after a [`Rule`](crate::Rule) has changed its
-    /// answer. O(1).
+    /// Makes the next step ask about all pairs of an object again, after a [`Rule`](crate::Rule) has changed
+    /// its answer. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::NoFilters`].
@@ -222,8 +222,8 @@ impl<I: Index> World<'_, I> {
         self.parts.state.objects.dirty = 1;
     }
 
-    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
-    /// once. O(1).
+    /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts
+    /// as moved once. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`], [`Error::NoMargins`], or [`Error::BadMargin`] where `length` is negative or not finite.
@@ -245,8 +245,8 @@ impl<I: Index> World<'_, I> {
         self.attribute(id, self.parts.boxes.margins)
     }
 
-    /// Gives an object a value for the caller's use, such as an entity, an index or a pointer; a new object has 0.
-    /// Snapshots and [moves](Self::move_into) keep it. O(1).
+    /// Gives an object a value for the caller's use, such as an entity, an index or a pointer; a new object
+    /// has 0. Snapshots and [moves](Self::move_into) keep it. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`] or [`Error::NoValues`].

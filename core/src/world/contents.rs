@@ -93,8 +93,8 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// Removes all objects. Their ids become stale, and their pairs are lost at the next step. O(slots that have been
-    /// in use).
+    /// Removes all objects. Their ids become stale, and their pairs are lost at the next step. O(slots that
+    /// have been in use).
     pub fn clear(&mut self) {
         for slot in 0..self.parts.state.objects.slots {
             if let Some(id) = self.id_at(slot) {

@@ -29,8 +29,8 @@ use core::fmt;
 /// # Ok::<(), Error>(())
 /// ```
 impl<'m, I: Index> World<'m, I> {
-    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout) says. What
-    /// was in the slab does not matter; bytes beyond the needed length are not touched. O(bytes).
+    /// Makes an empty world in `slab`, which must be as long and as aligned as [`layout`](crate::layout)
+    /// says. What was in the slab does not matter; bytes beyond the needed length are not touched. O(bytes).
     ///
     /// # Errors
     /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
@@ -54,9 +54,9 @@ impl<'m, I: Index> World<'m, I> {
         Self { parts, kernels: Kernels::detect() }
     }
 
-    /// Becomes a copy of another world, which has the same memory and kind: it goes on as that one would, byte for
-    /// byte. To go back, keep a copy from before. Takes at most as long as a copy of the memory, less where room is not
-    /// used. A copy of the memory itself, opened again, is the same.
+    /// Becomes a copy of another world, which has the same memory and kind: it goes on as that one would,
+    /// byte for byte. To go back, keep a copy from before. Takes at most as long as a copy of the memory,
+    /// less where room is not used. A copy of the memory itself, opened again, is the same.
     ///
     /// # Errors
     /// [`Error::OtherConfig`]; nothing is done then.
@@ -99,8 +99,8 @@ impl<'m, I: Index> World<'m, I> {
 
 /// Memory for a world, in a static, a struct or on the stack.
 ///
-/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. It is all
-/// zero until [`init`](Self::init), so a static is in `.bss`.
+/// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. It is
+/// all zero until [`init`](Self::init), so a static is in `.bss`.
 ///
 /// ```
 /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};

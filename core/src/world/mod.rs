@@ -159,8 +159,8 @@ impl<I: Index> World<'_, I> {
         Some(progress.pairs)
     }
 
-    /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused, and how many
-    /// objects left their leaf if the intake settles records.
+    /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused,
+    /// and how many objects left their leaf if the intake settles records.
     fn take_in(
         parts: &mut Parts<'_, I>,
         bounds: Option<Boxes<'_>>,

@@ -196,8 +196,8 @@ impl<'m, I: Index> World<'m, I> {
     fn fill_slot(&mut self, slot: u32, bounds: KeyBox) -> Result<Id, Error> {
         let (parts, at) = (&mut self.parts, slot as usize);
         parts.state.objects.live += 1;
-        // After four billion objects in one slot an old id could match again. Zero is left out, so ids are never
-        // zero.
+        // After four billion objects in one slot an old id could match again. Zero is left out, so ids are
+        // never zero.
         let former_generation = parts.generations.at(at);
         let generation = former_generation.wrapping_add(1).max(1);
         parts.generations.put(at, generation);

@@ -10,13 +10,13 @@ use crate::world::World;
 
 /// Large scenes.
 impl<I: Index> World<'_, I> {
-    /// Moves the origin to the point `by`: subtracts it from all boxes. Give boxes relative to the new origin from
-    /// then on. The next step fills all leaves anew. O(n).
+    /// Moves the origin to the point `by`: subtracts it from all boxes. Give boxes relative to the new origin
+    /// from then on. The next step fills all leaves anew. O(n).
     ///
-    /// If a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but boxes may come to
-    /// overlap. Returns the number of objects whose boxes were rounded. It is zero for shifts by multiples of the
-    /// finest step of all coordinates, and then pairs and events are as without a shift. Infinite bounds stay
-    /// infinite, and bounds that leave the range of `f32` become infinite outwards.
+    /// If a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but boxes may
+    /// come to overlap. Returns the number of objects whose boxes were rounded. It is zero for shifts by
+    /// multiples of the finest step of all coordinates, and then pairs and events are as without a shift.
+    /// Infinite bounds stay infinite, and bounds that leave the range of `f32` become infinite outwards.
     ///
     /// Fat boxes are shifted too, not made anew. So a shift alone does not change the pairs in
     /// [`Mode::Fat`](crate::Mode::Fat) either, unless fat boxes are rounded; these are not counted.
@@ -58,8 +58,8 @@ impl<I: Index> World<'_, I> {
             if now.is_free() {
                 continue;
             }
-            // The boxes of the last complete step stay unshifted, since they are only compared with each other. So
-            // events are exact even if boxes are rounded.
+            // The boxes of the last complete step stay unshifted, since they are only compared with each
+            // other. So events are exact even if boxes are rounded.
             let (bounds, exact) = shifted(parts.bounds(slot), by);
             let mut objects = parts.objects();
             objects.touch(slot);

@@ -14,8 +14,8 @@ use crate::simd::kernels::Kernels;
 use core::fmt;
 use core::ops::Deref;
 
-/// A step on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by [`step`](Self::step) or
-/// [`step_over`](Self::step_over).
+/// A step on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by
+/// [`step`](Self::step) or [`step_over`](Self::step_over).
 #[must_use = "does nothing until `step` or `step_over`"]
 pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
     world: &'w mut World<'m, I>,
@@ -63,9 +63,9 @@ impl<'m, I: Index> World<'m, I> {
         self.on(&Serial).step()
     }
 
-    /// As [`step`](Self::step), after giving every object the box at its slot in `bounds`, the caller's own array:
-    /// one pass, no copy. Boxes at slots without an object do not matter. Objects beyond the end of the array keep
-    /// their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
+    /// As [`step`](Self::step), after giving every object the box at its slot in `bounds`, the caller's own
+    /// array: one pass, no copy. Boxes at slots without an object do not matter. Objects beyond the end of
+    /// the array keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
     ///
     /// # Errors
     /// [`Error::PairsFull`]. It does not tell about refused boxes; another step over the same array does.
@@ -73,14 +73,14 @@ impl<'m, I: Index> World<'m, I> {
         self.on(&Serial).step_over(bounds)
     }
 
-    /// Steps on the workers of a job system: `world.on(&executor).step()`. The result is the same, byte for byte. At
-    /// most [`Config::workers`](crate::Config::workers) work at once.
+    /// Steps on the workers of a job system: `world.on(&executor).step()`. The result is the same, byte for
+    /// byte. At most [`Config::workers`](crate::Config::workers) work at once.
     pub fn on<'w, 'e>(&'w mut self, executor: &'e dyn Executor) -> Stepper<'w, 'm, 'e, I> {
         Stepper { world: self, executor, rule: None }
     }
 
-    /// Steps with a rule that decides the pairs that the filters let through: `world.with_rule(&rule).step()`. If a
-    /// world has a rule in one step, it should have the same in all.
+    /// Steps with a rule that decides the pairs that the filters let through:
+    /// `world.with_rule(&rule).step()`. If a world has a rule in one step, it should have the same in all.
     pub fn with_rule<'w, 'e>(&'w mut self, rule: &'e Rule<'e>) -> Stepper<'w, 'm, 'e, I> {
         Stepper { world: self, executor: &Serial, rule: Some(rule) }
     }
@@ -116,8 +116,8 @@ impl<'m, I: Index> World<'m, I> {
         self.kernels
     }
 
-    /// Makes steps and queries use other kernels than the best ones of this CPU. Only their speed differs. This
-    /// belongs to the view: a world that is opened again uses the best ones.
+    /// Makes steps and queries use other kernels than the best ones of this CPU. Only their speed differs.
+    /// This belongs to the view: a world that is opened again uses the best ones.
     pub fn set_kernels(&mut self, kernels: Kernels) -> &mut Self {
         self.kernels = kernels;
         self
@@ -203,9 +203,9 @@ impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// The overlapping pairs of the last step, each once, the lower slot first. Their order means nothing, but the
-    /// same calls give the same order. After [`Error::PairsFull`](crate::Error::PairsFull) these are the pairs that
-    /// fit.
+    /// The overlapping pairs of the last step, each once, the lower slot first. Their order means nothing,
+    /// but the same calls give the same order. After [`Error::PairsFull`](crate::Error::PairsFull) these are
+    /// the pairs that fit.
     #[doc(alias("contacts", "collisions", "overlaps"))]
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
@@ -213,8 +213,8 @@ impl<I: Index> World<'_, I> {
         self.parts.output.pairs.span(result.start, result.len())
     }
 
-    /// With events: the pairs of the last step that the complete step before it did not have. Other objects in the
-    /// same slots are another pair.
+    /// With events: the pairs of the last step that the complete step before it did not have. Other objects
+    /// in the same slots are another pair.
     #[doc(alias("started", "begin_contact"))]
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
@@ -230,15 +230,15 @@ impl<I: Index> World<'_, I> {
         self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
     }
 
-    /// Puts the result of the last step into an order of its own: [`pairs`](Self::pairs) are those that the complete
-    /// step before had, in ascending order, and behind them the [found](Self::found) ones in ascending order; the
-    /// [lost](Self::lost) ones ascend, too. Without events all pairs ascend. So worlds with the same objects in the same
-    /// slots give the same bytes, whatever their room, their workers and their past are: as a solver needs that takes
-    /// contacts in order and has to agree with another machine. After [`Error::PairsFull`](crate::Error::PairsFull)
-    /// nothing is done.
+    /// Puts the result of the last step into an order of its own: [`pairs`](Self::pairs) are those that the
+    /// complete step before had, in ascending order, and behind them the [found](Self::found) ones in
+    /// ascending order; the [lost](Self::lost) ones ascend, too. Without events all pairs ascend. So worlds
+    /// with the same objects in the same slots give the same bytes, whatever their room, their workers and
+    /// their past are: as a solver needs that takes contacts in order and has to agree with another machine.
+    /// After [`Error::PairsFull`](crate::Error::PairsFull) nothing is done.
     ///
-    /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as those at rest are no
-    /// longer set aside.
+    /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as those at
+    /// rest are no longer set aside.
     ///
     /// ```
     /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
@@ -263,15 +263,15 @@ impl<I: Index> World<'_, I> {
         self.parts.state.stats()
     }
 
-    /// The [`pairs`](Self::pairs) with at least one awake object: one that was not put to rest, or has been woken
-    /// since. A narrow phase that keeps the contacts of resting objects needs only these. O(pairs).
+    /// The [`pairs`](Self::pairs) with at least one awake object: one that was not put to rest, or has been
+    /// woken since. A narrow phase that keeps the contacts of resting objects needs only these. O(pairs).
     pub fn awake_pairs(&self) -> impl Iterator<Item = Pair<I>> {
         let rests = |slot: I| bits::test(self.parts.resting, slot.at());
         self.pairs().iter().copied().filter(move |[a, b]| !rests(*a) || !rests(*b))
     }
 
-    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step, also where another
-    /// object has got the slot since.
+    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step, also where
+    /// another object has got the slot since.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }
@@ -281,8 +281,8 @@ impl<I: Index> World<'_, I> {
         self.living(self.found())
     }
 
-    /// [`lost`](Self::lost) by the ids of the objects that were the pair, also if they are gone and others have their
-    /// slots. Ask before you insert an object: until then these are the ids of the last two steps.
+    /// [`lost`](Self::lost) by the ids of the objects that were the pair, also if they are gone and others
+    /// have their slots. Ask before you insert an object: until then these are the ids of the last two steps.
     pub fn lost_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         both(self.lost().iter().copied(), |slot| {
             let generations =
@@ -291,8 +291,8 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// [`pairs`](Self::pairs) by value, without those of objects that were removed since the step. None in a world
-    /// without values.
+    /// [`pairs`](Self::pairs) by value, without those of objects that were removed since the step. None in a
+    /// world without values.
     pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> {
         both(self.pair_ids(), |id| self.value(id))
     }
@@ -358,8 +358,8 @@ impl<'w, I: Index> Step<'w, I> {
         self.world
     }
 
-    /// The objects whose boxes in the caller's array were refused: NaN, or a minimum above its maximum. They keep
-    /// their last good boxes; all other objects are not affected.
+    /// The objects whose boxes in the caller's array were refused: NaN, or a minimum above its maximum. They
+    /// keep their last good boxes; all other objects are not affected.
     #[must_use]
     pub fn rejected(&self) -> Option<Rejected> {
         self.rejected

@@ -39,8 +39,8 @@ impl State {
         if self.tree.filled != 0 { self.tree.count << self.tree.sub_levels() } else { self.step.leaves }
     }
 
-    /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus, and
-    /// without what belongs to the memory, the build or a test. The next step finds all pairs anew.
+    /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus,
+    /// and without what belongs to the memory, the build or a test. The next step finds all pairs anew.
     pub(crate) fn portable(&self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
         Self {

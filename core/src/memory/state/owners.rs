@@ -110,7 +110,6 @@ impl TreeState {
     }
 
     /// How many levels the leaves are below `depth`: none while no leaf is divided.
-    #[inline(always)]
     pub(crate) const fn sub_levels(&self) -> u32 {
         if self.subdivided == 0 { 0 } else { SUB_LEVELS }
     }
@@ -121,8 +120,8 @@ impl TreeState {
     }
 }
 
-/// How many straddlers are as long as the boxes of the nodes of a depth over the large objects. There are none over a
-/// single group.
+/// How many straddlers are as long as the boxes of the nodes of a depth over the large objects. There are
+/// none over a single group.
 pub(crate) const fn large_nodes(depth: u8) -> usize {
     if depth == 0 { 0 } else { 3usize.wrapping_shl(depth as u32 - 1) }
 }
@@ -131,30 +130,30 @@ pub(crate) const fn large_nodes(depth: u8) -> usize {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct PairState {
-    /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, in exact mode with margins,
-    /// surplus.
+    /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, in exact mode with
+    /// margins, surplus.
     pub(crate) swept: u64,
     /// All but the surplus: see [`result`](Self::result).
     pub(crate) reported: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
-    /// With events: pairs of the last complete result in the other buffer; in a step with few movers without the
-    /// parked ones.
+    /// With events: pairs of the last complete result in the other buffer; in a step with few movers without
+    /// the parked ones.
     pub(crate) previous: u64,
     /// Parked pairs at the front of the pair buffer, and how many of them are surplus, which comes first: see
     /// `persistent`.
     pub(crate) parked: u32,
     pub(crate) surplus_parked: u32,
-    /// In a step that keeps pairs: where these end at the front of the pair buffer, and where those of the last result do
-    /// among them. Surplus is between.
+    /// In a step that keeps pairs: where these end at the front of the pair buffer, and where those of the
+    /// last result do among them. Surplus is between.
     pub(crate) kept: u32,
     pub(crate) kept_result: u32,
     /// At least as many as there are active objects.
     pub(crate) active: u32,
     /// Whether the last step had room for all its pairs.
     pub(crate) complete: u8,
-    /// Whether the pairs cannot be kept, since the last step swept the boxes as given though there are fat ones, or
-    /// since they come from a snapshot: the next step finds all anew.
+    /// Whether the pairs cannot be kept, since the last step swept the boxes as given though there are fat
+    /// ones, or since they come from a snapshot: the next step finds all anew.
     pub(crate) unkept: u8,
     pub(crate) unused: u8,
     /// With events: whether the two pair buffers have changed places.
@@ -168,14 +167,14 @@ impl PairState {
         start..start + self.reported as usize
     }
 
-    /// How many pairs of the step before stand in the other buffer: those that are lost; if the last step had no room
-    /// for its pairs, all that are not parked.
+    /// How many pairs of the step before stand in the other buffer: those that are lost; if the last step had
+    /// no room for its pairs, all that are not parked.
     pub(crate) const fn previous(&self) -> u64 {
         if self.complete != 0 { self.lost } else { self.previous }
     }
 
-    /// See [`State::portable`](super::State::portable). None of the pairs are parked: no more can be active, so the
-    /// next step looks which it can park.
+    /// See [`State::portable`](super::State::portable). None of the pairs are parked: no more can be active,
+    /// so the next step looks which it can park.
     pub(super) fn portable(&self, previous: u64) -> Self {
         let Self { reported, found, lost, complete, .. } = *self;
         let counts = Self { swept: reported, reported, found, lost, previous, ..Self::default() };
@@ -198,8 +197,8 @@ pub(crate) struct StepState {
     pub(crate) margins_in: u8,
     /// How many it will be the next time.
     pub(crate) margins_after: u8,
-    /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have kept
-    /// them since all were filled.
+    /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have
+    /// kept them since all were filled.
     pub(crate) kept: u8,
     pub(super) path: u8,
     pub(super) reason: u8,

@@ -21,8 +21,8 @@ macro_rules! proven {
     };
 }
 
-/// Which of 32 rows have no byte below that of the query. A plain function: a closure would not have the instruction set of its
-/// function.
+/// Which of 32 rows have no byte below that of the query. A plain function: a closure would not have the
+/// instruction set of its function.
 #[inline(always)]
 fn reached(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
     // SAFETY: the token proves AVX2; each load reads eight rows.
@@ -32,8 +32,8 @@ fn reached(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {
         let b = _mm256_subs_epu8(query, _mm256_loadu_si256(b.as_ptr().cast()));
         let c = _mm256_subs_epu8(query, _mm256_loadu_si256(c.as_ptr().cast()));
         let d = _mm256_subs_epu8(query, _mm256_loadu_si256(d.as_ptr().cast()));
-        // A byte for each row, zero where all four are: saturation keeps every other number above zero. The packing
-        // interleaves the halves of the vectors, so groups of four are put back in order.
+        // A byte for each row, zero where all four are: saturation keeps every other number above zero. The
+        // packing interleaves the halves of the vectors, so groups of four are put back in order.
         let bytes = _mm256_packs_epi16(_mm256_packs_epi32(a, b), _mm256_packs_epi32(c, d));
         let inside = _mm256_cmpeq_epi8(bytes, _mm256_setzero_si256());
         _mm256_movemask_epi8(_mm256_permutevar8x32_epi32(inside, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7)))

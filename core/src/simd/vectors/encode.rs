@@ -1,7 +1,7 @@
 //! The keys of four boxes at a time.
 //!
-//! Each half of three vectors has the twelve numbers of two boxes: the first one of a box to the first of its maxima; its other two
-//! maxima and the first two minima of the next box; the rest of that.
+//! Each half of three vectors has the twelve numbers of two boxes: the first one of a box to the first of its
+//! maxima; its other two maxima and the first two minima of the next box; the rest of that.
 
 use super::operations::{Halves, NO_BYTE, places};
 use crate::geometry::boxes::Four;

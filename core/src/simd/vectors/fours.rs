@@ -14,8 +14,8 @@ const RAISED: [u8; 16] =
 /// The places of the bytes that a mask of four keeps.
 pub(super) const KEPT: [[u8; 16]; 16] = kept();
 
-/// What the lanes of other records must not exceed to touch these: the maxima, then the complemented minima; and the tags as they
-/// are.
+/// What the lanes of other records must not exceed to touch these: the maxima, then the complemented minima;
+/// and the tags as they are.
 #[inline(always)]
 pub(super) fn limit<V: Vectors>(v: V, records: V::Vector, halves: V::Vector) -> V::Vector {
     v.xor(v.shuffle(records, halves), v.words([u32::MAX, u32::MAX, u32::MAX, 0]))
@@ -82,16 +82,16 @@ unsafe fn pick<W: Halves>(w: W, records: &[Record], a: u32, b: u32) -> W::Vector
     w.pick(bytemuck::cast_ref(a), bytemuck::cast_ref(b))
 }
 
-/// By how much two records exceed the limits of two others, and the marks that they share: zero in the eight bytes of a pair that is
-/// reported here.
+/// By how much two records exceed the limits of two others, and the marks that they share: zero in the eight
+/// bytes of a pair that is reported here.
 #[inline(always)]
 fn excess<W: Halves>(w: W, records: W::Vector, limit: W::Vector) -> W::Vector {
     let shared = w.and(w.and(records, limit), w.splat(Record::MARKS));
     w.select(w.words([u32::MAX, u32::MAX, u32::MAX, 0]), w.excess16(records, limit), shared)
 }
 
-/// Writes the pairs of four records, of which the first and the third come together, with those of the limits, as far as they touch, and returns how many do. `None`
-/// if only the keys can decide one of the four.
+/// Writes the pairs of four records, of which the first and the third come together, with those of the
+/// limits, as far as they touch, and returns how many do. `None` if only the keys can decide one of the four.
 #[inline(always)]
 fn keep<W: Halves, I: Index>(
     w: W,

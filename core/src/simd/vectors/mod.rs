@@ -1,6 +1,6 @@
-//! Vectors of 32 bytes, as two halves of 16: a register of AVX2, or two of SSE4.1, NEON of AArch64 or simd128 of WebAssembly. What a
-//! step does with them is written once, over the operations of [`Halves`](operations::Halves). Each instruction set is a file that
-//! names its own instructions.
+//! Vectors of 32 bytes, as two halves of 16: a register of AVX2, or two of SSE4.1, NEON of AArch64 or simd128
+//! of WebAssembly. What a step does with them is written once, over the operations of
+//! [`Halves`](operations::Halves). Each instruction set is a file that names its own instructions.
 //!
 //! Why not a crate? `wide` (1.7) chooses its instructions when it is compiled, so a program for any x86-64 would get
 //! SSE2, which has no byte shuffle. `pulp` (0.22) chooses while the program runs, but its portable part lacks the

@@ -153,8 +153,8 @@ impl Half for Neon {
         unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
     }
 
-    // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that no two bits are in one
-    // place, and make three operations of each sum.
+    // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that
+    // no two bits are in one place, and make three operations of each sum.
     #[inline(always)]
     fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
         // SAFETY: as in `guaranteed`.

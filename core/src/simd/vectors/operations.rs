@@ -3,9 +3,9 @@
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
-/// The operations of one instruction set on vectors of one half or two halves, of 16 bytes each: lanes of 8, 16 or 32 bits, as the
-/// name of an operation says. Both halves do the same. A value of the type is the proof that the CPU has the instructions. A mask
-/// has lanes of all ones or all zeros.
+/// The operations of one instruction set on vectors of one half or two halves, of 16 bytes each: lanes of 8,
+/// 16 or 32 bits, as the name of an operation says. Both halves do the same. A value of the type is the proof
+/// that the CPU has the instructions. A mask has lanes of all ones or all zeros.
 pub(crate) trait Vectors: Copy + Send + Sync {
     /// The name of its level, as [`Kernels::name`](crate::Kernels::name) gives it.
     const NAME: &'static str;
@@ -120,8 +120,8 @@ pub(crate) trait Half: Vectors {
     fn even32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The second and the last word of `a` and of `b`.
     fn odd32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives zero, what is above 65,535
-    /// that.
+    /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives
+    /// zero, what is above 65,535 that.
     fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A mask of 16 bytes, one for each four of four vectors: whether none of them is below that of the query.
     fn reached(self, rows: [Self::Vector; 4], query: Self::Vector) -> Self::Vector;

@@ -134,8 +134,8 @@ impl Half for Sse41 {
     proven! {
         even32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         odd32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
-        // NaN stays, as the second operand. Of it and of what is too low the conversion makes the least number, of which the packing
-        // makes zero, as of all below zero.
+        // NaN stays, as the second operand. Of it and of what is too low the conversion makes the least
+        // number, of which the packing makes zero, as of all below zero.
         steps16(a, b) = _mm_packus_epi32(
             _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(a))),
             _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(b)))
