@@ -76,6 +76,7 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
     }
 
     /// Replaces the element.
+    #[inline(always)]
     fn put(&mut self, index: usize, value: T) {
         let items = self.as_mut();
         debug_assert!(index < items.len(), "write {index} of {}", items.len());
@@ -138,6 +139,7 @@ pub(crate) mod bits {
         count.div_ceil(32)
     }
 
+    #[inline(always)]
     pub(crate) fn test(words: &[u32], bit: usize) -> bool {
         words.at(bit / 32) >> (bit % 32) & 1 != 0
     }

@@ -112,6 +112,7 @@ impl Index for u32 {
 pub type Pair<I = u32> = [I; 2];
 
 /// The pair of two slots.
+#[inline(always)]
 pub(crate) fn pair<I: Index>(a: u32, b: u32) -> Pair<I> {
     [I::from_slot(a.min(b)), I::from_slot(a.max(b))]
 }

@@ -63,7 +63,6 @@ pub(crate) fn sift_up<T: Copy + Default>(heap: &mut [T], precedes: &impl Fn(T, T
 }
 
 /// Moves an item of such a heap down to its place. O(log n).
-#[inline(always)]
 pub(crate) fn sift_down<T: Copy + Default>(heap: &mut [T], root: usize, precedes: &impl Fn(T, T) -> bool) {
     // Down to a leaf by the larger children, then up again. Most items belong near the leaves, and this way
     // down takes one comparison a level instead of two.

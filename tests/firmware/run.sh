@@ -81,7 +81,7 @@ stack() {
     "$tools/inspect" "$binary" --sizes sizes.txt --stack "$limit" --measured "$CARGO_TARGET_DIR/stack.txt"
 }
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi; do
-    stack "$boards/$target/release/calls" 2048
+    stack "$boards/$target/release/calls" 2432
     stack "$boards/$target/release/around" 3200
 done
 "$tools/inspect" "$boards/riscv32imac-unknown-none-elf/release/around"

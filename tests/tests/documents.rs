@@ -267,8 +267,7 @@ fn constants(file: &str) -> BTreeMap<String, String> {
 }
 
 /// The files that hold nothing but constants that were chosen, each of which is in the table.
-const CHOSEN: [&str; 3] =
-    ["core/src/memory/limits.rs", "core/src/memory/prefetch.rs", "core/src/tree/limits.rs"];
+const CHOSEN: [&str; 2] = ["core/src/memory/limits.rs", "core/src/tree/limits.rs"];
 
 #[test]
 fn constants_are_as_the_table_says() {

@@ -111,6 +111,7 @@ impl KeyBox {
     }
 
     /// Whether all keys are the same. With `==` it would be a call.
+    #[inline(always)]
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let differs = |k: usize| (self.min[k] ^ other.min[k]) | (self.max[k] ^ other.max[k]);
         differs(0) | differs(1) | differs(2) == 0
@@ -135,15 +136,18 @@ impl KeyBox {
         self
     }
 
+    #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.min[0] > self.max[0]
     }
 
+    #[inline(always)]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         on_all_axes(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// Containment on all three axes (errata E3 and E4).
+    #[inline(always)]
     pub(crate) fn contains(&self, inner: &Self) -> bool {
         on_all_axes(|k| self.min[k] <= inner.min[k] && inner.max[k] <= self.max[k])
     }

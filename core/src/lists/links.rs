@@ -17,6 +17,7 @@ use crate::sort::heapsort;
 const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// The total order of a list.
+#[inline(always)]
 pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
     // By reference: one number of a box is needed.
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);

@@ -256,10 +256,6 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items, &mut room) else { break };
-        if FAT {
-            // The caller's boxes are seldom in the cache.
-            simd.prefetch(items, 1024);
-        }
         items = bounds.items_after(4, items);
         if skipped >> first & 0b1111 != 0 {
             continue;

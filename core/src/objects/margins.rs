@@ -80,7 +80,8 @@ impl FatBoxes<'_> {
     /// Makes the fat box of an object that has come from an old box.
     fn make(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
         let margin = self.margin(at);
-        let fat = if self.predicted { bounds.predicted(old, margin) } else { bounds.grown(margin) };
+        let predicts = cfg!(feature = "large") && self.predicted;
+        let fat = if predicts { bounds.predicted(old, margin) } else { bounds.grown(margin) };
         self.boxes.put(at, fat);
     }
 }

@@ -131,12 +131,8 @@ pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     exchange(output.pairs.span_mut(0, surplus + persisting), surplus);
     exchange(output.pairs.span_mut(persisting, surplus + found), surplus);
     (state.pairs.parked, state.pairs.active) = (0, u32::MAX);
+    let sort = |pairs: &mut [Pair<I>]| heapsort(pairs, |a, b| a < b);
     sort(output.pairs.span_mut(0, persisting));
     sort(output.pairs.span_mut(persisting, found));
     sort(output.previous.span_mut(0, state.pairs.lost as usize));
-}
-
-/// O(pairs * log(pairs)).
-fn sort<I: Index>(pairs: &mut [Pair<I>]) {
-    if cfg!(feature = "large") { pairs.sort_unstable() } else { heapsort(pairs, |a, b| a < b) }
 }

@@ -164,7 +164,7 @@ impl<I: Index> Collector<'_, '_, I> {
         let OutputParts { pairs, staged, chunks, .. } = &mut *self.output;
         let chunks = chunks.span_mut(0, used);
         // One worker has claimed the chunks of a block, in ascending order.
-        chunks.sort_unstable();
+        crate::sort::heapsort(chunks, |a, b| a < b);
         // Blocks are no longer needed. There now: where each chunk ends among all pairs.
         let mut count = 0;
         for [end, _, len] in &mut *chunks {

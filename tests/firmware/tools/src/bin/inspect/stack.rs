@@ -11,12 +11,16 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 24] = [
+const HOOKS: [(&str, &[&str]); 26] = [
+    ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
+    ("in_blocks::<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
+    ("region::InRegion<u16>>::found", &["collect<trisap_core::id::Id", KEPT]),
+    // A program without a ball has none to ask, and the check of pairs asks for boxes alone.
+    ("region::Within>::side", &["region::Ball as", KEPT]),
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
     ("collect::{closure", &["trisap_core::step::"]),
     ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
-    ("Filtered<u16>", &["Ordered<u16>", "Staged<u16>", "Summing<u16>", RULE]),
-    ("OfMovers<u16>", &["Filtered<u16>", "Ordered<u16>", "Staged<u16>"]),
+    ("sweep::Sink<u16>>::take", &[RULE]),
     ("OneStep as", &["Serial as"]),
     ("sweep_movers", &["Sink<u16>>::take"]),
     ("sweep_leaves", &["Sink<u16>>::take"]),
@@ -25,12 +29,11 @@ const HOOKS: [(&str, &[&str]); 24] = [
     ("intake::", &["intake::", "Executor>::"]),
     ("assign::", &["assign::", "Executor>::"]),
     ("results::", &["Executor>::"]),
-    ("sweep::rounds", &["Sink<u16>>::take"]),
     ("sweep::s", &[RULE]),
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
     ("cast::visit_along", &["::hits::{closure", "::first_hit::{closure"]),
-    ("World<u16>>::", &["Executor>::", "results::", RULE]),
+    ("World<u16>>::", &["Executor>::", "results::", "in_blocks::<", RULE]),
     ("Stepper<u16>>::", &["Executor>::", "results::", "intake::", "assign::", RULE]),
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
@@ -40,6 +43,9 @@ const HOOKS: [(&str, &[&str]); 24] = [
 
 /// The filter rule of the program `around`.
 const RULE: &str = "api::step_with_rule::{closure";
+
+/// What the check of all pairs does with the boxes that overlap one.
+const KEPT: &str = "kept_pairs<u16>::{closure#3} as";
 
 /// Frames of functions that are written by hand, of which no compiler tells: division, in `compiler_builtins`.
 const BY_HAND: [(&str, u32); 2] = [("__aeabi_uidivmod", 8), ("__aeabi_uldivmod", 24)];
