@@ -25,7 +25,7 @@ fn bound(objects: usize, pairs: usize, events: bool) -> u32 {
     let digits = usize::BITS - objects.leading_zeros();
     let per_object = 320 + 50 * digits as usize + if events { 80 } else { 0 };
     let per_pair = if events { 164 } else { 34 };
-    (8000 + per_object * objects + 12 * objects * objects + per_pair * pairs) as u32
+    (10_000 + per_object * objects + 12 * objects * objects + per_pair * pairs) as u32
 }
 
 const fn config(objects: usize, pairs: usize) -> Config {
