@@ -41,7 +41,7 @@
 #endif
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 5
+#define TRISAP_ABI_VERSION 6
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0

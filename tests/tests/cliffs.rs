@@ -672,3 +672,28 @@ fn worlds_that_lie_still_have_their_leaves_divided() {
         assert!(still * 20 <= few * 21, "{still} boxes in reach, {few} where one object moves");
     }
 }
+
+/// While some leaves are divided and others are not yet, movers are tested against no more boxes than before.
+#[test]
+fn movers_meet_no_more_while_leaves_are_divided_bit_by_bit() {
+    let mut boxes = uniform(8000, 33);
+    let config = Config::new(ample(8000, 80_000)).without_predicted_boxes();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
+    world.step().expect("room");
+    let (mut rng, mut undivided, mut divided) = (Rng::new(34), 0, 0);
+    for step in 0..12 {
+        // Other ones each time.
+        for at in (step..8000).step_by(25) {
+            boxes[at] = shifted(&boxes[at], rng.point(-0.5, 0.5));
+            world.set_aabb(ids[at], boxes[at]).expect("alive");
+        }
+        let stats = world.step().expect("room").stats();
+        assert_eq!(stats.path, Path::Movers);
+        let most = if stats.fine_leaves { &mut divided } else { &mut undivided };
+        *most = stats.candidates.max(*most);
+    }
+    assert!(undivided > 0 && divided > 0, "{undivided} {divided}");
+    assert!(divided * 4 <= undivided * 5, "{undivided} candidates, then {divided}");
+}

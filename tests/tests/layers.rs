@@ -196,7 +196,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1392),
+    ("", 1393),
     ("geometry", 1085),
     ("lists", 105),
     ("memory", 1825),
