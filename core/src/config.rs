@@ -1,6 +1,7 @@
 //! What a world is made for.
 
 use crate::error::Error;
+use bytemuck::{Pod, Zeroable};
 
 /// How much fits into a world. No limit loses anything silently: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,9 +139,9 @@ pub struct Config {
     /// world. With a margin there is at least that around each box. Costs 24 bytes an object. Worlds without a tree and fat
     /// worlds have none: these return the overlaps of what the caller has put around the boxes.
     pub predicted: bool,
-    /// What tests have fixed: see [`forced`](Self::forced).
+    /// What tests have fixed.
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(crate) forced: u8,
+    pub(crate) forced: Forced,
 }
 
 impl Default for Config {
@@ -165,7 +166,7 @@ impl Config {
             workers: 1,
             fixed_margins: false,
             predicted: true,
-            forced: 0,
+            forced: Forced(0),
         }
     }
 
@@ -246,20 +247,31 @@ impl Config {
     pub const fn with_forced(mut self, choice: u8, always: Option<bool>) -> Self {
         let how = match always {
             None => 0,
-            Some(false) => 1,
-            Some(true) => 2,
+            Some(on) => 1 + on as u16,
         };
-        self.forced = self.forced & !(3 << (2 * choice)) | how << (2 * choice);
+        self.forced = Forced(self.forced.0 & !(3 << (2 * choice)) | how << (2 * choice));
         self
     }
+}
 
-    /// Whether tests have fixed one of these choices to never or always. Products have none.
-    pub(crate) const fn forced(&self, choice: u8) -> Option<bool> {
-        match self.forced >> (2 * choice) & 3 {
+/// What tests have fixed, two bits a choice. Products have fixed nothing.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct Forced(u16);
+
+impl Forced {
+    /// Whether a choice is fixed to never or always.
+    pub(crate) const fn of(self, choice: u8) -> Option<bool> {
+        match self.0 >> (2 * choice) & 3 {
             _ if !cfg!(feature = "validate") => None,
             0 => None,
             how => Some(how == 2),
         }
+    }
+
+    /// What sizes depend on, also those of a snapshot.
+    pub(crate) const fn of_sizes(self) -> Self {
+        Self(self.0 & 3 << (2 * SMALL_LEAVES))
     }
 }
 
@@ -273,3 +285,5 @@ pub(crate) const SHARING: u8 = 2;
 /// Whether steps that fill all leaves find only the pairs of objects that have moved. Always: after every
 /// complete step, if [`MOVERS_ONLY`] is free.
 pub(crate) const MOVERS_BY_LEAF: u8 = 3;
+/// Whether leaves have a 32nd of the usual number of objects. Always: small worlds take all paths.
+pub(crate) const SMALL_LEAVES: u8 = 4;

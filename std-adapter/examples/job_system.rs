@@ -202,7 +202,7 @@ mod tests {
     use std::sync::Barrier;
 
     // Miri is slow.
-    const COUNT: usize = if cfg!(miri) { 1100 } else { 6000 };
+    const COUNT: usize = if cfg!(miri) { 4200 } else { 6000 };
     const FRAMES: usize = if cfg!(miri) { 2 } else { 4 };
 
     #[test]

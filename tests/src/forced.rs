@@ -16,7 +16,7 @@ pub enum Choice {
 
 /// Configurations with fixed choices: see the core's `config.rs`.
 pub trait Forced: Sized {
-    /// The same with one of four choices fixed.
+    /// The same with one of five choices fixed.
     #[must_use]
     fn with(self, which: u8, choice: Choice) -> Self;
 
@@ -42,6 +42,12 @@ pub trait Forced: Sized {
     #[must_use]
     fn with_movers_by_leaf(self, choice: Choice) -> Self {
         self.with(3, choice)
+    }
+
+    /// The same with a tree from 3 objects on and leaves of 16, so that small worlds take all paths.
+    #[must_use]
+    fn with_small_leaves(self) -> Self {
+        self.with(4, Choice::Always)
     }
 }
 

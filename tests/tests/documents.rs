@@ -253,8 +253,6 @@ fn constants(file: &str) -> BTreeMap<String, String> {
         let (name, rest) = text.split_once(':')?;
         let (_, value) = rest.split_once(" = ")?;
         let value = value.split(';').next()?;
-        // Miri and fuzzing have others.
-        let value = value.split_once("} else {").map_or(value, |(_, value)| value.trim_end_matches('}'));
         let value = value.replace('_', "");
         let value = match value.trim().strip_prefix("Duration::from") {
             Some(time) => time.trim_end_matches(')').split('(').rev().collect::<Vec<_>>().join(" "),

@@ -7,6 +7,7 @@ use trisap_core::{
     Aabb, Boxes, Capacity, Config, Error, Executor, Id, Index, Kernels, Margin, Mode, Path, World, layout,
 };
 use trisap_tests::checked::Outcome;
+use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::lives::saved;
 use trisap_tests::scenes::{self, Brownian, Rng};
@@ -236,7 +237,7 @@ fn a_full_buffer_is_the_same_under_every_executor() {
 #[test]
 fn a_small_tree_is_the_same_on_threads() {
     const COUNT: usize = 1040;
-    let mut config = modes(COUNT)[2].with_workers(2);
+    let mut config = modes(COUNT)[2].with_workers(2).with_sharing(Choice::Always);
     config.capacity = Capacity::for_objects(1040).with_leaf_refs(1040).with_pairs(2000);
     let all = scenes::uniform(COUNT, 9);
     let few = [3, 400, 900].map(|slot| (slot, all[slot as usize + 5])).to_vec();

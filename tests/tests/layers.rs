@@ -196,20 +196,20 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1393),
+    ("", 1407),
     ("geometry", 1085),
-    ("lists", 105),
-    ("memory", 1825),
-    ("objects", 675),
-    ("pairs", 520),
-    ("parallel", 490),
-    ("query", 1345),
-    ("simd", 2240),
-    ("snapshot", 600),
-    ("step", 660),
-    ("sweep", 1360),
-    ("tree", 2155),
-    ("validate", 425),
+    ("lists", 98),
+    ("memory", 1823),
+    ("objects", 666),
+    ("pairs", 496),
+    ("parallel", 479),
+    ("query", 1341),
+    ("simd", 2238),
+    ("snapshot", 593),
+    ("step", 656),
+    ("sweep", 1357),
+    ("tree", 2151),
+    ("validate", 423),
     ("world", 1687),
 ];
 

@@ -74,7 +74,7 @@ pub(crate) struct Sizes {
 
 /// Whether a world has no tree.
 pub(crate) const fn is_small(config: &Config) -> bool {
-    config.capacity.objects as usize <= TINY || config.lean
+    config.capacity.objects as usize <= config.forced.leaf_target() / 8 || config.lean
 }
 
 /// Whether objects have a fat box.
@@ -123,7 +123,7 @@ impl Sizes {
         let (objects, small) = (capacity.objects as usize, is_small(config));
         let pairs = capacity.pairs as usize;
         let tree = if_so(!small, objects);
-        let made = 1usize << depth_for(tree);
+        let made = 1usize << depth_for(tree, config.forced.leaf_target());
         let whole_leaves = if_so(tree > 0, if made == 1 { 1 } else { made + made / 2 + 2 });
         let (blocks, leaves) = (whole_leaves.div_ceil(LEAVES_PER_BLOCK), whole_leaves << SUB_LEVELS);
         let mut sizes = Self {

@@ -2,16 +2,16 @@
 //! length. The table of constants in `NOTEBOOK.md` says what was measured for each.
 
 use super::slot_set::GROUP;
+use crate::config::{Forced, SMALL_LEAVES};
 
 // Sizes of worlds and leaves.
 
 /// Worlds for up to this many objects are lean: they have no tree and no scratch memory.
-pub(crate) const TINY: usize = if cfg!(fuzzing) { 8 } else { 64 };
+pub(crate) const TINY: usize = LEAF_TARGET / 8;
 /// The most objects of a lean world.
 pub(crate) const SMALL: usize = 256;
-/// The most objects in a leaf when its planes are new, at exact medians. Random sequences of operations take
-/// few, since they need small worlds that take all paths.
-pub(crate) const LEAF_TARGET: usize = if cfg!(fuzzing) { 16 } else { 512 };
+/// The usual [`Forced::leaf_target`].
+pub(crate) const LEAF_TARGET: usize = 512;
 /// Levels of planes below the leaves of a full step: each of these divides into eight sub-leaves.
 pub(crate) const SUB_LEVELS: u32 = 3;
 /// Free records in a leaf of a full step, beside an eighth of its members: four for each sub-leaf.
@@ -23,8 +23,8 @@ pub(crate) const BATCH: usize = 1024;
 
 // Work that is shared. Blocks follow from counts alone, so that no result depends on the number of workers.
 
-/// From this many objects on a step is shared between workers. Miri is too slow for that many.
-pub(crate) const SHARED_FROM: u32 = if cfg!(miri) { 0 } else { 4096 };
+/// From this many objects on a step is shared between workers.
+pub(crate) const SHARED_FROM: u32 = 4096;
 /// Blocks of slots in the passes over all objects.
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// A block of slots is a multiple of this: whole groups of a set, and whole cache lines of every array by slot.
@@ -67,19 +67,22 @@ pub(crate) const fn histogram_row(leaves: usize) -> usize {
     2 * leaves + 1
 }
 
-/// The depth of new leaves for a number of objects, so that none has more than [`LEAF_TARGET`] at exact
-/// medians (erratum E14).
-pub(crate) const fn depth_for(objects: usize) -> u32 {
+/// The depth of new leaves for a number of objects, so that none has more than `target` at exact medians
+/// (erratum E14).
+pub(crate) const fn depth_for(objects: usize, target: usize) -> u32 {
     let mut depth = 0;
-    while objects > LEAF_TARGET << depth {
+    while objects > target << depth {
         depth += 1;
     }
     depth
 }
 
-/// Worlds of up to this many boxes have them in the cache: no boxes of pairs are prefetched.
-pub(crate) const BOXES_NEAR: usize = 4096;
-/// The same where some pairs are tested at once, which waits less for the boxes.
-pub(crate) const BOXES_OF_SOME_NEAR: usize = 32_768;
+impl Forced {
+    /// The most objects in a leaf when its planes are new, at exact medians. Worlds for an eighth have no tree.
+    pub(crate) const fn leaf_target(self) -> usize {
+        if matches!(self.of(SMALL_LEAVES), Some(true)) { LEAF_TARGET / 32 } else { LEAF_TARGET }
+    }
+}
+
 /// Records of a leaf that are prefetched; the processor sees for itself that the others follow.
 pub(crate) const RECORDS_AHEAD: usize = 48;

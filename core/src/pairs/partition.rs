@@ -3,7 +3,7 @@
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::limits::{BOXES_NEAR, BOXES_OF_SOME_NEAR, PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
+use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::run;
@@ -68,13 +68,11 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
     loop {
         let len = PAIRS_TOGETHER.min(end - start);
         if failing == 0 && len > 0 {
-            test.prefetch(simd, pairs, start + len);
             let next = pairs.span(start, len);
             failing = ones(len) & !call!(simd, test.hold(simd, next));
             (first, start) = (start, start + len);
         } else if passing == 0 && len > 0 {
             end -= len;
-            test.prefetch(simd, pairs, end.saturating_sub(PAIRS_TOGETHER));
             let next = pairs.span(end, len);
             passing = call!(simd, test.hold(simd, next));
         } else if failing != 0 && passing != 0 {
@@ -98,9 +96,8 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
 
 /// Exchanges the pair of the lowest bit of a word with that of the highest bit of another one, and clears both bits.
 fn exchange_bits<I: Index>(pairs: &mut [Pair<I>], low: (usize, &mut usize), high: (usize, &mut usize)) {
-    let (lowest, highest) =
-        (low.1.trailing_zeros() as usize, PAIRS_TOGETHER - 1 - high.1.leading_zeros() as usize);
-    pairs.swap_at(low.0 + lowest, high.0 + highest);
+    let highest = PAIRS_TOGETHER - 1 - high.1.leading_zeros() as usize;
+    pairs.swap_at(low.0 + low.1.trailing_zeros() as usize, high.0 + highest);
     *low.1 &= low.1.wrapping_sub(1);
     *high.1 &= !(1 << highest);
 }
@@ -125,18 +122,6 @@ impl<I: Index> Test<'_, I> {
             }
             Self::ClearOf(set) => each(pairs, |pair| is_clear_of(set, pair)),
             Self::Holds(test) => each(pairs, test),
-        }
-    }
-
-    /// Prefetches the boxes of the pairs from a position on that are tested next, where boxes may not be in the cache.
-    #[inline(always)]
-    fn prefetch<S: Simd>(self, simd: S, pairs: &[Pair<I>], start: usize) {
-        let near = if S::TESTS_SOME_PAIRS { BOXES_OF_SOME_NEAR } else { BOXES_NEAR };
-        let (Self::Overlap(boxes) | Self::Ended { now: boxes, .. }) = self else { return };
-        if boxes.len() > near {
-            for slot in pairs.iter().skip(start).take(PAIRS_TOGETHER).flatten() {
-                simd.prefetch(boxes, slot.at());
-            }
         }
     }
 }

@@ -70,7 +70,7 @@ fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
 
 /// Whether fat boxes are in use that steps may make anew.
 fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let fixed = parts.config().fixed_margins || parts.config().forced(MOVERS_ONLY).is_some();
+    let fixed = parts.config().fixed_margins || parts.config().forced.of(MOVERS_ONLY).is_some();
     let in_use = !parts.boxes.fat.is_empty() && !parts.boxes.tight && !parts.sizes.is_small();
     in_use && !fixed && parts.mode() == Mode::Exact && parts.state.tree.filled == 1
 }
@@ -186,7 +186,7 @@ fn lengthen_pause(step: &mut StepState) {
 pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     let state = &parts.state;
     let known = state.pairs.complete != 0 && state.pairs.unkept == 0;
-    let fixed = parts.config().forced(MOVERS_ONLY);
+    let fixed = parts.config().forced.of(MOVERS_ONLY);
     if known && moved == 0 && fixed != Some(false) {
         Route::UNCHANGED
     } else if parts.sizes.is_small() {
@@ -194,7 +194,7 @@ pub(crate) fn choose<I: Index>(parts: &Parts<'_, I>, moved: u32) -> Route {
     } else if !known || state.tree.filled == 0 {
         anew(parts, Reason::NothingKept)
     } else {
-        let by_leaf = parts.config().forced(MOVERS_BY_LEAF);
+        let by_leaf = parts.config().forced.of(MOVERS_BY_LEAF);
         match fixed {
             Some(true) => Route { path: Path::Movers, reason: Reason::Fixed },
             Some(false) => anew(parts, Reason::Fixed),
@@ -269,7 +269,7 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
-    let (few, due) = match parts.config().forced(FINE_LEAVES) {
+    let (few, due) = match parts.config().forced.of(FINE_LEAVES) {
         None => (are_few(parts.state, moved), CALM),
         Some(true) => (true, 1),
         Some(false) => return,

@@ -151,8 +151,8 @@ pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64) {
 
 /// Plans leaves for as many objects as there are, or for as many as there were while they are not clearly fewer.
 pub(crate) fn plan(state: &mut State) {
-    let live = state.objects.live as usize;
-    state.tree.depth = state.tree.depth.min(depth_for(live + live / 8)).max(depth_for(live));
+    let (live, target) = (state.objects.live as usize, state.setup.forced.leaf_target());
+    state.tree.depth = state.tree.depth.min(depth_for(live + live / 8, target)).max(depth_for(live, target));
 }
 
 /// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer.

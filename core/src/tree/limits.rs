@@ -1,8 +1,6 @@
 //! When the tree changes, and how much of it in one step. The table of constants in `NOTEBOOK.md` says what
 //! was measured for each.
 
-use crate::memory::limits::LEAF_TARGET;
-
 // When planes are made anew.
 
 /// A sweep is heavy if it tests this many times as many pairs in vain as the first one after new planes.
@@ -50,8 +48,8 @@ pub(crate) const SPARSE: f32 = 8.0;
 pub(crate) const DIVIDED_SHARE: u32 = 64;
 /// Leaves with at least this many objects are divided in one step.
 pub(crate) const DIVIDED_AT_LEAST: u32 = 1024;
-/// Movers for each leaf whose boxes are made tight: one member is looked at for about four movers.
-pub(crate) const MOVERS_PER_REFIT: usize = 4 * LEAF_TARGET;
+/// A leaf is made tight for so many times its members as there were movers.
+pub(crate) const REFIT_SHARE: usize = 4;
 /// Leaves on either side that a full leaf asks for room.
 pub(crate) const NEIGHBOURS: usize = 16;
 /// One in this many records may move in one step for leaves that borrow room.

@@ -34,7 +34,7 @@ pub(crate) use crate::memory::leaf::{Cell, Leaf, Nodes, Split, Straddler, first_
 
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::limits::{LEAF_TARGET, LEVELS, SUB_LEVELS};
+use crate::memory::limits::{LEVELS, SUB_LEVELS};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
@@ -127,7 +127,8 @@ fn are_few(large: u64, leaves: u32, live: u32) -> bool {
 
 /// The members of a leaf of new planes, about; twice as many each time that there were too many ghosts.
 fn planned(state: &State) -> u64 {
-    u64::from(state.objects.live >> state.tree.depth).max(LEAF_TARGET as u64 / 2) << state.tree.coarser
+    u64::from(state.objects.live >> state.tree.depth).max(state.setup.forced.leaf_target() as u64 / 2)
+        << state.tree.coarser
 }
 
 /// The most members of a leaf that is not to be divided.

@@ -2,7 +2,7 @@
 //! many leaves as the movers pay for, so a crowd that is calm for hours stays as cheap as it was.
 
 use super::Record;
-use super::limits::MOVERS_PER_REFIT;
+use super::limits::REFIT_SHARE;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -11,8 +11,9 @@ use crate::memory::slab::Parts;
 /// Makes boxes tight, after the records of `movers` objects were moved.
 pub(crate) fn refit_some<I: Index>(parts: &mut Parts<'_, I>, movers: usize) {
     let moved = parts.state.tree.moved_since_refit as usize + movers;
-    parts.state.tree.moved_since_refit = (moved % MOVERS_PER_REFIT) as u32;
-    for _ in 0..moved / MOVERS_PER_REFIT {
+    let movers_per_leaf = REFIT_SHARE * parts.config().forced.leaf_target();
+    parts.state.tree.moved_since_refit = (moved % movers_per_leaf) as u32;
+    for _ in 0..moved / movers_per_leaf {
         // There may have been more leaves before.
         let whole = if parts.state.tree.refit < parts.state.tree.count { parts.state.tree.refit } else { 0 };
         parts.state.tree.refit = whole + 1;

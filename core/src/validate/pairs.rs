@@ -4,7 +4,6 @@
 use super::sum;
 use crate::access::Access;
 use crate::id::{Index, Pair};
-use crate::memory::limits::LEAF_TARGET;
 use crate::memory::slab::Parts;
 use crate::pairs::partition::is_clear_of;
 use crate::snapshot::check::{Invalid, check};
@@ -47,7 +46,8 @@ fn is_kept<I: Index>(parts: &Parts<'_, I>, pair: &Pair<I>) -> bool {
 /// if a rule may have refused pairs.
 fn kept_pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
     let (parts, state) = (&world.parts, &*world.parts.state);
-    let few = state.objects.live as usize <= LEAF_TARGET && parts.moved.count() + parts.settled.count() == 0;
+    let few = state.objects.live as usize <= state.setup.forced.leaf_target()
+        && parts.moved.count() + parts.settled.count() == 0;
     if state.pairs.complete == 0
         || state.pairs.unkept != 0
         || !parts.filters.of.is_empty()

@@ -114,8 +114,8 @@ impl<I: Index> World<'_, I> {
 
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
     fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
-        let forced = parts.config().forced(SHARING);
-        forced.unwrap_or(parts.state.objects.live >= SHARED_FROM) && !context.is_small()
+        let is_large = parts.state.objects.live >= SHARED_FROM;
+        !context.is_small() && parts.config().forced.of(SHARING).unwrap_or(is_large)
     }
 
     /// The tree has all objects as they are.

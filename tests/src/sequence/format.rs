@@ -57,6 +57,12 @@ impl Header {
         self.flag(1) && self.flag(2)
     }
 
+    /// Whether leaves have few objects, so that small worlds take all paths.
+    #[must_use]
+    pub fn small_leaves(&self) -> bool {
+        self.0[4] & 16 != 0
+    }
+
     /// The configuration, for one worker.
     #[must_use]
     pub fn config(&self) -> Config {
@@ -77,7 +83,7 @@ impl Header {
         config.lean = self.flag(5) && objects <= 256;
         config.fixed_margins = self.flag(6);
         config.predicted = self.0[4] & 8 != 0;
-        config
+        if self.small_leaves() { config.with_small_leaves() } else { config }
     }
 
     /// What a world of some configuration becomes when it grows, or shrinks.

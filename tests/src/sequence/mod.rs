@@ -8,7 +8,7 @@
 //! After every operation the world validates itself and agrees with a [`Model`](crate::model::Model), after every step with brute
 //! force; and a twin with other kernels, workers and job systems says the same byte for byte.
 //!
-//! In a build with `--cfg fuzzing` leaves have 16 objects instead of 512, and worlds a tree from 9 on, so that small ones take all paths.
+//! In half of the worlds leaves have 16 objects instead of 512, and trees begin at 3, so that small ones take all paths.
 
 mod draw;
 mod filters;

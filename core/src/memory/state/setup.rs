@@ -1,6 +1,6 @@
 //! Stores a configuration as plain bytes.
 
-use crate::config::{Capacity, Config, Margin, Mode};
+use crate::config::{Capacity, Config, Forced, Margin, Mode};
 use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
@@ -18,8 +18,7 @@ pub(crate) struct Setup {
     margin: [f32; 3],
     workers: u8,
     index_bytes: u8,
-    forced: u8,
-    unused: u8,
+    pub(crate) forced: Forced,
     /// Fat, margin, events, filters, values; then what can change while there are objects.
     choices: [u8; 8],
 }
@@ -40,7 +39,6 @@ impl Setup {
             workers: config.workers as u8,
             index_bytes: index_bytes as u8,
             forced: config.forced,
-            unused: 0,
             choices,
         }
     }
@@ -80,7 +78,7 @@ impl Setup {
 
     /// See [`State::portable`](super::State::portable).
     pub(super) const fn portable(&self) -> Self {
-        Self { workers: 1, magic: 0, forced: 0, ..*self }
+        Self { workers: 1, magic: 0, forced: self.forced.of_sizes(), ..*self }
     }
 
     /// The configuration of a portable state.
