@@ -197,8 +197,8 @@ fn no_file_is_too_long() {
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1407),
-    ("geometry", 1085),
-    ("lists", 98),
+    ("geometry", 1087),
+    ("lists", 97),
     ("memory", 1823),
     ("objects", 666),
     ("pairs", 496),

@@ -261,6 +261,7 @@ impl From<Aabb> for [mint::Point3<f32>; 2] {
 
 impl KeyBox {
     /// The keys of a box; `None` if it has NaN in it or a minimum above its maximum.
+    #[inline(always)]
     pub(crate) fn from_aabb(aabb: &Aabb) -> Option<Self> {
         let [a, b, c] = aabb.min;
         let [d, e, f] = aabb.max;

@@ -101,6 +101,7 @@ impl KeyBox {
     }
 
     /// Whether these are the keys of a box.
+    #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
         // Compared so that the constants are the infinities, which fit into the compare instruction of a
         // small processor.

@@ -4,8 +4,7 @@
 //! array holds an object's position in a list: a search by its key finds it.
 //!
 //! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort
-//! while few objects overtake each other, else by a heap sort (erratum E13). Others have no lists: a plane is
-//! at the median of a sample.
+//! while few objects overtake each other, else by a heap sort (erratum E13). Others have no lists.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
@@ -39,12 +38,11 @@ pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     let boxes = &*parts.boxes.now;
     if parts.state.lists.stale != 0 {
-        parts.state.lists.listed = 0;
+        parts.state.lists.listed = parts.state.objects.slots;
         for slot in 0..parts.state.objects.slots {
             for order in &mut parts.order {
-                order.put(parts.state.lists.listed as usize, I::from_slot(slot));
+                order.put(slot as usize, I::from_slot(slot));
             }
-            parts.state.lists.listed += 1;
         }
     }
     let mut kept = 0;

@@ -15,9 +15,9 @@ const LARGEST: usize = 256;
 const FRAMES: usize = recording::FRAMES;
 
 /// The most instructions that a recorded step of 64 objects may take.
-const TYPICAL: u32 = 60_000;
+const TYPICAL: u32 = 34_000;
 /// The same for 256.
-const TYPICAL_OF_256: u32 = 235_000;
+const TYPICAL_OF_256: u32 = 212_000;
 
 /// The most instructions that any step may take: a function of the number of objects and of the pairs of this step or the
 /// last one, whichever has more. See the README.
