@@ -54,7 +54,7 @@ pub use parallel::executor::{Executor, Serial, Stage};
 pub use query::{Among, Cast, Hit, Planes, Region, Side, Volume};
 pub use simd::kernels::Kernels;
 #[cfg(feature = "validate")]
-pub use snapshot::check::Invalid;
+pub use {parallel::block_queue::before_claims, snapshot::check::Invalid};
 
 pub use world::{InlineWorld, Inserted};
 pub use world::{LeafView, PlaneView};

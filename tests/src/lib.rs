@@ -18,6 +18,7 @@ pub mod queries;
 pub mod recordings;
 pub mod scenes;
 pub mod sequence;
+pub mod workers;
 pub mod worlds;
 
 /// A pair of slots, the lower one first, whatever the index width of the world that it comes from.

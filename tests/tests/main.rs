@@ -41,6 +41,7 @@ mod sequences;
 mod snapshots;
 mod tree;
 mod values;
+mod workers;
 
 /// A file without a line in its `main.rs` would be no test at all, and nobody would know.
 #[test]

@@ -1,8 +1,6 @@
 //! Computes how many items of each kind a world has.
 
-use super::limits::{
-    CHUNK, LEAVES_PER_BLOCK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row,
-};
+use super::limits::{CHUNK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row};
 use super::scratch;
 use crate::config::{Config, Mode};
 use crate::error::{Error, Field};
@@ -125,7 +123,6 @@ impl Sizes {
         let tree = if_so(!small, objects);
         let made = 1usize << depth_for(tree, config.forced.leaf_target());
         let whole_leaves = if_so(tree > 0, if made == 1 { 1 } else { made + made / 2 + 2 });
-        let (blocks, leaves) = (whole_leaves.div_ceil(LEAVES_PER_BLOCK), whole_leaves << SUB_LEVELS);
         let mut sizes = Self {
             config: *config,
             bytes: 0,
@@ -133,12 +130,12 @@ impl Sizes {
             fat: if_so(has_fat(config), objects),
             tree,
             straddlers: if_so(tree > 0, capacity.leaf_refs as usize),
-            leaves,
+            leaves: whole_leaves << SUB_LEVELS,
             whole_leaves,
             pairs,
             previous: if_so(config.events, pairs),
-            // Each block may leave its last chunk unfinished.
-            staged: if_so(config.workers > 1 && !small, pairs.div_ceil(CHUNK) + blocks + 1),
+            // The block of each leaf may leave its last chunk unfinished.
+            staged: if_so(config.workers > 1 && !small, pairs.div_ceil(CHUNK) + whole_leaves + 1),
             workers: config.workers as usize,
             bucket: if_so(!small, scratch::bucket(objects)),
         };

@@ -29,20 +29,18 @@ pub(crate) const SHARED_FROM: u32 = 4096;
 pub(crate) const SLOT_BLOCKS: usize = 32;
 /// A block of slots is a multiple of this: whole groups of a set, and whole cache lines of every array by slot.
 pub(crate) const SLOTS_PER_BLOCK: usize = GROUP;
-/// Leaves in a block of the passes over all leaves, in a full step.
-pub(crate) const LEAVES_PER_BLOCK: usize = 2;
 /// The fewest objects in a block where each is tested by itself: to hand out a block is little beside testing it.
 pub(crate) const MOVERS_PER_BLOCK: usize = 64;
 /// Blocks of pairs where lists of pairs are divided.
 pub(crate) const PAIR_BLOCKS: usize = 32;
 /// The fewest pairs in such a block.
-pub(crate) const PAIRS_PER_BLOCK: usize = 8192;
+pub(crate) const PAIRS_PER_BLOCK: usize = 2048;
 /// Pairs that are tested before the first of them changes its place: a bit each in one word.
 pub(crate) const PAIRS_TOGETHER: usize = usize::BITS as usize;
 /// Pairs that a worker of a shared sweep writes to one chunk.
-pub(crate) const CHUNK: usize = 512;
+pub(crate) const CHUNK: usize = 256;
 /// Pairs that a worker copies at a time when chunks are put in order.
-pub(crate) const MERGED: usize = 16 * CHUNK;
+pub(crate) const MERGED: usize = 8 * CHUNK;
 /// Queries that a worker takes at a time.
 pub(crate) const QUERIES_PER_BLOCK: usize = 32;
 /// The most workers of a batch of queries, which need no scratch memory.

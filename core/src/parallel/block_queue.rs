@@ -27,26 +27,20 @@ pub(crate) unsafe trait Parted: Sync {
 pub(crate) struct Chunks<'a, T> {
     start: *mut T,
     len: usize,
+    /// 0 if there is no slice.
     chunk: usize,
-    absent: bool,
     borrow: PhantomData<&'a mut [T]>,
 }
 
 impl<'a, T> Chunks<'a, T> {
     pub(crate) fn new(slice: &'a mut [T], chunk: usize) -> Self {
-        Self {
-            start: slice.as_mut_ptr(),
-            len: slice.len(),
-            chunk: chunk.max(1),
-            absent: false,
-            borrow: PhantomData,
-        }
+        Self { start: slice.as_mut_ptr(), len: slice.len(), chunk: chunk.max(1), borrow: PhantomData }
     }
 
     /// The same of a slice that the world may not have: an empty one has any number of empty parts.
     pub(crate) fn optional(slice: &'a mut [T], chunk: usize) -> Self {
-        let absent = slice.is_empty();
-        Self { absent, ..Self::new(slice, chunk) }
+        let chunk = if slice.is_empty() { 0 } else { chunk.max(1) };
+        Self { chunk, ..Self::new(slice, 1) }
     }
 }
 
@@ -58,11 +52,11 @@ unsafe impl<'a, T: Send> Parted for Chunks<'a, T> {
     type Part = &'a mut [T];
 
     fn count(&self) -> usize {
-        if self.absent { usize::MAX } else { self.len.div_ceil(self.chunk.max(1)) }
+        if self.chunk == 0 { usize::MAX } else { self.len.div_ceil(self.chunk) }
     }
 
     unsafe fn part(&self, index: usize) -> &'a mut [T] {
-        if self.absent {
+        if self.chunk == 0 {
             return &mut [];
         }
         let start = index * self.chunk;
@@ -92,7 +86,6 @@ macro_rules! parted_tuple {
 }
 parted_tuple!(A 0, B 1);
 parted_tuple!(A 0, B 1, C 2);
-parted_tuple!(A 0, B 1, C 2, D 3);
 parted_tuple!(A 0, B 1, C 2, D 3, E 4);
 
 /// Numbers alone.
@@ -105,6 +98,17 @@ unsafe impl Parted for usize {
     }
 
     unsafe fn part(&self, _: usize) {}
+}
+
+#[cfg(feature = "validate")]
+static CLAIMS: core::sync::atomic::AtomicPtr<fn()> =
+    core::sync::atomic::AtomicPtr::new(core::ptr::null_mut());
+
+/// For tests, which run many workers in turns: from now on each claim calls a function first.
+#[cfg(feature = "validate")]
+#[doc(hidden)]
+pub fn before_claims(call: &'static fn()) {
+    CLAIMS.store(core::ptr::from_ref(call).cast_mut(), core::sync::atomic::Ordering::Release);
 }
 
 /// The most shares; if there are more workers, some begin in the same one.
@@ -160,6 +164,11 @@ impl<P: Parted> BlockQueue<P> {
     /// The next part of a share, or of the one after it that has some left, and its index; `None` after the
     /// last one. Goes on with that share.
     pub(crate) fn claim_from(&self, share: &mut u32) -> Option<(usize, P::Part)> {
+        #[cfg(feature = "validate")]
+        // SAFETY: it is null or a reference that lasts.
+        if let Some(call) = unsafe { CLAIMS.load(core::sync::atomic::Ordering::Acquire).as_ref() } {
+            call();
+        }
         for _ in 0..self.shares.get() {
             // Without overflow: see `shared`. The shares are disjoint and end at `count`.
             let start = |share: u32| share * self.count / self.shares;

@@ -18,19 +18,29 @@ pub(crate) struct StepContext<'e> {
 }
 
 impl StepContext<'_> {
-    /// Works on each part once. Workers share the parts if there are enough.
+    /// As [`each`], with the workers of the step.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
-        let workers = (self.executor.workers() as usize).min(self.workers);
-        let queue = BlockQueue::shared(parts, workers);
-        executor::run(self.executor, workers, queue.count(), &|| {
-            let mut share = queue.arrive();
-            while let Some((index, part)) = queue.claim_from(&mut share) {
-                work(index, part);
-            }
-        });
+        each(self.executor, self.workers, parts, work);
     }
 
     pub(crate) const fn is_small(&self) -> bool {
         !cfg!(feature = "large") || self.small
     }
+}
+
+/// Works on each part once. Workers, as many as said at most, share the parts if there are enough.
+pub(crate) fn each<P: Parted>(
+    executor: &dyn Executor,
+    workers: usize,
+    parts: P,
+    work: impl Fn(usize, P::Part) + Sync,
+) {
+    let workers = (executor.workers() as usize).min(workers);
+    let queue = BlockQueue::shared(parts, workers);
+    executor::run(executor, workers, queue.count(), &|| {
+        let mut share = queue.arrive();
+        while let Some((index, part)) = queue.claim_from(&mut share) {
+            work(index, part);
+        }
+    });
 }

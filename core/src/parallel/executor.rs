@@ -12,8 +12,8 @@ use core::cell::Cell;
 /// # What an executor may do
 /// The result is the same, byte for byte, if the executor
 /// - makes `width` calls (what it should do), fewer, more, or none;
-/// - makes them at the same time, one after another, in any order, on any threads, the calling thread included: it is
-///   idle until `fork_join` returns, so a good executor has it make one of the calls, or run other tasks;
+/// - makes them at once, one after another, in any order, on any threads, the calling one included, which is idle
+///   until `fork_join` returns: a good executor has it make one of the calls, or run other tasks;
 /// - makes a call late, when others have done all of the work, as long as that is before `fork_join` returns;
 /// - calls the job from inside a task that it runs while it waits for something else, on a stack however deep.
 ///
@@ -48,10 +48,8 @@ use core::cell::Cell;
 /// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
 ///
 /// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
-/// [`Stage::Done`] comes after the step.
-///
-/// Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which
-/// has no threads, never call `fork_join`: steps are serial there.
+/// [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the
+/// feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
 ///
 /// ```
 /// use trisap_core::Executor;

@@ -5,8 +5,9 @@ use crate::access::Access;
 use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::memory::limits::{QUERIES_PER_BLOCK, QUERY_WORKERS};
-use crate::parallel::block_queue::{BlockQueue, Chunks};
-use crate::parallel::executor::{self, Executor};
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::each;
+use crate::parallel::executor::Executor;
 use crate::sort::heapsort;
 use crate::world::World;
 
@@ -220,19 +221,17 @@ fn in_blocks<Q: Sync, T: Send>(
     answer: &(dyn Fn(&Q, &mut [T]) -> u32 + Sync),
 ) {
     let (share, blocks) = (out.len() / queries.len().max(1), queries.len().div_ceil(QUERIES_PER_BLOCK));
-    let queue = BlockQueue::new((
+    let parts = (
         blocks,
         Chunks::optional(out.span_mut(0, share * queries.len()), QUERIES_PER_BLOCK * share),
         Chunks::optional(counts, QUERIES_PER_BLOCK),
-    ));
-    executor::run(executor, QUERY_WORKERS, blocks, &|| {
-        while let Some((block, (_, out, counts))) = queue.claim() {
-            let queries = queries.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
-            for (at, query) in queries.iter().enumerate().take(QUERIES_PER_BLOCK) {
-                let told = answer(query, out.get_mut(at * share..(at + 1) * share).unwrap_or_default());
-                if let Some(count) = counts.get_mut(at) {
-                    *count = told;
-                }
+    );
+    each(executor, QUERY_WORKERS, parts, |block, (_, out, counts)| {
+        let queries = queries.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
+        for (at, query) in queries.iter().enumerate().take(QUERIES_PER_BLOCK) {
+            let told = answer(query, out.get_mut(at * share..(at + 1) * share).unwrap_or_default());
+            if let Some(count) = counts.get_mut(at) {
+                *count = told;
             }
         }
     });

@@ -90,7 +90,7 @@ impl Kernels {
 }
 
 /// Calls a function that is generic over [`Simd`](super::Simd), compiled for the level of some kernels:
-/// `run!(kernels, |simd| sweep_leaves(simd, leaves))`.
+/// `run!(kernels, |simd| sweep_leaf(simd, leaf))`.
 macro_rules! run {
     ($kernels:expr, |$simd:ident| $call:expr) => {
         match $kernels.level() {

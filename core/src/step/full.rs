@@ -3,7 +3,6 @@
 
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Route};
@@ -14,7 +13,7 @@ use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
 use crate::sweep::Collector;
 use crate::sweep::kinds::Kinds;
-use crate::sweep::leaves::{TreeView, sweep_leaves};
+use crate::sweep::leaves::{TreeView, sweep_leaf};
 use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
@@ -91,7 +90,6 @@ fn sweep<I: Index>(
     context: StepContext<'_>,
 ) -> (u64, Work) {
     let StepContext { kernels, executor, .. } = context;
-    let blocks = leaf_count.div_ceil(LEAVES_PER_BLOCK);
     let moved = kept.map(|_| &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
@@ -100,9 +98,7 @@ fn sweep<I: Index>(
     let codes = parts.order[2].span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
     let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
-    collector.collect(executor, kept.unwrap_or_default(), blocks, &|block, scratch, sink| {
-        let first = block * LEAVES_PER_BLOCK;
-        let leaves = first..(first + LEAVES_PER_BLOCK).min(leaf_count);
-        run!(kernels, |simd| sweep_leaves(simd, &tree_view, leaves, &kinds, scratch, sink));
+    collector.collect(executor, kept.unwrap_or_default(), leaf_count, &|leaf, scratch, sink| {
+        run!(kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
     })
 }

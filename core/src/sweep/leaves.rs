@@ -134,46 +134,43 @@ struct Swept<'g, 'k, I> {
     leaf: Leaf,
 }
 
-/// Sweeps some leaves.
+/// Sweeps a leaf.
 #[inline(always)]
-pub(crate) fn sweep_leaves<S: Simd, I: Index>(
+pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
-    leaves: Range<usize>,
+    index: usize,
     kinds: &Kinds<'_, I>,
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    for index in leaves {
-        let (scratch, sink) = (&mut *scratch, &mut *sink);
-        let swept = Swept { tree_view, kinds, index, leaf: tree_view.leaves.at(index) };
-        let members = tree_view.members(&swept.leaf);
-        let ghosts = tree_view.gather(simd, index, 0, scratch.ghosts);
-        scratch.copies += ghosts as u64;
-        let count = members.len() + ghosts;
-        if count > scratch.leaf_scratch.sorted.len() {
-            call!(simd, sweep_tiles(simd, swept, count, scratch, sink));
-            continue;
-        }
-        let buckets = [members, scratch.ghosts.span(0, ghosts)];
-        if !kinds.are_one() {
-            let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten().map(slot)));
-            scratch.spared += plan.spared;
-            if !plan.whole {
-                sweep_passes(simd, swept, (&plan, false), buckets, &mut scratch.leaf_scratch, sink);
-                continue;
-            }
-        }
-        let (all, within) = (|_, _: &_| 0, true);
-        bucket::sweep::<{ bucket::WHOLE }, S, I>(
-            simd,
-            buckets,
-            (all, within),
-            (swept.leaf.axis as usize, tree_view.boxes),
-            &mut scratch.leaf_scratch,
-            sink,
-        );
+    let swept = Swept { tree_view, kinds, index, leaf: tree_view.leaves.at(index) };
+    let members = tree_view.members(&swept.leaf);
+    let ghosts = tree_view.gather(simd, index, 0, scratch.ghosts);
+    scratch.copies += ghosts as u64;
+    let count = members.len() + ghosts;
+    if count > scratch.leaf_scratch.sorted.len() {
+        call!(simd, sweep_tiles(simd, swept, count, scratch, sink));
+        return;
     }
+    let buckets = [members, scratch.ghosts.span(0, ghosts)];
+    if !kinds.are_one() {
+        let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten().map(slot)));
+        scratch.spared += plan.spared;
+        if !plan.whole {
+            sweep_passes(simd, swept, (&plan, false), buckets, &mut scratch.leaf_scratch, sink);
+            return;
+        }
+    }
+    let (all, within) = (|_, _: &_| 0, true);
+    bucket::sweep::<{ bucket::WHOLE }, S, I>(
+        simd,
+        buckets,
+        (all, within),
+        (swept.leaf.axis as usize, tree_view.boxes),
+        &mut scratch.leaf_scratch,
+        sink,
+    );
 }
 
 /// The slot of a record.

@@ -18,6 +18,7 @@ use crate::memory::scratch::{self, Scratch, Work};
 use crate::memory::slab::OutputParts;
 use crate::pairs::pair_filter::PairFilter;
 use crate::parallel::block_queue::{BlockQueue, Chunks};
+use crate::parallel::context::each;
 use crate::parallel::executor::{self, Executor};
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -174,12 +175,8 @@ impl<I: Index> Collector<'_, '_, I> {
         let (chunks, staged) = (&*chunks, &**staged);
         let room = pairs.get_mut(from as usize..).unwrap_or_default();
         let fitting = room.len().min(count as usize);
-        let queue = BlockQueue::new(Chunks::new(room.span_mut(0, fitting), MERGED));
-        executor::run(executor, self.sizes.workers, fitting.div_ceil(MERGED), &|| {
-            while let Some((block, room)) = queue.claim() {
-                gather(chunks, staged, block * MERGED, room);
-            }
-        });
+        let room = Chunks::new(room.span_mut(0, fitting), MERGED);
+        each(executor, self.sizes.workers, room, |block, room| gather(chunks, staged, block * MERGED, room));
         from + u64::from(count)
     }
 }

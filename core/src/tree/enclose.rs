@@ -4,7 +4,6 @@ use super::{Leaf, Record, Straddler};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::LEAVES_PER_BLOCK;
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
@@ -17,7 +16,7 @@ use crate::simd::kernels::run;
 pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let records = &*parts.tree.records;
     let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
-    context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
+    context.each(Chunks::new(leaves, 1), |_, leaves| {
         for leaf in leaves {
             let members = records.span(leaf.start as usize, leaf.len as usize);
             leaf.straddler_len = members.iter().map(|record| record.tag / Record::STRADDLES % 2).sum();
@@ -37,8 +36,8 @@ pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepC
     let records = &*parts.tree.records;
     let straddlers = Shared::new(parts.tree.straddlers);
     let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
-    context.each(Chunks::new(leaves, LEAVES_PER_BLOCK), |_, leaves| {
-        run!(context.kernels, |simd| list_straddlers_of(simd, boxes, leaves, records, straddlers));
+    context.each(Chunks::new(leaves, 1), |_, leaf| {
+        run!(context.kernels, |simd| list_straddlers_of(simd, boxes, &leaf.at(0), records, straddlers));
     });
 }
 
@@ -46,31 +45,29 @@ pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepC
 fn list_straddlers_of<S: Simd>(
     simd: S,
     boxes: &[KeyBox],
-    leaves: &[Leaf],
+    leaf: &Leaf,
     records: &[Record],
     straddlers: Shared<'_, Straddler>,
 ) {
-    for leaf in leaves {
-        let mut at = leaf.straddler_start as usize;
-        for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-            // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each
-            // box would be waited for.
-            let mut marked = 0u64;
-            for (bit, record) in records.iter().enumerate() {
-                marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
-            }
-            let mut ahead = marked;
-            while ahead != 0 {
-                simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
-                ahead &= ahead - 1;
-            }
-            while marked != 0 {
-                let slot = records.at(marked.trailing_zeros() as usize).slot();
-                marked &= marked - 1;
-                let bounds = *KeyBox::of(boxes, slot as usize);
-                straddlers.store(at, &Straddler { bounds, slot, long: 0 });
-                at += 1;
-            }
+    let mut at = leaf.straddler_start as usize;
+    for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
+        // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each
+        // box would be waited for.
+        let mut marked = 0u64;
+        for (bit, record) in records.iter().enumerate() {
+            marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
+        }
+        let mut ahead = marked;
+        while ahead != 0 {
+            simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
+            ahead &= ahead - 1;
+        }
+        while marked != 0 {
+            let slot = records.at(marked.trailing_zeros() as usize).slot();
+            marked &= marked - 1;
+            let bounds = *KeyBox::of(boxes, slot as usize);
+            straddlers.store(at, &Straddler { bounds, slot, long: 0 });
+            at += 1;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The numbers of each layer, one struct an owner.
 
 use crate::geometry::extent::Extent;
-use crate::memory::limits::{LEAVES_PER_BLOCK, SUB_LEVELS};
+use crate::memory::limits::SUB_LEVELS;
 use crate::memory::scratch::Work;
 use crate::memory::stats::{Path, Progress, Reason, Route};
 use bytemuck::{Pod, Zeroable};
@@ -101,7 +101,7 @@ impl TreeState {
 
     /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
-        (self.count as usize).div_ceil(LEAVES_PER_BLOCK).max(1)
+        (self.count as usize).max(1)
     }
 
     /// Where the list of large objects starts.
