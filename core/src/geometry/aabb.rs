@@ -199,14 +199,21 @@ pub(crate) const fn narrowed(x: f64) -> f32 {
 /// The least `f32` above zero.
 const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
 
-/// A number as `f64`. A denormal is converted by its bits, for the same reason.
+/// A number as `f64`; a denormal by its bits, for the same reason.
 pub(crate) const fn widened(x: f32) -> f64 {
-    let magnitude = x.to_bits() & (u32::MAX >> 1);
-    if magnitude >= f32::MIN_POSITIVE.to_bits() {
+    if x.to_bits() & f32::INFINITY.to_bits() != 0 {
         return x as f64;
     }
-    let value = magnitude as f64 * DENORMAL;
-    if x.is_sign_negative() { -value } else { value }
+    let [all, added] = normal(x);
+    all as f64 - added as f64
+}
+
+/// A number with the least normal one added, by their bits, if it is denormal or zero; and what was added.
+#[inline(always)]
+pub(crate) const fn normal(x: f32) -> [f32; 2] {
+    let (bits, exponent) = (x.to_bits(), x.to_bits() & f32::INFINITY.to_bits());
+    let added = if exponent == 0 { f32::MIN_POSITIVE.to_bits() } else { 0 };
+    [f32::from_bits(bits | added), f32::from_bits(bits & 1 << 31 | added)]
 }
 
 /// `x / 2^fraction_bits` rounded up or down to `f32`, or NaN if that may be denormal.

@@ -4,24 +4,20 @@
 use super::aabb::{Aabb, widened};
 use super::key::{KeyBox, value};
 use super::record::{Frame, Record};
+use crate::simd::Simd;
 
 /// A prepared cast. It meets a box where the point `t * direction` is inside the box's difference from the
-/// start. A fourth axis without movement fills the vectors.
+/// start. A fourth axis of NaN fills the vectors and excludes nothing.
 pub(crate) struct Line {
     direction: [f64; 4],
     pub(crate) distance: f64,
-    pub(crate) slabs: Slabs,
-}
-
-/// The numbers that tell where a line passes the sides of a box.
-pub(crate) struct Slabs {
     /// All ones on an axis where the line runs backwards: it meets the high side first.
-    pub(crate) back: [i32; 4],
+    back: [i32; 4],
     /// What is subtracted from the side that is met first, and from the side that is met last.
-    pub(crate) first: [f64; 4],
-    pub(crate) last: [f64; 4],
+    first: [f64; 4],
+    last: [f64; 4],
     /// One over the direction; infinite where it is zero.
-    pub(crate) inverse: [f64; 4],
+    inverse: [f64; 4],
 }
 
 /// The bit of a float that holds its sign.
@@ -98,7 +94,7 @@ struct SidesMet {
 /// It enters nodes no later, and leaves them no earlier, than [`Line::span`] says: the factors include more
 /// than all roundings.
 pub(crate) struct Walk {
-    /// As in [`Slabs`].
+    /// As in [`Line`].
     pub(crate) back: [i32; 4],
     pub(crate) first: [f32; 4],
     pub(crate) last: [f32; 4],
@@ -118,8 +114,8 @@ impl Walk {
 
     #[inline(always)]
     pub(crate) fn new(line: &Line) -> Self {
-        let Slabs { back, first, last, inverse } = line.slabs;
-        let most = line.direction.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let Line { direction, back, first, last, inverse, .. } = *line;
+        let most = direction.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
         let speed = if most > 0.0 { most } else { 1.0 };
         let factor = inverse.map(|inverse| inverse * speed);
         let greatest = f64::from(f32::MAX);
@@ -197,41 +193,42 @@ impl SidesMet {
     }
 }
 
-impl Slabs {
-    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is above the second.
-    /// Each number rises with the box's sides, so a larger box is met no later and left no earlier.
-    #[inline(always)]
-    pub(crate) fn span(&self, bounds: &KeyBox, far: f64) -> (f64, f64) {
-        let (mut from, mut to) = (0.0, far);
-        for k in 0..3 {
-            let (low, high) = (widened(value(bounds.min[k])), widened(value(bounds.max[k])));
-            let (low, high) = if self.back[k] != 0 { (high, low) } else { (low, high) };
-            let (first, last) =
-                ((low - self.first[k]) * self.inverse[k], (high - self.last[k]) * self.inverse[k]);
-            // A side that the line runs along gives NaN, which these ignore.
-            from = if first > from { first } else { from };
-            to = if last < to { last } else { to };
-        }
-        (from, to)
-    }
-}
-
 impl Line {
     #[inline(always)]
     pub(crate) fn new(start: &Aabb, direction: [f32; 3], distance: f32) -> Self {
-        let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0].map(widened);
+        let four = |[x, y, z]: [f32; 3]| [x, y, z, f32::NAN].map(widened);
         let (low, high, direction) = (four(start.min), four(start.max), four(direction));
         let inverse = direction.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d });
         let (mut first, mut last) = (high, low);
         for k in 0..4 {
-            let back = direction[k] < 0.0;
-            first[k] = if back { low[k] } else { high[k] };
-            last[k] = if back { high[k] } else { low[k] };
+            if direction[k] < 0.0 {
+                (first[k], last[k]) = (low[k], high[k]);
+            }
         }
         let back = direction.map(|d| -i32::from(d < 0.0));
-        let slabs = Slabs { back, first, last, inverse };
         // Finite: at infinity a line without movement on an axis would meet the boxes beside it.
         let distance = widened(distance).min(f64::MAX);
-        Self { direction, distance, slabs }
+        Self { direction, distance, back, first, last, inverse }
+    }
+
+    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is
+    /// above the second. Each number rises with the box's sides, so a larger box is met no later and left no earlier.
+    #[inline(always)]
+    pub(crate) fn span<S: Simd>(&self, simd: S, bounds: &KeyBox, far: f64) -> (f64, f64) {
+        let [entry, exit] = simd.sides_met(bounds, &self.back);
+        let (mut come, mut leave) = ([0.0; 4], [far; 4]);
+        // All axes at once.
+        for k in 0..4 {
+            let side = |[all, added]: [[f32; 4]; 2]| f64::from(all[k]) - f64::from(added[k]);
+            let first = (side(entry) - self.first[k]) * self.inverse[k];
+            let last = (side(exit) - self.last[k]) * self.inverse[k];
+            // A side that the line runs along gives NaN, which these ignore.
+            come[k] = if first > 0.0 { first } else { 0.0 };
+            leave[k] = if last < far { last } else { far };
+        }
+        let later = |a: f64, b: f64| if a > b { a } else { b };
+        let sooner = |a: f64, b: f64| if a < b { a } else { b };
+        let of = |x: [f64; 4], two: fn(f64, f64) -> f64| two(two(x[0], x[2]), two(x[1], x[3]));
+        (of(come, later), of(leave, sooner))
     }
 }

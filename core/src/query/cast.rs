@@ -239,12 +239,12 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
             Some(bounds) => simd.met(bounds, &crossing).0,
             None => Met::WHOLE,
         });
-        let (mut part, mut from) = met.take(simd);
+        let (mut part, mut from) = met.take();
         prefetch_members(simd, parts, first + part);
         // A sub-leaf that is not met has NaN, which ends the loop.
         while from <= crossing.until {
             let leaf = first + part;
-            (part, from) = met.take(simd);
+            (part, from) = met.take();
             prefetch_members(simd, parts, first + part);
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
                 let mut mask = simd.met(eight, &crossing).1;
@@ -263,9 +263,9 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     }
 
     #[inline(always)]
-    fn object<S: Simd>(&mut self, _: S, slot: usize) -> ControlFlow<()> {
+    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
         let now = KeyBox::of(self.world.parts.boxes.now, slot);
-        let (distance, to) = self.line.slabs.span(now, self.far);
+        let (distance, to) = self.line.span(simd, now, self.far);
         if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
             self.far = self.far.min((self.visit)(Hit { id, distance }));
             if self.far < 0.0 {
@@ -278,7 +278,11 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
 
 /// The sub-leaves that a cast meets, nearer ones first. A number each: its time, with the number of the sub-leaf in
 /// the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above all others.
-struct Met([u32; EIGHT]);
+struct Met {
+    numbers: [u32; EIGHT],
+    /// The least number that was not taken yet.
+    next: u32,
+}
 
 impl Met {
     const PART: u32 = EIGHT as u32 - 1;
@@ -286,17 +290,17 @@ impl Met {
     const WHOLE: [f32; EIGHT] = [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
 
     fn new(times: [f32; EIGHT]) -> Self {
-        let mut numbers = times.map(f32::to_bits);
-        for (part, number) in (0..).zip(&mut numbers) {
-            *number = *number & !Self::PART | part;
-        }
-        Self(numbers)
+        let numbers = core::array::from_fn(|part| times[part].to_bits() & !Self::PART | part as u32);
+        Self { numbers, next: 0 }
     }
 
     /// Takes out the first one: the sub-leaf, and when it is met; NaN if none is left.
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S) -> (usize, f32) {
-        let first = simd.pop_min(&mut self.0);
+    fn take(&mut self) -> (usize, f32) {
+        // Numbers that were taken are far ahead, round about.
+        let ahead = self.numbers.iter().map(|number| number.wrapping_sub(self.next)).fold(u32::MAX, u32::min);
+        let first = self.next.saturating_add(ahead);
+        self.next = first.saturating_add(1);
         ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
     }
 }

@@ -111,7 +111,8 @@ fn walk<S: Simd, I: Index>(
             groups.probe = search.probe();
         }
     }
-    let mut leaves = Visit::new(simd, parts.tree.nodes(), home, search.probe());
+    let mut leaves = Visit::new(parts.tree.nodes(), search.probe());
+    leaves.start(simd, home);
     while let Some(whole) = leaves.next(simd) {
         search.leaf(simd, whole)?;
         leaves.probe = search.probe();

@@ -23,8 +23,9 @@ pub(crate) mod scalar;
 mod vectors;
 
 use crate::access::Access;
+use crate::geometry::aabb::normal;
 use crate::geometry::boxes::Four;
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, value};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair, pair};
@@ -292,6 +293,21 @@ pub(crate) trait Simd: Copy + Send + Sync {
         walk.enter(nodes, until)
     }
 
+    /// The sides of a box that a line meets first, and the sides that it meets last, of three axes and any number, as
+    /// [`normal`] gives them. `back` has all ones where the line runs backwards.
+    #[inline(always)]
+    fn sides_met(self, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
+        let mut sides = [[[0.0; 4]; 2]; 2];
+        for k in 0..3 {
+            let (low, high) = (value(bounds.min[k]), value(bounds.max[k]));
+            let met = if back[k] != 0 { [high, low] } else { [low, high] };
+            for end in 0..2 {
+                [sides[end][0][k], sides[end][1][k]] = normal(met[end]);
+            }
+        }
+        sides
+    }
+
     /// When a cast enters each of some records of a leaf, and which ones it may touch: bit `i` for record `i`. The others have NaN.
     #[inline(always)]
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
@@ -301,16 +317,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
             mask |= u32::from(!times[index].is_nan()) << index;
         }
         (times, mask)
-    }
-
-    /// Takes out the least of some numbers and returns it. The greatest `u32` takes its place, wherever it was.
-    #[inline(always)]
-    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
-        let least = numbers.iter().fold(u32::MAX, |least, number| least.min(*number));
-        for number in numbers {
-            *number |= if *number == least { u32::MAX } else { 0 };
-        }
-        least
     }
 
     /// A box on the grid of a leaf.

@@ -68,7 +68,8 @@ impl<'g> TreeView<'g> {
         let mut gathered =
             Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
         // The cell is half-open: minima at its high side are in the next cell.
-        let mut visit = Visit::new(simd, self.nodes, index, cell.inside());
+        let mut visit = Visit::new(self.nodes, cell.inside());
+        visit.start(simd, index);
         while let Some(other) = visit.next(simd) {
             if other != index {
                 let leaf = self.leaves.at(other);

@@ -73,7 +73,8 @@ impl<I: Index> Near<'_, '_, '_, I> {
         }
         // A large object has no home: the walk starts anywhere.
         let leaf = if home == I::LARGE { 0 } else { home.at() >> tree_view.sub_levels };
-        let mut visit = Visit::new(simd, tree_view.nodes, leaf, around);
+        let mut visit = Visit::new(tree_view.nodes, around);
+        visit.start(simd, leaf);
         while let Some(whole) = visit.next(simd) {
             let frame = tree_view.frames.get(whole).unwrap_or(&Frame::NONE);
             // A leaf that is not divided yet has a box around it, and no bounds.

@@ -83,13 +83,18 @@ pub(crate) struct Visit<N, P: Probe> {
 }
 
 impl<'v, P: Probe> Visit<Nodes<'v>, P> {
+    /// To be started where it stands, as it takes long to move.
+    #[inline(always)]
+    pub(crate) fn new(nodes: Nodes<'v>, probe: P) -> Self {
+        Self { nodes, probe, stack: ArrayVec::new() }
+    }
+
     /// Starts at a leaf, which comes first; best at the one whose cell holds the probe's low corner, since
     /// little is left to visit then. From there the nodes beside the way up to the root are tested, which do
     /// not depend on each other; a way down from the root would wait for each test.
     #[inline(always)]
-    pub(crate) fn new<S: Simd>(simd: S, nodes: Nodes<'v>, leaf: usize, probe: P) -> Self {
-        let top = nodes.tops.at(leaf);
-        let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
+    pub(crate) fn start<S: Simd>(&mut self, simd: S, leaf: usize) {
+        let (nodes, top) = (self.nodes, self.nodes.tops.at(leaf));
         let mut beside = ArrayVec::<u32, LEVELS>::new();
         let mut node = top;
         while node > 1 && beside.try_push(node ^ 1).is_ok() {
@@ -98,14 +103,13 @@ impl<'v, P: Probe> Visit<Nodes<'v>, P> {
         // The deepest one is pushed last, so it comes first.
         for pair in beside.rchunks(2) {
             let (lower, upper) = (pair.at(0), pair.last().copied().unwrap_or_default());
-            let [upper, lower] = visit.meet(simd, [upper, lower]);
-            visit.push(upper);
+            let [upper, lower] = self.meet(simd, [upper, lower]);
+            self.push(upper);
             if pair.len() > 1 {
-                visit.push(lower);
+                self.push(lower);
             }
         }
-        visit.push(Waiting { node: top, when: P::AT_ONCE });
-        visit
+        self.push(Waiting { node: top, when: P::AT_ONCE });
     }
 }
 

@@ -201,7 +201,8 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let start =
         [(); 3].map(|()| [random.below(9) as f32 - 4.0, 1e-30, -3e20][random.below(8).saturating_sub(5)]);
     let cast = Cast::ray(start, direction, 1.0);
-    let walk = Walk::new(&Line::new(&cast.start, cast.direction, cast.distance));
+    let line = Line::new(&cast.start, cast.direction, cast.distance);
+    let walk = Walk::new(&line);
     let until = [1.0, 7.5, f32::INFINITY][random.below(3)];
     let crossing = walk.crossing(&random.frame(), until);
     let records = [(); EIGHT].map(|()| random.record());
@@ -211,10 +212,9 @@ fn lines<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let nodes = [(); 2].map(|()| if random.below(8) == 0 { KeyBox::NOTHING } else { random.bounds() });
     let entered = simd.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
     let enter = entered == Scalar.enter(&walk, nodes.each_ref(), until).map(f32::to_bits);
-    let mut numbers = [[(); EIGHT].map(|()| random.below(8) as u32 * 0x2000_0000); 2];
-    let [taken, expected] = &mut numbers;
-    let pop_min = simd.pop_min(taken) == Scalar.pop_min(expected) && taken == expected;
-    rounds.check([("met", met), ("enter", enter), ("pop_min", pop_min)]);
+    let bounds = random.bounds();
+    let span = line.span(simd, &bounds, line.distance) == line.span(Scalar, &bounds, line.distance);
+    rounds.check([("met", met), ("enter", enter), ("span", span)]);
 }
 
 /// SplitMix64.

@@ -1,7 +1,7 @@
 //! 256-bit vectors of x86-64: Haswell, Zen and later.
 
 use super::operations::{Halves, Vectors, kept, operations};
-use super::sse41::Sse41;
+use super::sse41::{Sse41, proven};
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 use core::arch::x86_64::*;
@@ -11,15 +11,6 @@ cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
 /// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system saves the wide registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Avx2(());
-
-/// Operations that the token proves.
-macro_rules! proven {
-    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
-        operations! { $($name($($operand),+) =
-            // SAFETY: `self` proves that the CPU has them.
-            unsafe { $result };)+ }
-    };
-}
 
 /// Which of 32 rows have no byte below that of the query. A plain function: a closure would not have the
 /// instruction set of its function.

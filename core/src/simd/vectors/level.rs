@@ -1,6 +1,6 @@
 //! The level of some vectors, whatever the instruction set.
 
-use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, places};
+use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors};
 use super::{casts, encode, fours, overlaps};
 use crate::geometry::boxes::Four;
 use crate::geometry::key::KeyBox;
@@ -161,20 +161,13 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
-        casts::met(self.0, records, crossing)
+    fn sides_met(self, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
+        casts::sides_met(self.0, bounds, back)
     }
 
     #[inline(always)]
-    fn pop_min(self, numbers: &mut [u32; EIGHT]) -> u32 {
-        let w = self.0;
-        let [first, last]: &mut [[u8; 16]; 2] = bytemuck::cast_mut(numbers);
-        let all = w.pick(first, last);
-        let least = w.least32(all, w.swap(all));
-        let least = w.least32(least, w.shuffle(least, w.both(&places([2, 3, 0, 1]))));
-        let least = w.least32(least, w.shuffle(least, w.both(&places([1, 0, 3, 2]))));
-        w.put(first, last, w.or(all, w.equal32(all, least)));
-        w.half().first(w.split(least)[0])
+    fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
+        casts::met(self.0, records, crossing)
     }
 
     #[inline(always)]
@@ -186,10 +179,9 @@ impl<W: Halves> Simd for Level<W> {
         let at = w.multiply(w.subtract(w.floats(w.halved(keys)), w.both(origin)), w.both(scale));
         let [minima, maxima] = w.split(at);
         let lanes = h.shuffle(h.steps16(minima, maxima), h.load(&SIX_LANES));
-        // Maxima are complemented.
-        let lanes = h.xor(lanes, h.words([0, 0xffff_0000, u32::MAX, 0]));
+        // Maxima are complemented. The tag's place is zero.
         let mut bytes = [0; 16];
-        h.store(&mut bytes, h.with_fourth(lanes, tag));
+        h.store(&mut bytes, h.xor(lanes, h.words([0, 0xffff_0000, u32::MAX, tag])));
         bytemuck::cast(bytes)
     }
 }

@@ -123,12 +123,6 @@ impl Half for Neon {
         unsafe { vgetq_lane_u32::<0>(words(a)) }
     }
 
-    #[inline(always)]
-    fn with_fourth(self, a: uint8x16_t, word: u32) -> uint8x16_t {
-        // SAFETY: as in `guaranteed`.
-        unsafe { vreinterpretq_u8_u32(vsetq_lane_u32::<3>(word, words(a))) }
-    }
-
     guaranteed! {
         even32(a, b) = vreinterpretq_u8_u32(vuzp1q_u32(words(a), words(b)));
         odd32(a, b) = vreinterpretq_u8_u32(vuzp2q_u32(words(a), words(b)));

@@ -114,8 +114,6 @@ pub(crate) trait Half: Vectors {
 
     /// The first word.
     fn first(self, a: Self::Vector) -> u32;
-    /// The first three words, then another one.
-    fn with_fourth(self, a: Self::Vector, word: u32) -> Self::Vector;
     /// The first and the third word of `a` and of `b`.
     fn even32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The second and the last word of `a` and of `b`.
@@ -161,12 +159,6 @@ pub(crate) trait Halves: Vectors {
     #[inline(always)]
     fn both(self, bytes: &[u8; 16]) -> Self::Vector {
         self.pick(bytes, bytes)
-    }
-    /// The halves in each other's place.
-    #[inline(always)]
-    fn swap(self, a: Self::Vector) -> Self::Vector {
-        let [first, last] = self.split(a);
-        self.joined(last, first)
     }
 
     /// The six keys of a box, in an order of the instruction set.

@@ -90,11 +90,6 @@ impl Half for Simd128 {
         u32x4_extract_lane::<0>(a)
     }
 
-    #[inline(always)]
-    fn with_fourth(self, a: v128, word: u32) -> v128 {
-        u32x4_replace_lane::<3>(a, word)
-    }
-
     operations! {
         even32(a, b) = u32x4_shuffle::<0, 2, 4, 6>(a, b);
         odd32(a, b) = u32x4_shuffle::<1, 3, 5, 7>(a, b);

@@ -21,6 +21,7 @@ macro_rules! proven {
             unsafe { $result };)+ }
     };
 }
+pub(super) use proven;
 
 impl Vectors for Sse41 {
     const NAME: &'static str = "sse4.1";
@@ -123,12 +124,6 @@ impl Half for Sse41 {
     fn first(self, a: __m128i) -> u32 {
         // SAFETY: `self` proves SSE2.
         unsafe { _mm_cvtsi128_si32(a) as u32 }
-    }
-
-    #[inline(always)]
-    fn with_fourth(self, a: __m128i, word: u32) -> __m128i {
-        // SAFETY: `self` proves SSE4.1.
-        unsafe { _mm_insert_epi32::<3>(a, word as i32) }
     }
 
     proven! {
