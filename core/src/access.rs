@@ -1,9 +1,9 @@
 //! Slice access that cannot panic.
 //!
-//! The core never panics. So it takes no index with `[]` where the compiler cannot see that the index is in range.
-//! The invariants of a world keep every index in range. If one is not, a read gives the default, a write does
-//! nothing, and the next step reports [`Error::InvariantBroken`](crate::Error::InvariantBroken), since a pair may be
-//! missing. Builds with debug assertions stop at once instead; nearly all tests run in such a build.
+//! The core never panics. It takes no index with `[]` that the compiler cannot see to be in range. The
+//! invariants of a world keep every index in range. If one is not, a read gives the default, a write does
+//! nothing, and the next step reports [`Error::InvariantBroken`](crate::Error::InvariantBroken), as a pair
+//! may be missing. Builds with debug assertions stop at once instead; nearly all tests run in such a build.
 //!
 //! This code has no world at hand. So it notes where the slice is, and each world looks for its own slab.
 
@@ -96,7 +96,7 @@ pub(crate) trait Access<T>: AsRef<[T]> + AsMut<[T]> {
         self.put(b, first);
     }
 
-    /// Copies as many elements as both slices have. `copy_from_slice` would check the lengths and could panic.
+    /// Copies as many elements as both slices have. `copy_from_slice` could panic.
     fn copy_in(&mut self, from: &[T])
     where
         T: Copy,

@@ -15,8 +15,8 @@ pub struct Capacity {
     /// and lean ones have no tree and do not use this.
     pub leaf_refs: u32,
     /// The most pairs that a step can return. If there are more, the step counts them and reports
-    /// [`Error::PairsFull`]. An exact world with margins also keeps the overlaps of fat boxes here while there is
-    /// room; without room its steps are slower: [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
+    /// [`Error::PairsFull`]. An exact world also keeps the overlaps of its fat boxes here; without room
+    /// for them its steps are slower: [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
     pub pairs: u32,
 }
 
@@ -112,7 +112,7 @@ pub struct Config {
     pub capacity: Capacity,
     /// Which pairs a step returns.
     pub mode: Mode,
-    /// The margin of new objects: what a fat box has at least around the box. `None`: none but what steps choose.
+    /// The margin of new objects: the least that a fat box has around the box. `None`: steps choose.
     pub margin: Option<Margin>,
     /// Whether steps tell found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
@@ -240,7 +240,7 @@ impl Config {
         self
     }
 
-    /// For tests: the same with a choice fixed that steps make by counts, or free again. No choice changes a pair.
+    /// For tests: the same with a choice of steps fixed, or free again. No choice changes a pair.
     #[cfg(feature = "validate")]
     #[doc(hidden)]
     #[must_use]

@@ -4,7 +4,7 @@ use crate::access::Access;
 use crate::error::{Error, Field};
 use crate::id::{Index, Pair};
 
-/// Small numbers for pairs: whoever keeps something for each pair (a manifold, a sound, damage) keeps it in an array.
+/// Small numbers for pairs: what is kept for each pair (a manifold, a sound, damage) is an array.
 ///
 /// A pair has a number from the step that finds it to the step that loses it; then the number is given again,
 /// the one that became free last first. So numbers are below the most pairs that there were at once, and the
@@ -64,7 +64,7 @@ const BEFORE: usize = 4;
 const EACH: usize = 6;
 
 impl Contacts<()> {
-    /// How many words of memory contacts of a world of so many objects take, if there are so many pairs at most.
+    /// Words of memory for a world of so many objects, with so many pairs at most.
     #[must_use]
     pub const fn words(objects: u32, contacts: u32) -> usize {
         HEAD.saturating_add(objects as usize).saturating_add(EACH.saturating_mul(contacts as usize))
@@ -73,7 +73,7 @@ impl Contacts<()> {
 
 /// What there is.
 impl<M: AsRef<[u32]>> Contacts<M> {
-    /// Contacts in memory in which there are some, such as a copy of that of others. O(words): all of it is checked.
+    /// Contacts that are in the memory already, such as a copy. O(words): all of it is checked.
     ///
     /// # Errors
     /// [`Error::BadSnapshot`] if these words are not the memory of contacts.
@@ -203,7 +203,7 @@ impl<M: AsRef<[u32]>> Contacts<M> {
         self.word(self.at(contact, NEXT + self.side(contact, slot)))
     }
 
-    /// Whether each number in use stands once in the lists of its two objects, and each free one in that of the free.
+    /// Whether each number in use is once in the lists of its two objects, and each free one in the free list.
     fn is_whole(&self) -> bool {
         let words = self.memory.as_ref();
         let [mark, objects, room, live, used, mut free] =
@@ -242,7 +242,7 @@ impl<M: AsRef<[u32]>> Contacts<M> {
 
 /// Changes.
 impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
-    /// No contacts yet, with room for those of a world of so many objects, and so many pairs at most. O(objects).
+    /// No contacts yet, with room for a world of so many objects, and so many pairs. O(objects).
     ///
     /// # Errors
     /// [`Error::SlabTooSmall`], in bytes.
@@ -257,9 +257,9 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
         Ok(Self { memory })
     }
 
-    /// Takes back the numbers of the lost pairs, then gives the found ones numbers, and tells each. A pair that has no number
-    /// is not told as lost, and one that has a number keeps it. So a world in which there are pairs already begins with all of
-    /// them as found ones. O(events), each times the partners of that object of the two which has fewer.
+    /// Takes back the numbers of the lost pairs, then gives the found pairs numbers, and tells each. A pair
+    /// without a number is not told as lost, and a pair with a number keeps it. A world with pairs begins
+    /// with all as found. O(events), each times the partners of the object that has fewer.
     ///
     /// # Errors
     /// [`Error::NoRoom`] where the slots or the pairs do not fit; [`Error::BadPair`]. Nothing is told or

@@ -71,7 +71,7 @@ pub enum Error {
         /// The class.
         class: u32,
     },
-    /// A query has NaN, or an infinity or a negative length where none is allowed. A batch then answers nothing.
+    /// A query has NaN, or an infinity or a negative length that is not allowed. A batch answers nothing.
     BadQuery {
         /// The position of the query in the batch; zero for a single one.
         index: u32,

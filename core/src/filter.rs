@@ -51,7 +51,7 @@ impl Default for Filter {
 ///
 /// Any worker may ask it at any time during the step, and only about boxes that overlap with what is around them: margins and
 /// [predicted boxes](crate::Config::predicted). It has to answer the same until one of the objects is
-/// [refiltered](crate::World::refilter), since pairs of resting objects are not asked about again. What a panic in it leaves behind: see [`World::step`](crate::World::step).
+/// [refiltered](crate::World::refilter), since pairs of resting objects are not asked about again. For panics see [`World::step`](crate::World::step).
 #[doc(alias("pair_filter", "filter_contact_pair"))]
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 

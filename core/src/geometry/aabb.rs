@@ -37,9 +37,9 @@ impl Aabb {
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
-    /// The least box that holds a box in fixed point. A coordinate `x` means `x / 2^fraction_bits` of your unit: 16
-    /// fraction bits are the usual Q16.16, and 0 are whole numbers. Minima are rounded down and maxima up, so boxes
-    /// that overlap in fixed point overlap in `f32` too. Coordinates of at most 24 significant bits, such as all from
+    /// The least box that holds a box in fixed point. A coordinate `x` means `x / 2^fraction_bits` units: 16
+    /// fraction bits are the usual Q16.16, 0 whole numbers. Minima are rounded down, maxima up, so boxes that
+    /// overlap in fixed point overlap in `f32`. Coordinates of at most 24 significant bits, such as all from
     /// -2^24 to 2^24, are exact, and so are their overlaps.
     ///
     /// Uses integer operations alone, so a processor without FPU calls no soft-float. With more than 126
@@ -186,7 +186,7 @@ fn without_denormals(x: f64) -> f64 {
 /// flushes these gets the same.
 pub(crate) const fn narrowed(x: f64) -> f32 {
     if x.abs() < f32::MIN_POSITIVE as f64 {
-        // In steps of the least denormal, which are the keys there. Even that of a denormal `f64` below zero is a whole one.
+        // In steps of the least denormal, the keys there. A denormal `f64` below zero is a whole step, too.
         let steps = x * (1.0 / DENORMAL);
         let toward_zero = steps as i32;
         let is_less = toward_zero as f64 > steps || toward_zero == 0 && x.to_bits() > 1 << 63;
@@ -233,7 +233,7 @@ const fn fixed(x: i32, fraction_bits: u32, up: bool) -> f32 {
     let away_from_zero = up == (x > 0);
     let sign = (x < 0) as u32;
     let exponent = BIAS + 31 - zeros - fraction_bits;
-    // The mantissa's highest bit is not stored: it adds one to the exponent. So does a mantissa that overflows.
+    // The mantissa's highest bit is not stored: it adds one to the exponent, as an overflow does.
     let bits = ((exponent - 1) << MANTISSA) + (amount >> (31 - MANTISSA)) + (lost && away_from_zero) as u32;
     f32::from_bits(sign << 31 | bits)
 }

@@ -117,7 +117,7 @@ impl<'a> Boxes<'a> {
         items.get(count * self.stride..).unwrap_or_default()
     }
 
-    /// The first four of some items, if there are as many; in `room`, if there is something between their numbers.
+    /// The first four of some items, if there are as many; in `room`, if their numbers are apart.
     #[inline(always)]
     pub(crate) fn four<'r>(&self, items: &'r [u8], room: &'r mut [u8; 8 * CORNER]) -> Option<Four<'r>> {
         match (self.stride, self.end) {

@@ -1,4 +1,4 @@
-//! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse for them.
+//! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse.
 
 use super::key::{KeyBox, key};
 use bytemuck::{Pod, Zeroable};
@@ -64,8 +64,8 @@ impl BoundsScan {
         self.points |= bounds.is_distant_point();
     }
 
-    /// Whether `f32` is too coarse for some of `live` boxes. A point may be meant as a point, or it may be a box that
-    /// has lost all its sides far from the origin; then `f32` cannot tell neighbours apart either. So points count
+    /// Whether `f32` is too coarse for some of `live` boxes. A point may be meant, or may be a box that has
+    /// lost its sides far from the origin; `f32` cannot tell neighbours apart there either. So points count
     /// only if on no axis the world has four steps for each box of a row, were the boxes to fill a cube.
     pub(crate) fn is_coarse(&self, live: u32) -> bool {
         let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);

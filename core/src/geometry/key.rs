@@ -31,7 +31,7 @@ const fn mirrored(bits: i32) -> i32 {
     if bits < 0 { i32::MIN.wrapping_sub(bits) } else { bits }
 }
 
-/// Lengths below this (2^-100) count as zero. Hosts that flush denormals to zero would compute them differently.
+/// Lengths below this (2^-100) count as zero. Hosts that flush denormals would compute them differently.
 pub(crate) const SHORTEST: f32 = f32::from_bits(27 << 23);
 
 /// Steps of its last motion that a predicted box holds.
@@ -88,7 +88,7 @@ impl KeyBox {
         }
     }
 
-    /// The box of a free slot: empty, with a link to the next free slot in a side that no test of emptiness reads.
+    /// The box of a free slot: empty, with a link to the next free slot in a side that no such test reads.
     pub(crate) const fn free(next: u32) -> Self {
         let mut keys = Self::EMPTY;
         keys.min[1] = next as i32;
@@ -178,7 +178,7 @@ impl KeyBox {
     }
 
     /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`] ones too, each with a little
-    /// around it, at least `margin`: a share of its smallest side. A motion beyond that side predicts nothing.
+    /// around it, at least `margin`: a share of its smallest side. A motion beyond that predicts nothing.
     pub(crate) fn predicted(&self, old: &Self, margin: f32) -> Self {
         let [keys, old] = [*self, *old].map(bytemuck::cast::<KeyBox, [i32; 6]>);
         let mut smallest = f32::MAX;

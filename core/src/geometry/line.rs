@@ -47,7 +47,7 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Added to each lane. From this number on floats are whole numbers, so a lane becomes the low bits of a float.
+    /// Added to each lane. Floats are whole numbers from here on, so a lane becomes the low bits of a float.
     pub(crate) const BASE: f32 = (1u32 << 23) as f32;
     /// A later time counts as this one. It is less than `OUTWARDS * SLOWEST`, the least time at which that
     /// bound could make a cast leave a box too early.
@@ -73,7 +73,7 @@ impl Crossing {
     }
 }
 
-/// The sides of a box: the three that are met first, then the three that are met last. The same for all leaves.
+/// The sides of a box: three that are met first, then three that are met last. The same for all leaves.
 struct SidesMet {
     /// The bytes of their lanes.
     order: [u8; 16],
@@ -211,8 +211,8 @@ impl Line {
         Self { direction, distance, back, first, last, inverse }
     }
 
-    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number is
-    /// above the second. Each number rises with the box's sides, so a larger box is met no later and left no earlier.
+    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number
+    /// is above the second. Both rise with the box's sides: a larger box is met no later and left no earlier.
     #[inline(always)]
     pub(crate) fn span<S: Simd>(&self, simd: S, bounds: &KeyBox, far: f64) -> (f64, f64) {
         let [entry, exit] = simd.sides_met(bounds, &self.back);

@@ -70,7 +70,7 @@ impl Record {
     pub(crate) const SLOT: u32 = (1 << 27) - 1;
     /// A mark of a member: the box reaches beyond the cell.
     pub(crate) const STRADDLES: u32 = 1 << 28;
-    /// The lowest of three marks of a ghost, one an axis: the minimum is below the low side of the cell (erratum E9).
+    /// The lowest of three marks of a ghost, one an axis: the minimum is below the cell (erratum E9).
     pub(crate) const BELOW: u32 = 1 << 29;
     /// These three. Two records that share one are reported in another leaf.
     pub(crate) const MARKS: u32 = 7 * Self::BELOW;

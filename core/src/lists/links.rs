@@ -1,4 +1,4 @@
-//! The tri-linked sorted lists (paper, section III.A): each object once in a list per axis, by ascending minimum.
+//! The tri-linked sorted lists (paper, section III.A): a list an axis, all objects by ascending minimum.
 //!
 //! A list is an array of slots (erratum E12). Its order is total: by key, then by slot (erratum E10). No
 //! array holds an object's position in a list: a search by its key finds it.

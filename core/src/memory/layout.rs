@@ -28,13 +28,13 @@ pub(crate) const ALIGN: usize = CACHE_LINE;
 /// address space or the features of the build do not allow it, if the number of workers is not from 1 to 32,
 /// or if the margin is not valid.
 ///
-/// A constant function, so a static can be sized by it. The size is linear in objects, leaf references and pairs.
+/// A constant function, so it can size a static. The size is linear in objects, leaf references and pairs.
 ///
 /// ```
 /// use trisap_core::{Capacity, Config, layout};
 ///
 /// let layout = layout::<u32>(&Config::new(Capacity::for_objects(1000))).unwrap();
-/// let memory = std::alloc::Layout::from_size_align(layout.bytes, layout.align)?; // for an allocator of your own
+/// let memory = std::alloc::Layout::from_size_align(layout.bytes, layout.align)?; // for your own allocator
 /// # Ok::<(), std::alloc::LayoutError>(())
 /// ```
 #[must_use]
@@ -157,8 +157,8 @@ impl Sizes {
         if_so(has, self.objects)
     }
 
-    /// Bits that tell whether a reported box has changed, one an object. Events need them. An exact world with fat
-    /// boxes and a tree needs them too: it may park a pair only while both boxes stay, also inside their fat boxes.
+    /// Bits that tell whether a reported box has changed, one an object, for events. An exact world with fat
+    /// boxes and a tree needs them, too: it parks a pair only while both boxes stay, also inside fat boxes.
     pub(crate) const fn changed(&self) -> usize {
         let moves_inside_margin = self.fat > 0 && matches!(self.config.mode, Mode::Exact);
         if_so(self.config.events || moves_inside_margin && self.tree > 0, self.objects)
@@ -174,7 +174,7 @@ impl Sizes {
         if_so(self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
     }
 
-    /// Where sections start: on a cache line, or in worlds without a tree, which are small, where any item may.
+    /// Where sections start: on a cache line, or in small worlds, which have no tree, where any item may.
     const fn align(&self) -> usize {
         if self.tree > 0 { ALIGN } else { 16 }
     }

@@ -27,9 +27,9 @@ pub(crate) const BATCH: usize = 1024;
 pub(crate) const SHARED_FROM: u32 = 4096;
 /// Blocks of slots in the passes over all objects.
 pub(crate) const SLOT_BLOCKS: usize = 32;
-/// A block of slots is a multiple of this: whole groups of a set, and whole cache lines of every array by slot.
+/// A block of slots is a multiple of this: whole groups of a set, whole cache lines of every array by slot.
 pub(crate) const SLOTS_PER_BLOCK: usize = GROUP;
-/// The fewest objects in a block where each is tested by itself: to hand out a block is little beside testing it.
+/// The fewest objects in a block where each is tested by itself: its test outweighs the queue.
 pub(crate) const MOVERS_PER_BLOCK: usize = 64;
 /// Blocks of pairs where lists of pairs are divided.
 pub(crate) const PAIR_BLOCKS: usize = 32;
@@ -48,7 +48,7 @@ pub(crate) const QUERY_WORKERS: usize = 32;
 
 // Stacks and lists of fixed length.
 
-/// Nodes that wait at once on a walk through the tree: at most one a level, and a leaf. No tree becomes as deep.
+/// Nodes that wait on a walk through the tree: at most one a level, and a leaf. No tree becomes as deep.
 pub(crate) const LEVELS: usize = 64;
 /// Masks from which a round takes bits before it looks again whether there is room.
 pub(crate) const MASKS_PER_ROUND: usize = 32;
@@ -60,7 +60,7 @@ pub(crate) fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
-/// Entries of one block's histogram: objects and straddlers of each leaf, two by two, and the large objects last.
+/// Entries of one block's histogram: objects and straddlers of each leaf, two by two; large objects last.
 pub(crate) const fn histogram_row(leaves: usize) -> usize {
     2 * leaves + 1
 }
@@ -76,7 +76,7 @@ pub(crate) const fn depth_for(objects: usize, target: usize) -> u32 {
 }
 
 impl Forced {
-    /// The most objects in a leaf when its planes are new, at exact medians. Worlds for an eighth have no tree.
+    /// The most objects in a leaf of new planes, at exact medians. Worlds for an eighth have no tree.
     pub(crate) const fn leaf_target(self) -> usize {
         if matches!(self.of(SMALL_LEAVES), Some(true)) { LEAF_TARGET / 32 } else { LEAF_TARGET }
     }

@@ -154,7 +154,7 @@ fn cut<'s, T: Pod>(rest: &mut &'s mut [Record], count: usize) -> &'s mut [T] {
     cut_off(rest, of::<T>(count), count).unwrap_or_default()
 }
 
-/// Cuts `count` items off the front, which take so many units. By the layout's arithmetic there is always enough.
+/// Cuts `count` items off the front, which take so many units. By the layout there is always enough.
 pub(super) fn cut_off<'s, U: Pod, T: Pod>(
     rest: &mut &'s mut [U],
     units: usize,

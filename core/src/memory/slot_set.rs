@@ -1,4 +1,4 @@
-//! Sets of slots. To find the members takes a time that depends on their number, and hardly on the number of slots.
+//! Sets of slots. The time to find the members depends on their number, and hardly on the number of slots.
 
 use crate::access::{Access, bits};
 use crate::id::Index;
@@ -13,7 +13,7 @@ const GROUPED: bool = cfg!(feature = "large");
 pub(crate) struct SlotSet<'m> {
     /// One bit a slot.
     pub(crate) words: &'m mut [u32],
-    /// One bit for each word, set if the word has bits. So 1,024 slots without members are passed over at once.
+    /// One bit for each word, set if the word has bits: 1,024 slots without members are passed over at once.
     pub(super) groups: &'m mut [u32],
 }
 

@@ -50,7 +50,7 @@ pub enum Reason {
     NoRoom,
     /// Rebuilt: the tree had too many leaves or levels.
     Outgrown,
-    /// Rebuilt: three steps in a row have tested far more pairs in vain, or had far more ghosts, than with new planes.
+    /// Rebuilt: three steps in a row tested far more pairs in vain, or had far more ghosts, than new planes.
     OutOfBalance,
     /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of
     /// fat boxes, and also found those of the boxes as given. With more room steps are cheaper: see

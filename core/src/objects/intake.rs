@@ -172,7 +172,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let Objects { now, fat, changed: kept, before, resting, mode, .. } = objects;
     let end = now.len().min(word * 32 + 32);
     let now = now.get_mut(word * 32..end).unwrap_or_default();
-    // The boxes that the events compare with are kept where they have not changed since the last complete step.
+    // The boxes that events compare with are kept where they have not changed since the last complete step.
     let before = before.get_mut(word * 32..end).unwrap_or_default();
     let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to

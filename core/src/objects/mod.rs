@@ -1,4 +1,4 @@
-//! Notes what happens to one object: it comes, gets another box, or goes (paper, sections III.B.1 and V; errata E1 to E6).
+//! What happens to one object: it comes, gets another box, or goes (paper, III.B.1 and V; errata E1 to E6).
 
 pub(crate) mod intake;
 pub(crate) mod margins;

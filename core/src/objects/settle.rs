@@ -25,13 +25,13 @@ pub(crate) struct Records<'b, 's, I> {
 }
 
 impl<I: Index> Records<'_, '_, I> {
-    /// Some objects of a word of the bit sets have other boxes that are swept. Those are in `swept`, from the word's first on.
+    /// Some objects of a word of the bit sets have other swept boxes: `swept`, from the word's first on.
     #[inline(always)]
     pub(crate) fn settle<S: Simd>(&mut self, simd: S, word: usize, moved: u32, swept: &[KeyBox]) {
         let Self { first, homes, places, cells, frames, leaves, records, .. } = *self;
         let (homes, places) =
             (homes.get(word * 32..).unwrap_or_default(), places.get(word * 32..).unwrap_or_default());
-        // Of one length, so that one check of an index serves them all. Fat boxes are more: there is one for each slot.
+        // Of one length, so that one check of an index serves all. Fat boxes are more: one for each slot.
         let (count, leaf_count) = (homes.len().min(32), cells.len());
         let (Some(homes), Some(places), Some(swept)) =
             (homes.get(..count), places.get(..count), swept.get(..count))

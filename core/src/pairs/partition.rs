@@ -14,7 +14,7 @@ use crate::simd::{Simd, call};
 pub(crate) enum Test<'b, I> {
     /// The boxes overlap.
     Overlap(&'b [KeyBox]),
-    /// The boxes do not overlap now; or did not before, if there are boxes of before: then other objects had the slots.
+    /// The boxes do not overlap now; or did not before, if there are boxes of before: new objects in the slots.
     Ended { now: &'b [KeyBox], before: &'b [KeyBox] },
     /// Neither object is in a set.
     ClearOf(&'b [u32]),
@@ -94,7 +94,7 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
     end + front
 }
 
-/// Exchanges the pair of the lowest bit of a word with that of the highest bit of another one, and clears both bits.
+/// Exchanges the pair of a word's lowest bit with the pair of another word's highest bit; clears both bits.
 fn exchange_bits<I: Index>(pairs: &mut [Pair<I>], low: (usize, &mut usize), high: (usize, &mut usize)) {
     let highest = PAIRS_TOGETHER - 1 - high.1.leading_zeros() as usize;
     pairs.swap_at(low.0 + low.1.trailing_zeros() as usize, high.0 + highest);

@@ -23,8 +23,8 @@ const ACTIVE_FOR_EACH: u32 = 8;
 /// Whether worlds can park pairs. Small builds have only worlds without a tree, which do not.
 const PARKS: bool = cfg!(feature = "large");
 
-/// For a step that tests only moved objects: brings the pairs of two others to the front of the buffer, those of the
-/// result first, and returns how many there are. With events, the other pairs of the result are set aside to be compared.
+/// For a step that tests only moved objects: brings the pairs of two resting ones to the front of the buffer,
+/// pairs of the result first, and returns how many. With events, all other pairs are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
     if PARKS && !parts.sizes.is_small() {
         park(parts, context);
@@ -86,7 +86,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
     } else if PARKS && parts.sizes.previous > 0 {
-        // The step that did not end, or had no room for all its pairs, has set aside the others. The parked ones are still here.
+        // A step that did not end, or had no room for its pairs, has set them aside. The parked ones are here.
         let parked = result.start..state.pairs.parked as usize;
         let others = state.pairs.previous as usize;
         state.pairs.previous += parked.len() as u64;
@@ -99,7 +99,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     state.pairs.active = u32::MAX;
 }
 
-/// Updates the active objects and the parked pairs. O(parked pairs) if objects become active, O(others) if some become inactive.
+/// Updates the active objects and the parked pairs. O(parked pairs) if objects become active, else O(pairs).
 fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let Parts { state, moved, changed, active, output, .. } = parts;
     // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not

@@ -1,7 +1,7 @@
-//! Turns overlaps of swept boxes into the result: the exact test, which pairs are found and lost, and their order on request.
+//! Turns overlaps of swept boxes into the result: the exact test, found and lost pairs, their order on request.
 //!
-//! A pair is found exactly if its boxes did not overlap when the last complete step reported them. It is lost exactly
-//! if that step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
+//! A pair is found exactly if its boxes did not overlap at the last complete step. It is lost exactly if that
+//! step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
 //! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
@@ -99,8 +99,8 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: only the previous result tells
-/// whether such a pair stays. Brings the pairs that stay to the front, and returns where those are that the result told, in order.
+/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: only the previous
+/// result tells which stay. Brings these to the front; returns where the ones that the result told are, in order.
 fn stay_known<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],

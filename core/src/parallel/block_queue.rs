@@ -44,7 +44,7 @@ impl<'a, T> Chunks<'a, T> {
     }
 }
 
-// SAFETY: a `Chunks` is an exclusive borrow of a slice of `T: Send`; it reaches other threads only part by part.
+// SAFETY: a `Chunks` is an exclusive borrow of a slice of `T: Send`; other threads get it only part by part.
 unsafe impl<T: Send> Sync for Chunks<'_, T> {}
 
 // SAFETY: part `i` covers `[i * chunk, (i + 1) * chunk)` cut to the slice; these ranges are disjoint.

@@ -48,8 +48,8 @@ use core::cell::Cell;
 /// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
 ///
 /// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
-/// [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly without the
-/// feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
+/// [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly
+/// without the feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
 ///
 /// ```
 /// use trisap_core::Executor;

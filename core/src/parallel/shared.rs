@@ -28,7 +28,7 @@ impl<'a, T: Pod> Shared<'a, T> {
         size_of::<T>() / size_of::<Plain>()
     };
 
-    /// Shares a slice. If it were not aligned to words, it would be empty; the layout of the slab rules that out.
+    /// Shares a slice. Not aligned to words it would be empty; the layout of the slab rules that out.
     pub(crate) fn new(slice: &'a mut [T]) -> Self {
         let words = bytemuck::try_cast_slice_mut::<T, Plain>(slice).unwrap_or_default();
         // SAFETY: the atomic has the size and bit validity of the integer; its alignment is checked below;

@@ -61,7 +61,7 @@ impl<'m, I: Index> World<'m, I> {
 }
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
-    /// Writes the answers that `ask` hands out and that may answer to `out`, in order. Returns how many there are.
+    /// Writes the answers of `ask` that may answer to `out`, in order. Returns how many there are.
     pub(super) fn collect<T: Copy>(
         &self,
         out: &mut [Option<T>],
@@ -106,7 +106,7 @@ impl<I: Index> World<'_, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`. Nothing is written then.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`; nothing is written.
     pub fn first_hits(
         &self,
         casts: &[Cast],

@@ -96,7 +96,7 @@ impl<I: Index> World<'_, I> {
     /// nearer ones, less than zero to stop.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] if the cast is not valid: NaN, an infinity other than the distance, a negative distance.
+    /// [`Error::BadQuery`]: NaN, an infinity other than the distance, a negative distance.
     pub fn visit_hits(&self, cast: &Cast, visit: &mut dyn FnMut(Hit) -> f64) -> Result<(), Error> {
         if !cast.is_valid() {
             return Err(Error::BadQuery { index: 0 });
@@ -118,7 +118,7 @@ impl<I: Index> World<'_, I> {
     /// Returns how many there are.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some of them.
     #[doc(alias("raycast_all", "ray_hits"))]
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.among(|_| true).hits(cast, out)
@@ -208,7 +208,7 @@ fn visit_along<S: Simd, I: Index>(
     cast: &Cast,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> ControlFlow<()> {
-    // What takes longest is started first: the leaf where the cast starts is found by planes alone, and prefetched.
+    // What takes longest comes first: the leaf where the cast starts is found by planes alone, and prefetched.
     let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
     if let Some(home) = home {
         prefetch_parts(simd, &world.parts, home);

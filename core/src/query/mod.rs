@@ -58,7 +58,7 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
-/// A query: what it looks for, and what it has found so far. Each of its functions returns whether to look on.
+/// A query: what it looks for, and what it has found. Each of its functions returns whether to look on.
 trait Search {
     type Probe: Probe;
 

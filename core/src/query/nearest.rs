@@ -52,7 +52,7 @@ impl<I: Index> World<'_, I> {
     /// what was visited before. Where boxes decide, [`nearest`](Self::nearest) and [`among`](Self::among) are shorter.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] where the point is not finite, or the distance is NaN or negative; it may be infinite.
+    /// [`Error::BadQuery`] where the point is not finite, or the distance NaN or negative; it may be infinite.
     pub fn visit_nearest(
         &self,
         point: [f32; 3],

@@ -184,10 +184,10 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// Writes the objects whose boxes overlap a region to `out`, by ascending slot. Returns how many there are.
+    /// Writes the objects that overlap a region to `out`, by ascending slot. Returns how many there are.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` then holds some of them.
+    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some of them.
     #[doc(alias("query_aabb", "intersections_with_aabb", "aabb_intersections"))]
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
         self.among(|_| true).overlaps(region, out)

@@ -1,10 +1,10 @@
 //! The operations of a step for each instruction set, and all `unsafe` for it.
 //!
-//! What a step does with boxes is a function that is generic over [`Simd`] and inlined, so that it is compiled with the instruction
-//! set of its caller. [`run!`](kernels::run) calls it, compiled for the level of a [`Kernels`](crate::Kernels). A level is a
-//! handful of operations on bytes, records and boxes, so another CPU needs one small file. All levels give the same bytes.
+//! What a step does with boxes is a function that is generic over [`Simd`] and inlined, so it has the instruction
+//! set of its caller: [`run!`](kernels::run), for the level of a [`Kernels`](crate::Kernels). A level is a handful
+//! of operations on bytes, records and boxes: another CPU needs one small file. All levels give the same bytes.
 
-// Tests of single operations stand beside the other tests. A program for an emulator is built with `--cfg agreement` to call them.
+// A program for an emulator is built with `--cfg agreement` to call the tests of single operations.
 #[cfg(any(test, agreement))]
 #[path = "../../tests/kernels/agreement.rs"]
 mod agreement;
@@ -264,7 +264,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn contact(self, a: &Record, b: &Record) -> Contact {
         let (mut touches, mut tied) = (true, false);
         for k in 0..6 {
-            // b's maximum against a's minimum, then b's complemented minimum against a's complemented maximum.
+            // b's maximum against a's minimum, then the complements: b's minimum against a's maximum.
             let limit = !b.lanes[(k + 3) % 6];
             touches &= a.lanes[k] <= limit;
             tied |= a.lanes[k] == limit;
@@ -293,8 +293,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
         walk.enter(nodes, until)
     }
 
-    /// The sides of a box that a line meets first, and the sides that it meets last, of three axes and any number, as
-    /// [`normal`] gives them. `back` has all ones where the line runs backwards.
+    /// The sides of a box that a line meets first, and the sides that it meets last, of three axes and any
+    /// number, as [`normal`] gives them. `back` has all ones where the line runs backwards.
     #[inline(always)]
     fn sides_met(self, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
         let mut sides = [[[0.0; 4]; 2]; 2];

@@ -64,7 +64,7 @@ fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     check(events || pairs.found == 0 && pairs.previous == 0, "events in a world without events", 0)
 }
 
-/// Sets hold only slots that there are. Moved objects have changed, and objects with another filter count as moved.
+/// Sets hold only slots that there are. Moved objects have changed; so have objects with another filter.
 fn sets<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let Stored { moved, settled, resting, changed, refiltered, reused, .. } = stored;
     let slots = stored.now.len();

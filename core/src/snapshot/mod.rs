@@ -111,7 +111,7 @@ impl<I: Index> World<'_, I> {
 
 /// Growth.
 impl<I: Index> World<'_, I> {
-    /// Moves the world to other memory and another configuration: larger, or smaller if all fits. `slab` is as for
+    /// Moves the world to other memory and another configuration: larger, or smaller if all fits. `slab`: as for
     /// [`new_in`](Self::new_in); what was in it is gone. This world stays as it is. O(bytes of the new slab).
     ///
     /// Everything goes on: ids, boxes, margins, filters, values, rest, and the last result, so the next step tells
@@ -182,7 +182,7 @@ fn check_room(state: &State, sizes: &Sizes) -> Result<(), Error> {
     Ok(())
 }
 
-/// Four chains of multiplications in turn, eight bytes at a time: fast, and any changed byte changes the result.
+/// Four chains of multiplications in turn, eight bytes at a time: any changed byte changes the result.
 fn checksum(bytes: &[u8]) -> u64 {
     const PRIME: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut sums = [1u64, 2, 3, 4];

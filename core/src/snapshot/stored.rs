@@ -109,7 +109,7 @@ macro_rules! stored {
             /// Of reused slots: the generations and values of former objects.
             pub(crate) former: Packed<'b, u32>,
             pub(crate) former_values: Packed<'b, u64>,
-            /// Whether the last three have an item for each slot, as in a slab, or for each slot of their set.
+            /// Whether the last three have an item for each slot, as in a slab, or for each in their set.
             by_slot: bool,
         }
 
@@ -138,7 +138,7 @@ macro_rules! stored {
                 stored
             }
 
-            /// Cuts the bytes behind a state. `None` if they are too few, or too many, or there can be no such world.
+            /// Cuts the bytes behind a state. `None` if they are too few or too many, or no world is so.
             pub(crate) fn cut(state: State, mut bytes: &'b [u8]) -> Option<Self> {
                 let ($s, $n) = (&Sizes::of::<I>(&state.setup.portable_config(size_of::<I>())?).ok()?, Saved::of(&state));
                 let bytes = &mut bytes;

@@ -21,7 +21,7 @@ use crate::tree::subdivide::subdivide;
 const MOVERS_SHARE: u64 = 13;
 /// And this many halves more for each pair of an object.
 const MOVERS_SHARE_PER_PAIR: u64 = 5;
-/// A pair that a step of many movers keeps saves this much. The division of leaves costs one for each pair and two for each object.
+/// A pair that is kept by leaf saves this much; the division costs one for each pair and two for each object.
 const KEPT_SAVES: u64 = 3;
 /// The same with events.
 const KEPT_SAVES_WITH_EVENTS: u64 = 6;
@@ -32,7 +32,7 @@ pub(super) const SCAN_EVERY: u8 = 8;
 /// Pairs that are sampled to tell how many stay.
 const PAIR_SAMPLE: usize = 256;
 
-/// After this many steps with few movers in a row leaves are divided, since the next ones probably have few too.
+/// After this many steps with few movers leaves are divided, since the next steps probably have few, too.
 const CALM: u8 = 2;
 
 /// A full step, in the unit of the costs below; what one costs that makes all fat boxes anew, beyond a quiet step; and a quiet step.
@@ -216,7 +216,7 @@ fn are_few(state: &State, moved: u32) -> bool {
     moved.saturating_mul(cost_of_movers(state)) <= live * live
 }
 
-/// What it costs to test as many movers one by one as there are objects, where a full step costs one for each object.
+/// What it costs to test all objects as movers one by one, where a full step costs one for each object.
 fn cost_of_movers(state: &State) -> u64 {
     let (live, pairs) = (u64::from(state.objects.live), state.pairs.swept);
     MOVERS_SHARE * live + MOVERS_SHARE_PER_PAIR * pairs.min(live << 8) / 2

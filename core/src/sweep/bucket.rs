@@ -25,8 +25,8 @@ const fn high(lane: u16) -> u8 {
     (lane >> 8) as u8
 }
 
-/// Sweeps two parts of some records, in any order, against each other along an axis; and the first one alone, if `within_first`.
-/// `part` tells the part of a record of a bucket, 0 or 1, or 2 if it has none; it is 0 if the runs are those of one part.
+/// Sweeps two parts of some records against each other along an axis; and the first alone, if `within_first`.
+/// `part` tells the part of a record, 0 or 1, or 2 if it has none; it is 0 if the runs are of one part.
 #[inline(always)]
 pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
     simd: S,
@@ -48,7 +48,7 @@ pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
         scan::sweep(simd, (axis, first, boxes), leaf_scratch, run, sink);
     }
     let Some(others) = rest.first().filter(|_| both > first && first > 0) else { return };
-    // The record whose run of equal sort bytes comes first meets the other; of equal runs the first part's does.
+    // The record whose run of equal sort bytes comes first meets the other; the first part's, if both do.
     let run = move |at: usize, record: &Record| {
         let run = high(record.lanes.at(axis)) as usize;
         if at < first {
@@ -111,9 +111,9 @@ fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
     ends[high(!lanes[(3 + axis) % 8]) as usize] as usize
 }
 
-/// Makes the records of a bucket as wide as the grid on each axis on which all their boxes are the same point, other than the swept
-/// one: as in a game in two dimensions. The boxes all touch there, but all candidates would wait for the exact test, as each two
-/// records share a step of the grid. O(records) where it is so, else a few records are looked at.
+/// Makes the records of a bucket as wide as the grid on each axis, but the swept one, where all their boxes
+/// are one point: as in a game in two dimensions. All touch there, but would wait for the exact test, as each
+/// two records share a step of the grid. O(records) where it is so, else a few records are looked at.
 #[inline(always)]
 fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
     for axis in (0..3).filter(|axis| *axis != swept) {

@@ -34,7 +34,7 @@ pub(crate) struct Plan {
 
 /// One pass over a leaf.
 pub(crate) struct Pass {
-    /// The side of a record of either bucket, by its code. Side 0 is compared with side 1, and side 2 with nobody.
+    /// The side of a record of either bucket, by its code. Side 0 meets side 1, side 2 nobody.
     pub(crate) sides: [[u8; CODES]; 2],
     /// Whether side 0 is also compared with itself.
     pub(crate) within: bool,
@@ -149,7 +149,7 @@ impl<'g, I: Index> Kinds<'g, I> {
         [part(0), part(1), part(2), part(3), lone]
     }
 
-    /// Brings the objects of a list to another one by their side in a pass, in order. Returns those of the first two sides.
+    /// Brings the objects of a list to another one by their side, in order. Returns the first two sides.
     pub(crate) fn divide<'l>(&self, list: &[I], sides: &[u8; CODES], to: &'l mut [I]) -> [&'l [I]; 2] {
         let (mut at, mut ends) = (0, [0; 3]);
         for (side, end) in (0..).zip(&mut ends) {
@@ -206,7 +206,7 @@ impl Plan {
         code < LONE && self.meets.at(self.part(code)) != 0
     }
 
-    /// The passes over two buckets; if `across`, each record of the first bucket with those of the second one.
+    /// The passes over two buckets; if `across`, each record of the first bucket with each of the second.
     pub(crate) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
         // Those of each part that have moved, then the others.
         let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);

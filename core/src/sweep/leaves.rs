@@ -179,7 +179,7 @@ fn slot(record: &Record) -> usize {
     record.slot() as usize
 }
 
-/// Does the passes of a plan; if `across`, each record of the first bucket meets those of the second one alone.
+/// Does the passes of a plan; if `across`, records of the first bucket meet records of the second alone.
 #[inline(always)]
 fn sweep_passes<S: Simd, I: Index>(
     simd: S,
@@ -201,7 +201,7 @@ fn sweep_passes<S: Simd, I: Index>(
     });
 }
 
-/// Sweeps a leaf of so many records, too many for the bucket: tiles of half a bucket, each alone and each two against each other.
+/// Sweeps a leaf with too many records for the bucket: tiles of half a bucket, each alone and each with each.
 #[inline(always)]
 fn sweep_tiles<S: Simd, I: Index>(
     simd: S,

@@ -181,7 +181,7 @@ impl<I: Index> Collector<'_, '_, I> {
     }
 }
 
-/// Fills `room` with the pairs from number `from` on. `chunks` has where each chunk ends, its position and its length.
+/// Fills `room` with the pairs from number `from` on. `chunks`: each one's end, position, length.
 fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mut room: &mut [Pair<I>]) {
     let first = chunks.partition_point(|chunk| chunk[0] as usize <= from);
     for [end, index, len] in chunks.iter().skip(first).map(|chunk| chunk.map(|number| number as usize)) {

@@ -1,7 +1,7 @@
 //! Tests moved objects against everything near them (paper, section III.B.1). Pairs of two resting objects
 //! persist (erratum E6).
 //!
-//! Movers are taken leaf by leaf, so that the leaves around are in the cache for all of them. Every object is in one
+//! Movers are taken leaf by leaf, so that the leaves around are in the cache. Every object is in one
 //! place, so each of two movers meets the other once, and the one with the lower slot reports the pair.
 
 use super::Sink;

@@ -19,7 +19,7 @@ use crate::simd::{Row, Simd, Tested, WINDOW, call};
 use crate::tree::Record;
 use core::ops::Range;
 
-/// Passes on the pairs of the first `count` records of a sorted bucket. `run` tells where the neighbours of a record start and end.
+/// Passes on the pairs of the first `count` records of a sorted bucket. `run`: the neighbours of a record.
 #[inline(always)]
 pub(super) fn sweep<S: Simd, I: Index>(
     simd: S,
@@ -74,7 +74,7 @@ fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
     call!(simd, found.finish(simd));
 }
 
-/// Makes room for so many masks, at most `ROWS`, beside those that there are. Returns how many these are then.
+/// Makes room for so many more masks, at most `ROWS`. Returns how many there are then.
 #[inline(always)]
 fn make_room<S: Simd, I: Index>(
     simd: S,

@@ -160,7 +160,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
     parts.state.tree.filled = 1;
 }
 
-/// Turns the counts of each block into the positions where it writes. Returns whether there are as many large objects as before.
+/// Turns the counts of blocks into positions to write to. Returns whether there are as many large ones.
 fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) -> bool {
     let row = histogram_row(leaves);
     let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
@@ -177,7 +177,7 @@ fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) -> bool {
                 leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
             }
         }
-        // Some room, so that objects can come without a new fill, also to sub-leaves; but none beyond what makes it too full.
+        // Some room, so that objects can come without a new fill; none where it would be too full.
         leaf.room = (leaf.len + leaf.len / 8 + ROOM).min(leaf.len.max(most));
         record += leaf.room;
         straddler += leaf.straddler_len;

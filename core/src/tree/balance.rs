@@ -132,8 +132,8 @@ fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
     is_divisible(boxes, sample.span(0, count))
 }
 
-/// Notes how many pairs a full step tested in vain, and how many ghosts it had. If there stay far more than with new
-/// planes, new ones are due: clusters may have come into one leaf, or leaves have become long, which counts do not tell.
+/// Notes how many pairs a full step tested in vain, and how many ghosts it had. If there stay far more than
+/// with new planes, these are due: clusters have come into a leaf, or it is long, which counts do not tell.
 pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64) {
     let (tree, live) = (&mut state.tree, u64::from(state.objects.live));
     if tree.unweighed != 0 {
@@ -149,7 +149,7 @@ pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64) {
     }
 }
 
-/// Plans leaves for as many objects as there are, or for as many as there were while they are not clearly fewer.
+/// Plans leaves for as many objects as there are, or were while there are not clearly fewer.
 pub(crate) fn plan(state: &mut State) {
     let (live, target) = (state.objects.live as usize, state.setup.forced.leaf_target());
     state.tree.depth = state.tree.depth.min(depth_for(live + live / 8, target)).max(depth_for(live, target));

@@ -1,4 +1,4 @@
-//! Makes planes: divides a leaf where it stands, then its parts (paper, section III.A; errata E10, E11, E13, E14, E17).
+//! Makes planes: divides a leaf in place, then its parts (paper, III.A; errata E10, E11, E13, E14, E17).
 //!
 //! A plane is at the median minimum of a sample, on the axis that parts the sample best. The paper keeps
 //! three sorted lists of all objects for exact medians. Those of samples make leaves that are nearly as even,
@@ -83,7 +83,7 @@ fn sampled<'s, I: Index>(list: &[I], sample: &'s mut [I]) -> &'s [I] {
     sample
 }
 
-/// Brings the objects below a plane to the front of a list, and returns how many these are. Both parts keep their order.
+/// Brings the objects below a plane to the front of a list; returns how many. Both parts keep their order.
 fn divide_list<I: Index>(boxes: &[KeyBox], list: &mut [I], spare: &mut [I], plane: i32) -> usize {
     let (mut below, mut above) = (0, 0);
     for at in 0..list.len() {
@@ -103,7 +103,7 @@ fn divide_list<I: Index>(boxes: &[KeyBox], list: &mut [I], spare: &mut [I], plan
 fn best_plane<I: Index>(boxes: &[KeyBox], sample: &[I], keys: &mut [i32]) -> i32 {
     let count = sample.len();
     let mut best = (usize::MAX, UNSPLIT);
-    // If many minima are equal to the median, or too many boxes cross the planes there, quarters may be better.
+    // If many minima equal the median, or too many boxes cross the planes there, quarters may be better.
     for position in [count / 2, count / 4, count - count / 4] {
         for axis in 0..3 {
             let (mut first, mut last) = (i32::MAX, i32::MIN);
@@ -126,8 +126,8 @@ fn best_plane<I: Index>(boxes: &[KeyBox], sample: &[I], keys: &mut [i32]) -> i32
     best.1
 }
 
-/// How many boxes of a sample cross a plane, more than there are if it is lopsided, and the greatest number if too many
-/// do. Four thin ones that go `far` beyond it count as one, since they are large objects then, which cost little.
+/// How many boxes of a sample cross a plane; more if it is lopsided, and the greatest number if too many do.
+/// Four thin ones that go `far` beyond it count as one: they become large objects, which cost little.
 fn crossing<I: Index>(boxes: &[KeyBox], sample: &[I], plane: i32, far: f32) -> usize {
     let (axis, key) = (axis_of(plane), key_of(plane));
     let (mut below, mut quarters) = (0, 0);

@@ -72,7 +72,7 @@ fn list_straddlers_of<S: Simd>(
     }
 }
 
-/// Makes the box of each node: of a leaf, around its cell and its straddlers; of an inner node, around its children.
+/// Makes the box of each node: a leaf's, around its cell and straddlers; an inner node's, around its children.
 pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
     let tree = &mut parts.tree;
     let count = parts.state.tree.count as usize;

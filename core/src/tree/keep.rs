@@ -46,7 +46,7 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     true
 }
 
-/// Candidates that may tie beyond those of the step before: one in so many of them, and one in so many objects.
+/// Candidates that may tie beyond the step before: one in so many of its, and one in so many objects.
 const MORE_TIES: u64 = 8;
 const MORE_TIES_SHARE: u64 = 64;
 

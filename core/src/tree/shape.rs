@@ -1,5 +1,5 @@
-//! Divides and joins leaves where they stand. Nothing else of the tree changes its place, but for the leaf and the two
-//! nodes with the highest numbers, which take over what becomes free: leaves and nodes stay without gaps.
+//! Divides and joins leaves in place. Nothing else of the tree changes its place, but for the leaf and the
+//! two nodes with the highest numbers, which take over what becomes free: leaves and nodes stay without gaps.
 
 use super::{Leaf, Split};
 use crate::access::Access;

@@ -1,4 +1,4 @@
-//! Borrows room for a full leaf from its neighbours, so that a step with few movers need not fill all leaves anew.
+//! Borrows room for a full leaf from its neighbours: a crowd that gathers needs no fill of all leaves.
 
 use super::limits::NEIGHBOURS;
 use super::{Leaf, most};

@@ -29,7 +29,7 @@ impl<I: Index> World<'_, I> {
     }
 }
 
-/// A sum over numbers that tells whether some are missing, or there twice, without room to write them down; in any order.
+/// A sum over numbers in any order that tells, without a list, whether some are missing or there twice.
 fn sum(numbers: impl Iterator<Item = u64>) -> u64 {
     // SplitMix64: each bit of a number changes each bit of the result for half of all numbers.
     let mixed = |number: u64| {

@@ -80,7 +80,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Checks all numbers of a state before any of them is used in an index, but for those that a snapshot has, too.
+/// Checks all numbers of a state before any is used in an index, but for the numbers that a snapshot has.
 pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     objects(state, sizes)?;
     tree(state, sizes)?;

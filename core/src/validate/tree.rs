@@ -1,4 +1,4 @@
-//! Checks the tree: each object that has not moved is once where the planes say, and the boxes of nodes hold it.
+//! Checks the tree: each object that has not moved is once where the planes say; the boxes of nodes hold it.
 
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;

@@ -1,4 +1,4 @@
-//! Sets what objects have beside their boxes: whether they are enabled or rest, whom they meet, a margin, a value.
+//! Sets what objects have beside boxes: whether they are enabled or rest, whom they meet, a margin, a value.
 
 use super::World;
 use crate::access::{Access, bits};
@@ -9,7 +9,7 @@ use crate::id::{Id, Index};
 use crate::lists::links;
 use crate::memory::slab::Parts;
 
-/// Attributes of objects. A rule of the caller's own about pairs comes with a step: [`with_rule`](World::with_rule).
+/// Attributes of objects. A rule of the caller's own about pairs: [`with_rule`](World::with_rule).
 ///
 /// ```
 /// # use trisap_core::{Aabb, Capacity, Config, Error, Filter, InlineWorld, layout};
@@ -169,7 +169,7 @@ impl<I: Index> World<'_, I> {
         self.attribute(id, self.parts.filters.of)
     }
 
-    /// Whether an object meets whatever has a filter, by groups and classes; for queries, see [`among`](Self::among).
+    /// Whether an object meets a filter, by groups and classes; for queries, see [`among`](Self::among).
     /// In a world without filters objects have [`Filter::ALL`]. False for a stale id. O(1).
     #[must_use]
     pub fn meets(&self, id: Id, filter: &Filter) -> bool {
@@ -226,7 +226,7 @@ impl<I: Index> World<'_, I> {
     /// as moved once. O(1).
     ///
     /// # Errors
-    /// [`Error::StaleId`], [`Error::NoMargins`], or [`Error::BadMargin`] where `length` is negative or not finite.
+    /// [`Error::StaleId`], [`Error::NoMargins`]; [`Error::BadMargin`] for a negative or not finite `length`.
     pub fn set_margin(&mut self, id: Id, length: f32) -> Result<(), Error> {
         let slot = self.slot_of(id)?;
         Margin::length(length).check()?;
@@ -239,7 +239,7 @@ impl<I: Index> World<'_, I> {
         Ok(())
     }
 
-    /// How far an object may move before it counts as moved. `None` for a stale id, and in a world without margins.
+    /// How far an object may move before it counts as moved. `None` for a stale id, or without margins.
     #[must_use]
     pub fn margin(&self, id: Id) -> Option<f32> {
         self.attribute(id, self.parts.boxes.margins)

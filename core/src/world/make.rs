@@ -16,7 +16,7 @@ use core::fmt;
 /// const CONFIG: Config = Config::new(Capacity::for_objects(100).with_pairs(400)).with_events();
 /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
 ///
-/// // From wherever it comes: a static, an arena, the heap. Or from an `InlineWorld`, which is as large and as aligned as it has to be.
+/// // From a static, an arena, the heap; or an `InlineWorld`, which has the right size and alignment.
 /// #[repr(align(64))]
 /// struct Memory([u8; BYTES]);
 /// let mut memory = Box::new(Memory([0; BYTES]));
@@ -33,7 +33,7 @@ impl<'m, I: Index> World<'m, I> {
     /// says. What was in the slab does not matter; bytes beyond the needed length are not touched. O(bytes).
     ///
     /// # Errors
-    /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    /// [`Error::SlabTooSmall`], [`Error::SlabMisaligned`], [`Error::CapacityTooLarge`], [`Error::BadMargin`].
     pub fn new_in(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
         Parts::init(slab, config).map(Self::of)
     }

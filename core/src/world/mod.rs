@@ -43,11 +43,11 @@ use crate::tree::keep;
 /// A view of a slab that the caller lends. All state is in the slab, so a world can be dropped and
 /// [opened](Self::open) again. `I` is the width of slots in memory and in pairs.
 ///
-/// Its methods are listed in the order of use: [make](Self::new_in) a world; [insert](Self::insert) objects and give them other boxes,
-/// [values](Self::set_value), [filters](Self::set_filter) or [rest](Self::set_resting); [step](Self::step); look at the
-/// [results](Self::pairs) by slot, id or value, and at [what is there](Self::iter). Between two steps
-/// [queries](Self::overlaps) answer, [snapshots](Self::save) are taken and loaded, and the world [moves](Self::move_into) to where there
-/// is more room.
+/// Its methods in the order of use: [make](Self::new_in) a world; [insert](Self::insert) objects, give them
+/// boxes, [values](Self::set_value), [filters](Self::set_filter) or [rest](Self::set_resting);
+/// [step](Self::step); look at the [results](Self::pairs) by slot, id or value, and at [what is
+/// there](Self::iter). Between two steps [queries](Self::overlaps) answer, [snapshots](Self::save) are taken
+/// and loaded, a world [moves](Self::move_into) to where there is more room.
 #[doc(alias("broad_phase", "bvh", "dynamic_tree", "space"))]
 pub struct World<'m, I: Index = u32> {
     pub(crate) parts: Parts<'m, I>,

@@ -45,8 +45,8 @@ impl<'m, I: Index> World<'m, I> {
         self.insert_box(bounds)
     }
 
-    /// Adds an object in a slot that the caller names, so that worlds agree on slots, as those of a server and its clients. The
-    /// generation is that of this world. O(free slots), and O(slots below) where it is the highest so far.
+    /// Adds an object in a slot that the caller names, so that a server and its clients agree on slots. Its
+    /// generation is this world's. O(free slots), and O(slots below) where it is the highest so far.
     ///
     /// # Errors
     /// [`Error::BadBox`]; [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot.
@@ -115,7 +115,7 @@ impl<'m, I: Index> World<'m, I> {
     /// Gives objects other boxes, all or none. O(n).
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] if there are not as many boxes as ids, [`Error::StaleId`] or [`Error::BadBox`].
+    /// [`Error::LengthMismatch`]: not as many boxes as ids; [`Error::StaleId`] or [`Error::BadBox`].
     pub fn update_many<'b>(&mut self, ids: &[Id], boxes: impl Into<Boxes<'b>>) -> Result<(), Error> {
         let boxes = boxes.into();
         if ids.len() != boxes.len() {

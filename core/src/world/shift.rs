@@ -21,7 +21,7 @@ impl<I: Index> World<'_, I> {
     /// Fat boxes are shifted too, not made anew. So a shift alone does not change the pairs in
     /// [`Mode::Fat`](crate::Mode::Fat) either, unless fat boxes are rounded; these are not counted.
     ///
-    /// To win back precision that boxes have lost far from the origin, give them again from `f64` after the shift:
+    /// To win back precision that boxes have lost far from the origin, give them again from `f64`:
     ///
     /// ```
     /// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};

@@ -49,7 +49,7 @@ pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
 impl<'m, I: Index> World<'m, I> {
     /// Finds all overlapping pairs of the boxes as they are now, on this thread.
     ///
-    /// Expected O(n + pairs) where objects move, O(movers + pairs) where few do; see [`Stats::path`](crate::Stats::path).
+    /// O(n + pairs) expected, O(movers + pairs) where few move; see [`Stats::path`](crate::Stats::path).
     ///
     /// If a [rule](Self::with_rule) or an [executor](Self::on) panics, the world stays valid and has no
     /// pairs; each box of [`step_over`](Self::step_over) may have been taken in or not. The next step finds
@@ -85,10 +85,10 @@ impl<'m, I: Index> World<'m, I> {
         Stepper { world: self, executor: &Serial, rule: Some(rule) }
     }
 
-    /// Brings the tree up to date for queries, without a look for pairs: a world that is only asked needs no step. The pairs
-    /// and events of the last step stay, and the next one has those that it would have had. Without this, queries look one by
-    /// one at the objects that have changed since the last step, and at all before the first. Does nothing in worlds without a
-    /// tree. O(objects that have changed), or O(n) where these are many.
+    /// Brings the tree up to date for queries without a look for pairs: a world that is only asked needs no
+    /// step. Pairs and events stay as they are, also in the next step. Without this, queries look one by one
+    /// at the objects that have changed since the last step, and at all before the first. Does nothing in
+    /// worlds without a tree. O(objects that have changed), or O(n) where these are many.
     ///
     /// ```
     /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, layout};
@@ -222,8 +222,8 @@ impl<I: Index> World<'_, I> {
         self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
     }
 
-    /// With events: the pairs of the complete step before the last one that the last one does not have. The slot of a
-    /// removed object may have a new object by now, and the same two slots may be found again: take the lost pairs first.
+    /// With events: the pairs of the complete step before that the last one does not have. The slot of a removed
+    /// object may have a new object by now, and the same two slots may be found again: take lost pairs first.
     #[doc(alias("stopped", "ended", "end_contact"))]
     #[must_use]
     pub fn lost(&self) -> &[Pair<I>] {
@@ -302,7 +302,7 @@ impl<I: Index> World<'_, I> {
         both(self.found_ids(), |id| self.value(id))
     }
 
-    /// [`lost`](Self::lost) by the values of the objects that were the pair, as for [`lost_ids`](Self::lost_ids).
+    /// [`lost`](Self::lost) by the values that the objects of the pair had: as [`lost_ids`](Self::lost_ids).
     pub fn lost_values(&self) -> impl Iterator<Item = [u64; 2]> {
         let values = &self.parts.values;
         both(self.lost().iter().copied(), |slot| {

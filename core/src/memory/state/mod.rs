@@ -54,7 +54,7 @@ impl State {
         }
     }
 
-    /// With events: the parked pairs among those of the step before, if the last one had no room for its pairs.
+    /// With events: the parked pairs of the step before, if the last one had no room for its pairs.
     pub(crate) const fn previous_parked(&self) -> core::ops::Range<usize> {
         let PairState { complete, surplus_parked, parked, .. } = self.pairs;
         if complete != 0 || !self.setup.events() { 0..0 } else { surplus_parked as usize..parked as usize }

@@ -59,7 +59,7 @@ pub(crate) struct TreeState {
     pub(crate) depth: u32,
     /// How many times leaves are twice as large as planned, since ghosts would take too much room.
     pub(crate) coarser: u32,
-    /// Zero while no leaf is divided; else one more than the number of divided leaves, which are the first ones.
+    /// Zero while no leaf is divided; else one more than the number of divided leaves, the first ones.
     pub(crate) subdivided: u32,
     /// Movers since the boxes of the first leaf were made tight, as one leaf follows another.
     pub(crate) moved_since_refit: u32,
@@ -76,7 +76,7 @@ pub(crate) struct TreeState {
     /// When all leaves were last filled: leaves with members, and members of the fullest one.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
-    /// Whether records, homes and places are those of the last step, or 2 where that had left none and queries needed them.
+    /// Whether records, homes and places are of the last step; 2 if it left none and queries needed them.
     pub(crate) filled: u8,
     /// Whether the whole tree is to be made anew: see [`Due`](crate::tree::balance::Due).
     pub(crate) due: u8,
@@ -99,7 +99,7 @@ impl TreeState {
         (self.count, self.filled, self.subdivided) = (0, 0, 0);
     }
 
-    /// The most blocks of a sweep: as many as in a full step, since each may leave a chunk of pairs unfinished.
+    /// The most blocks of a sweep: as many as in a full step, as each may leave a chunk of pairs unfinished.
     pub(crate) fn most_blocks(&self) -> usize {
         (self.count as usize).max(1)
     }

@@ -8,7 +8,7 @@ use core::arch::x86_64::*;
 
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
 
-/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and that the operating system saves the wide registers.
+/// Proof that the CPU has AVX2, BMI1, BMI2 and POPCNT, and the operating system saves wide registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Avx2(());
 

@@ -49,7 +49,7 @@ pub(super) fn encode_four<W: Halves>(
     let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
     let [held_a, held_b, held_c] = three(w, bytemuck::cast_ref(held));
     let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
-    // The minima above the maxima of the first box, then of the second one. What stands behind them means nothing.
+    // The minima above the maxima of the first box, then of the second one. Nothing behind them counts.
     let second_maxima = w.shuffle(c, w.both(&places([1, 2, 3, 0])));
     let first = w.above32(a, w.fourth_on(a, b));
     let second = w.above32(w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c), second_maxima);

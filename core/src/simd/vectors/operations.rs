@@ -121,7 +121,7 @@ pub(crate) trait Half: Vectors {
     /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives
     /// zero, what is above 65,535 that.
     fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// A mask of 16 bytes, one for each four of four vectors: whether none of them is below that of the query.
+    /// A mask of 16 bytes, one for each four of four vectors: whether none is below the query's.
     fn reached(self, rows: [Self::Vector; 4], query: Self::Vector) -> Self::Vector;
     /// A bit for each lane of a mask of 32 bits.
     fn bits4(self, mask: Self::Vector) -> u32;
@@ -163,7 +163,7 @@ pub(crate) trait Halves: Vectors {
 
     /// The six keys of a box, in an order of the instruction set.
     fn sides(self, bounds: &KeyBox) -> Self::Vector;
-    /// These in another order: the minima in the first three words of the first half, the maxima in those of the last one.
+    /// In another order: the minima in the first three words of the first half, the maxima in the last half.
     fn halved(self, sides: Self::Vector) -> Self::Vector;
     /// The bits of a mask of six such lanes, as in [`Simd::above`](crate::simd::Simd::above).
     fn six(self, mask: Self::Vector) -> u32;

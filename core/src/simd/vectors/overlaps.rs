@@ -29,7 +29,7 @@ pub(super) unsafe fn eight_overlap<W: Halves, I: Index>(w: W, boxes: &[KeyBox], 
     w.bits8(w.equal32(apart, w.splat(0)))
 }
 
-/// The axes on which the minima of the one or of the other box of four pairs are beyond the maxima: in each half four bytes a pair.
+/// The axes on which either box of four pairs begins beyond the other: four bytes a pair in each half.
 ///
 /// # Safety
 /// Behind the box of each slot there must be another one.
