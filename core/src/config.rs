@@ -269,7 +269,7 @@ impl Forced {
         }
     }
 
-    /// What sizes depend on, also those of a snapshot.
+    /// What sizes depend on, also in a snapshot.
     pub(crate) const fn of_sizes(self) -> Self {
         Self(self.0 & 3 << (2 * SMALL_LEAVES))
     }

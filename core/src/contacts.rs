@@ -7,7 +7,7 @@ use crate::id::{Index, Pair};
 /// Small numbers for pairs: what is kept for each pair (a manifold, a sound, damage) is an array.
 ///
 /// A pair has a number from the step that finds it to the step that loses it; then the number is given again,
-/// the one that became free last first. So numbers are below the most pairs that there were at once, and the
+/// the last freed number first. So numbers are below the most pairs that there were at once, and the
 /// same calls give the same numbers. Contacts stand beside a [`World`](crate::World) with events and are
 /// [told](Self::update) of the lost and found pairs of each step.
 ///

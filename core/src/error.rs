@@ -114,8 +114,8 @@ pub enum Error {
     /// has none. The next step finds all pairs anew; found and lost are then relative to the last complete
     /// step. `World::validate` (feature `validate`) tells more.
     InvariantBroken,
-    /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds those that fit.
-    /// Found and lost are empty; the next complete step tells them relative to the last complete one.
+    /// There are more pairs than the capacity. [`World::pairs`](crate::World::pairs) holds the pairs that
+    /// fit. Found and lost are empty; the next complete step tells them relative to the last complete one.
     PairsFull {
         /// Pairs that would have to fit.
         needed: u64,

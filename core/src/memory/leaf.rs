@@ -116,7 +116,7 @@ pub(crate) struct Leaf {
     pub(crate) start: u32,
     /// Records.
     pub(crate) len: u32,
-    /// Records that fit before those of the next leaf.
+    /// Records that fit before the next leaf's.
     pub(crate) room: u32,
     /// First straddler.
     pub(crate) straddler_start: u32,

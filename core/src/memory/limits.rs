@@ -82,5 +82,5 @@ impl Forced {
     }
 }
 
-/// Records of a leaf that are prefetched; the processor sees for itself that the others follow.
+/// Records of a leaf that are prefetched; the processor sees for itself that more follow.
 pub(crate) const RECORDS_AHEAD: usize = 48;

@@ -114,7 +114,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         self.above(held, inner) & MINIMA | self.above(inner, held) & MAXIMA == 0
     }
 
-    /// The keys of `a` that are above those of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
+    /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 
     /// As [`KeyBox::overlaps`].
@@ -182,7 +182,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
     /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four
-    /// bits of a mask. Writes the pairs of those that touch and share no mark to the start of `pairs`, in
+    /// bits of a mask. Writes the pairs that touch and share no mark to the start of `pairs`, in
     /// order, and returns how many there are. What is behind them means nothing. `None` if only the keys can
     /// decide one of the four, or if there are no four.
     #[inline(always)]
@@ -208,7 +208,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         Some(found)
     }
 
-    /// Tests candidates, which are pairs of positions: `high << 16 | low`. Writes the pairs of those that certainly
+    /// Tests candidates, which are pairs of positions: `high << 16 | low`. Writes the pairs that certainly
     /// touch and share no mark to the start of `pairs`, in order, and the candidates that only the keys can decide to
     /// the start of `candidates`. What is behind them means nothing. `pairs` has a place for each candidate.
     #[inline(always)]
@@ -323,7 +323,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn record(self, frame: &Frame, keys: Self::Keys, tag: u32) -> Record;
 }
 
-/// The bits of minima in a mask, and those of maxima.
+/// The bits of minima in a mask, and of maxima.
 pub(crate) const MINIMA: u32 = 0b111;
 pub(crate) const MAXIMA: u32 = 0b111 << 3;
 

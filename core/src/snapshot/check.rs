@@ -106,7 +106,7 @@ fn object<I: Index>(stored: &Stored<'_, I>, slot: usize) -> Result<(), Invalid> 
     check((class as usize) < CLASSES, "a class that there is not", slot)
 }
 
-/// Whether a box is that of a free slot: any other empty box might overlap something.
+/// Whether a box is a free slot's: any other empty box might overlap something.
 fn is_free(bounds: &KeyBox) -> bool {
     *bounds == KeyBox::free(bounds.next_free())
 }

@@ -92,7 +92,7 @@ macro_rules! stored {
             $(+ $(#[$pdoc:meta])* $plain:ident: $ptype:ty = $pvalue:expr;)*
         })*
     ) => {
-        /// The sections of a snapshot: those that the table of all arrays says are saved, and these. The
+        /// The sections of a snapshot: all that the table of arrays says are saved, and these. The
         /// state comes before them.
         #[derive(Clone, Copy, Debug)]
         pub(crate) struct Stored<'b, I> {

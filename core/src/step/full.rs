@@ -19,7 +19,7 @@ use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance, keep};
 
 /// Fills all leaves and sweeps them. `settled`: how many objects left their leaf, if the intake has brought
-/// the others to their records.
+/// the other boxes to their records.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
@@ -81,7 +81,7 @@ pub(super) fn arrange<I: Index>(
     (left, Progress { coarse, rebalanced, ..Progress::default() })
 }
 
-/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for those of moved objects. Returns
+/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for pairs of moved objects. Returns
 /// how many pairs there are.
 fn sweep<I: Index>(
     parts: &mut Parts<'_, I>,

@@ -208,7 +208,7 @@ impl Plan {
 
     /// The passes over two buckets; if `across`, each record of the first bucket with each of the second.
     pub(crate) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
-        // Those of each part that have moved, then the others.
+        // Of each part the moved records, then the rest.
         let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);
         passes.filter_map(move |(first, resting)| {
             let meets = self.meets.at(first);

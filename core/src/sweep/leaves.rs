@@ -24,7 +24,7 @@ use core::ops::Range;
 pub(crate) struct TreeView<'g> {
     pub(crate) boxes: &'g [KeyBox],
     pub(crate) nodes: Nodes<'g>,
-    /// How many levels the leaves are below those of a full step.
+    /// How many levels the leaves are below a full step's leaves.
     pub(crate) sub_levels: u32,
     /// As [`TreeState::subdivided`](crate::memory::state::TreeState::subdivided).
     pub(crate) subdivided: u32,
@@ -244,7 +244,7 @@ fn sweep_tiles<S: Simd, I: Index>(
     }
 }
 
-/// Fills a tile with those of the members and ghosts with these numbers that a plan takes, or all. Returns
+/// Fills a tile with the members and ghosts of these numbers that a plan takes, or all. Returns
 /// how many there are; `numbers` are then what is left for the next tiles.
 #[inline(always)]
 fn fill_tile<S: Simd, I: Index>(

@@ -27,7 +27,7 @@ type BlockWork<'w, I> = dyn Fn(usize, &mut Scratch<'_, I>, &mut Sink<'_, I>) + S
 /// All chunks of staged pairs and their entries in the table.
 type StagedChunks<'s, I> = (Chunks<'s, Pair<I>>, Chunks<'s, [u32; 3]>);
 
-/// Takes pairs, and writes those that the filter lets through to their final places, or to chunks.
+/// Takes pairs, and writes what the filter lets through to its final place, or to chunks.
 pub(crate) struct Sink<'s, I> {
     pair_filter: Option<PairFilter<'s>>,
     /// What is left of the pair buffer, or of the last chunk.
@@ -135,7 +135,7 @@ impl<I: Index> Collector<'_, '_, I> {
         let chunks = BlockQueue::new((Chunks::new(staged, CHUNK), Chunks::new(chunks, 1)));
         let areas = BlockQueue::new(Chunks::new(scratch, area));
         executor::run(executor, areas.count(), blocks, &|| {
-            // A call that finds none leaves the work to those that have one, and go on until nothing is left.
+            // A call that finds none leaves the work to calls that have one, which go on until nothing is left.
             let Some((_, area)) = areas.claim() else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
             while !full.load(Relaxed)

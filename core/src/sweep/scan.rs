@@ -2,7 +2,7 @@
 //! branch predictor would guess them wrong, and a wrong guess costs more than the compares.
 //!
 //! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares
-//! the first windows of many records, then the second windows of those with more neighbours, and so on. A
+//! the first windows of many records, then the second windows of records with more neighbours, and so on. A
 //! window gives a mask of candidates.
 //!
 //! The bits of the masks are taken in rounds, so that no branch depends on how many bits a mask has. First

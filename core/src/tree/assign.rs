@@ -1,6 +1,6 @@
 //! Fills all leaves: a counting sort of the objects by leaf, in the order of their slots.
 //!
-//! The first pass finds the leaf of each object (the one that it was in, or a walk down the tree) and counts.
+//! The first pass finds the leaf of each object (its last leaf, or a walk down the tree) and counts.
 //! The second pass writes records, straddlers and large objects where the counts say. Both read the boxes in
 //! memory order and write each leaf in sequence. Any worker may take any block of slots; the result is that
 //! of one worker that takes them in order.
@@ -24,8 +24,8 @@ use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined
-/// first. Then each leaf has its count, and the histogram has those of each block of slots. Returns what the
-/// boxes are like, and how many objects left their leaf.
+/// first. Then each leaf has its count, and the histogram has the counts of each block of slots. Returns what
+/// the boxes are like, and how many objects left their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let leaves = parts.state.tree.count as usize;

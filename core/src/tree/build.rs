@@ -154,6 +154,6 @@ pub(super) fn is_divisible<I: Index>(boxes: &[KeyBox], sample: &[I]) -> bool {
     let plane = best_plane(boxes, sample, keys.span_mut(0, sample.len()));
     let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min[axis_of(plane)] < key_of(plane);
     let (below, all) = (sample.iter().filter(is_below).count(), sample.len());
-    // If half of the boxes are in one place, a plane parts only the others, again and again.
+    // If half of the boxes are in one place, a plane parts only the other half, again and again.
     plane != UNSPLIT && 8 * below.min(all - below) >= 3 * all
 }

@@ -91,7 +91,7 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
     }
 }
 
-/// Grows the boxes of a node and of those above it to hold a box.
+/// Grows the boxes of a node and of the nodes above it to hold a box.
 #[inline(always)]
 pub(crate) fn expand_ancestors(
     boxes: &mut [KeyBox],

@@ -1,8 +1,8 @@
 //! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought
-//! the others to their records, and those that left are moved.
+//! the other objects' to their records, and the leavers are moved.
 //!
-//! Cells, frames and axes stay too: they are those of the step that filled all leaves last. No frame loses a pair, but where
-//! objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
+//! Cells, frames and axes stay too, from the step that filled all leaves last. No frame loses a pair, but
+//! where objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
 
 use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::relocate_all;
@@ -12,7 +12,7 @@ use crate::memory::slab::Parts;
 use crate::memory::state::State;
 use crate::parallel::context::StepContext;
 
-/// One in so many objects may leave its leaf in a step for the others to keep their places.
+/// One in so many objects may leave its leaf in a step in which all others keep their places.
 pub(crate) const LEAVERS_SHARE: u32 = 8;
 
 /// Steps in a row that keep the leaves: then all are filled anew, so that frames, the order of records and
@@ -26,7 +26,7 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
     known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
 }
 
-/// Moves the records of those that have left their leaf, or were changed by themselves. Returns whether all
+/// Moves the records of objects that have left their leaf, or were changed by themselves. Returns whether all
 /// leaves are filled then; else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);

@@ -116,7 +116,7 @@ pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> 
     let [list, movers, homes] = &mut parts.order;
     let movers = movers.span(0, count);
     let all = &*parts.home;
-    // Removed objects come behind the others.
+    // Removed objects come last.
     let place_of = |home: I| if home == I::NONE { leaves + 1 } else { (home.at() >> coarser).min(leaves) };
     for slot in movers {
         let place = place_of(all.at(slot.at()));

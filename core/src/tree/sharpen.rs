@@ -1,6 +1,6 @@
 //! Makes frames narrower if their grid is far wider than where most members are: a few objects far from the
-//! others, in a cell at the rim, stretch it until all others share a few steps. Outliers then get the first
-//! or the last step, which loses no pair.
+//! others, in a cell at the rim, stretch it until all other objects share a few steps. Outliers then get the
+//! first or the last step, which loses no pair.
 
 use super::cells::Sample;
 use super::{Cell, Frame, Leaf, Record};
@@ -43,7 +43,7 @@ fn sharpen_leaf<S: Simd>(
     let sample = Sample::of(members.len(), minimum);
     let (low, high) = extent.clip(cell);
     let narrow = Extent { low, high }.trimmed(&sample);
-    // If they are all at one point, no grid tells them apart, but the wide one the others.
+    // If they are all at one point, no grid tells them apart, but the wide one tells the rest.
     if (narrow.low, narrow.high) == (low, high) || narrow.low == narrow.high {
         return;
     }

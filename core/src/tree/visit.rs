@@ -74,7 +74,7 @@ impl<'v> Shape<'v> for Nodes<'v> {
 
 /// The walk to the leaves that a probe meets. O(depth) for each leaf.
 ///
-/// Not an `Iterator`: its loop has to be inlined into that of its caller, to have its instruction set.
+/// Not an `Iterator`: its loop has to be inlined into its caller's, to have its instruction set.
 pub(crate) struct Visit<N, P: Probe> {
     nodes: N,
     pub(crate) probe: P,

@@ -1,5 +1,5 @@
 //! Checks the pairs that a snapshot does not have: which are parked or surplus, how they are divided, and
-//! that those which the next step would keep are all that there are.
+//! that the pairs which the next step would keep are all that there are.
 
 use super::sum;
 use crate::access::Access;

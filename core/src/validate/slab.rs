@@ -39,7 +39,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
 }
 
-/// The box of the last complete step is that of the slot, if it has not changed since.
+/// The box of the last complete step is the slot's, if it has not changed since.
 fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let reported = parts.boxes.reported(parts.mode());
     for (slot, before) in parts.boxes.before.iter().enumerate().take(parts.state.objects.slots as usize) {

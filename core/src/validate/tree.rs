@@ -91,7 +91,7 @@ fn nodes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// A record is that of its box in the frame of its leaf, and what is around it holds it.
+/// A record is its box's in the frame of its leaf, and what is around it holds it.
 fn member<I: Index>(parts: &Parts<'_, I>, leaf: usize, record: &Record) -> Result<(), Invalid> {
     let (state, tree) = (&parts.state.tree, &parts.tree);
     let (slot, sub_levels) = (record.slot() as usize, state.sub_levels());
@@ -134,7 +134,7 @@ fn large<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The cells are those of the planes.
+/// The cells are as the planes say.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let (state, tree) = (&parts.state.tree, &parts.tree);
     for whole in 0..state.count as usize {

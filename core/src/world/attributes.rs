@@ -91,7 +91,7 @@ impl<I: Index> World<'_, I> {
         (objects.resting, objects.dirty) = (1, 1);
     }
 
-    /// As where an object comes, but the one that had the slot before is the same.
+    /// As where an object comes, but the slot had the same object before.
     fn enable(&mut self, slot: usize) {
         let parts = &mut self.parts;
         let bounds = parts.bounds(slot);

@@ -190,8 +190,8 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.dirty = 0;
     }
 
-    /// The step is complete, if all pairs fit. Else the result has those that fit, and everything else stays
-    /// for the next complete step.
+    /// The step is complete, if all pairs fit. Else the result has the pairs that fit, and everything else
+    /// stays for the next complete step.
     fn conclude(parts: &mut Parts<'_, I>, needed: u64) -> Result<(), Error> {
         if needed > parts.output.pairs.len() as u64 {
             Self::settle(parts);

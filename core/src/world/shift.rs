@@ -74,7 +74,7 @@ impl<I: Index> World<'_, I> {
             }
             rounded += u32::from(!exact);
         }
-        // Records are those of the old origin.
+        // Records are as the old origin had them.
         parts.state.objects.dirty = 1;
         parts.state.tree.filled = 0;
         for Split { plane, .. } in

@@ -230,12 +230,12 @@ impl<I: Index> World<'_, I> {
         self.parts.output.previous.span(0, self.parts.state.pairs.lost as usize)
     }
 
-    /// Puts the result of the last step into an order of its own: [`pairs`](Self::pairs) are those that the
-    /// complete step before had, in ascending order, and behind them the [found](Self::found) ones in
-    /// ascending order; the [lost](Self::lost) ones ascend, too. Without events all pairs ascend. So worlds
-    /// with the same objects in the same slots give the same bytes, whatever their room, their workers and
-    /// their past are: as a solver needs that takes contacts in order and has to agree with another machine.
-    /// After [`Error::PairsFull`](crate::Error::PairsFull) nothing is done.
+    /// Puts the result of the last step into an order of its own: [`pairs`](Self::pairs) begin with the pairs
+    /// that the complete step before had, in ascending order, and behind them the [found](Self::found) ones
+    /// in ascending order; the [lost](Self::lost) ones ascend, too. Without events all pairs ascend. So
+    /// worlds with the same objects in the same slots give the same bytes, whatever their room, their workers
+    /// and their past are: as a solver needs that takes contacts in order and has to agree with another
+    /// machine. After [`Error::PairsFull`](crate::Error::PairsFull) nothing is done.
     ///
     /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as those at
     /// rest are no longer set aside.
@@ -270,13 +270,13 @@ impl<I: Index> World<'_, I> {
         self.pairs().iter().copied().filter(move |[a, b]| !rests(*a) || !rests(*b))
     }
 
-    /// [`pairs`](Self::pairs) by id, without those of objects that were removed since the step, also where
+    /// [`pairs`](Self::pairs) by id, without pairs of objects that were removed since the step, also where
     /// another object has got the slot since.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }
 
-    /// [`found`](Self::found) by id, without those of objects that were removed since the step.
+    /// [`found`](Self::found) by id, without pairs of objects that were removed since the step.
     pub fn found_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.found())
     }
@@ -291,13 +291,13 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// [`pairs`](Self::pairs) by value, without those of objects that were removed since the step. None in a
+    /// [`pairs`](Self::pairs) by value, without pairs of objects that were removed since the step. None in a
     /// world without values.
     pub fn pair_values(&self) -> impl Iterator<Item = [u64; 2]> {
         both(self.pair_ids(), |id| self.value(id))
     }
 
-    /// [`found`](Self::found) by value, without those of objects that were removed since the step.
+    /// [`found`](Self::found) by value, without pairs of objects that were removed since the step.
     pub fn found_values(&self) -> impl Iterator<Item = [u64; 2]> {
         both(self.found_ids(), |id| self.value(id))
     }
@@ -342,7 +342,7 @@ pub struct Step<'w, I: Index = u32> {
     pub(super) rejected: Option<Rejected>,
 }
 
-/// The results are those of the world.
+/// Its results are the world's.
 impl<'w, I: Index> Deref for Step<'w, I> {
     type Target = World<'w, I>;
 

@@ -34,7 +34,7 @@ impl State {
         Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
     }
 
-    /// The leaves now; without a tree, those of the last step.
+    /// The leaves now; without a tree, as the last step had them.
     pub(crate) const fn leaves(&self) -> u32 {
         if self.tree.filled != 0 { self.tree.count << self.tree.sub_levels() } else { self.step.leaves }
     }

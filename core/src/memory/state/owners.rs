@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct ObjectState {
-    /// Living objects that are enabled, and those that are disabled.
+    /// Living objects that are enabled, and disabled ones.
     pub(crate) live: u32,
     pub(crate) disabled: u32,
     /// Slots that have ever been in use.

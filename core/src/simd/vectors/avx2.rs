@@ -12,7 +12,7 @@ cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Avx2(());
 
-/// Which of 32 rows have no byte below that of the query. A plain function: a closure would not have the
+/// Which of 32 rows have no byte below the query's. A plain function: a closure would not have the
 /// instruction set of its function.
 #[inline(always)]
 fn reached(_: Avx2, [a, b, c, d]: &[[u8; 32]; 4], query: __m256i) -> u32 {

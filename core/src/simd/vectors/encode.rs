@@ -73,7 +73,7 @@ pub(super) fn encode_four<W: Halves>(
     Some(!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111)
 }
 
-/// Where keys are outside those that hold them, which are minima where the mask is set.
+/// Where keys are outside the keys around them, which are minima where the mask is set.
 #[inline(always)]
 fn outside<W: Halves>(w: W, keys: W::Vector, held: W::Vector, minima: [u32; 4]) -> W::Vector {
     let minima = w.words(minima);

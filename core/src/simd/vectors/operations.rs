@@ -36,7 +36,7 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn xor(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The bytes of `a` where the mask is set, else those of `b`.
+    /// The bytes of `a` where the mask is set, else of `b`.
     fn select(self, mask: Self::Vector, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Whether a bit is set.
     fn any(self, a: Self::Vector) -> bool;
@@ -118,7 +118,7 @@ pub(crate) trait Half: Vectors {
     fn even32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The second and the last word of `a` and of `b`.
     fn odd32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Lanes of 16 bits: the whole parts of numbers, those of `a` first. What is below zero or NaN gives
+    /// Lanes of 16 bits: the whole parts of numbers, first of `a`. What is below zero or NaN gives
     /// zero, what is above 65,535 that.
     fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A mask of 16 bytes, one for each four of four vectors: whether none is below the query's.

@@ -99,7 +99,7 @@ impl Half for Simd128 {
 
     #[inline(always)]
     fn reached(self, [a, b, c, d]: [v128; 4], query: v128) -> v128 {
-        // How much the query's bytes exceed the others: zero where none does.
+        // How much the query's bytes exceed the record's: zero where none does.
         let (a, b) = (u8x16_sub_sat(query, a), u8x16_sub_sat(query, b));
         let (c, d) = (u8x16_sub_sat(query, c), u8x16_sub_sat(query, d));
         u8x16_eq(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))

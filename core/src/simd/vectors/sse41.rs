@@ -141,7 +141,7 @@ impl Half for Sse41 {
     fn reached(self, [a, b, c, d]: [__m128i; 4], query: __m128i) -> __m128i {
         // SAFETY: `self` proves SSE2.
         unsafe {
-            // How much the query's bytes exceed the others: zero where none does.
+            // How much the query's bytes exceed the record's: zero where none does.
             let (a, b) = (_mm_subs_epu8(query, a), _mm_subs_epu8(query, b));
             let (c, d) = (_mm_subs_epu8(query, c), _mm_subs_epu8(query, d));
             let bytes = self.join8(self.join16(a, b), self.join16(c, d));
