@@ -89,7 +89,7 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
 /// Many queries at once, on the workers of a job system.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, Serial, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;

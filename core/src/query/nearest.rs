@@ -19,7 +19,7 @@ use core::ops::ControlFlow;
 /// What is nearest to a point.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Hit, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Capacity, Config, Error, Hit, InlineWorld, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;

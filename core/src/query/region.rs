@@ -135,7 +135,7 @@ pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
 /// What overlaps a box, a ball or a point, or is inside a part of space of the caller's own.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Planes, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, Planes, Region, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;

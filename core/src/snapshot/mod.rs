@@ -26,7 +26,7 @@ const MAGIC: u64 = 0x7472_6973_6170_000d;
 /// Snapshots: plain bytes, for files, for those who join late, and to go back.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;

@@ -15,7 +15,7 @@ use crate::objects::margins::margin_length;
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
 ///
 /// ```
-/// # use trisap_core::{Aabb, Boxes, Capacity, Cast, Config, Error, Filter, Id, InlineWorld, Region, Serial, layout};
+/// # use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Id, InlineWorld, layout};
 /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
