@@ -56,7 +56,7 @@ if on run --manifest-path "$folder/Cargo.toml" >"$folder/race.txt" 2>&1 || ! gre
 fi
 on test -p trisap-core --lib threads
 on test -p trisap-core --lib parallel::
-on test -p trisap --lib
+on test -p trisap --lib --example job_system --example task_graph
 on test -p trisap-tests --test conformance executors::
 on test -p trisap-tests --test conformance sequences::
 # The C ABI, linked into programs that clang instruments, with the same runtime.

@@ -21,7 +21,7 @@ fn each_crate_has_the_licences_of_the_whole() {
 #[test]
 fn front_pages_name_examples_that_are_there() {
     let page = read("std-adapter/README.md");
-    for example in ["game", "ecs", "picker", "balls", "rollback", "job_system"] {
+    for example in ["game", "ecs", "picker", "balls", "rollback", "job_system", "task_graph"] {
         assert!(page.contains(&format!("`{example}`")), "{example}");
         assert!(read(&format!("std-adapter/examples/{example}.rs")).starts_with("//! "), "{example}");
     }

@@ -38,21 +38,18 @@ pub(crate) fn partition<I: Index>(
     if context.is_small() {
         return to_front(pairs);
     }
-    let count = pairs.len();
-    let len = count.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
-    let blocks = count.div_ceil(len);
+    let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
+    let blocks = pairs.len().div_ceil(len);
     let mut fronts = [0; PAIR_BLOCKS];
     context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
         front.fill(to_front(pairs));
     });
     let border = fronts.iter().sum();
-    if blocks > 1 {
-        let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
-        let late = ends().flat_map(|(start, end)| start.max(border)..end);
-        let early = ends().flat_map(|(start, end)| end..(start + len).min(border));
-        for (late, early) in late.zip(early) {
-            pairs.swap_at(late, early);
-        }
+    let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
+    let late = ends().flat_map(|(start, end)| start.max(border)..end);
+    let early = ends().flat_map(|(start, end)| end..(start + len).min(border));
+    for (late, early) in late.zip(early) {
+        pairs.swap_at(late, early);
     }
     border
 }

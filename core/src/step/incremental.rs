@@ -74,7 +74,7 @@ fn leave_out<I: Index>(parts: &mut Parts<'_, I>, movers: usize) -> (usize, u64) 
 pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<usize> {
     context.executor.enter(Stage::Fill);
     let moved = parts.moved.list(parts.order[1]);
-    if !relocate_all(parts, moved, context.kernels) {
+    if !relocate_all(parts, moved, context) {
         return None;
     }
     large::arrange_if_due(parts);

@@ -155,7 +155,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
     let listed = listed && large::renew(parts);
     scatter(parts, leaves, listed, context);
     large::arrange(parts, listed);
-    sharpen(parts, context.kernels);
+    sharpen(parts, context);
     enclose(parts);
     parts.state.tree.filled = 1;
 }

@@ -51,8 +51,7 @@ fn list_straddlers_of<S: Simd>(
 ) {
     let mut at = leaf.straddler_start as usize;
     for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-        // Noted for all of them first: which ones are marked is hard to predict, and a cache miss on each
-        // box would be waited for.
+        // Noted first: which ones are marked is hard to predict, and each miss of the cache would be waited for.
         let mut marked = 0u64;
         for (bit, record) in records.iter().enumerate() {
             marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;

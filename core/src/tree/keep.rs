@@ -30,7 +30,7 @@ pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
 /// leaves are filled then; else they must be filled anew.
 pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
     let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);
-    if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context.kernels) {
+    if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context) {
         return false;
     }
     let large = parts.state.tree.large;

@@ -6,33 +6,47 @@ use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of, large};
 use crate::access::Access;
 use crate::id::Index;
+use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 use crate::simd::Simd;
-use crate::simd::kernels::{Kernels, run};
+use crate::simd::kernels::run;
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the
 /// large objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects
 /// are full, nothing is lost, but all leaves must be filled anew.
-pub(crate) fn relocate_all<I: Index>(parts: &mut Parts<'_, I>, count: usize, kernels: Kernels) -> bool {
-    run!(kernels, |simd| relocate_each(simd, parts, count))
+pub(crate) fn relocate_all<I: Index>(
+    parts: &mut Parts<'_, I>,
+    count: usize,
+    context: StepContext<'_>,
+) -> bool {
+    parts.state.lists.stale = 1;
+    let (boxes, all, tree, state) = (parts.boxes.swept(), &*parts.home, &parts.tree, &*parts.state);
+    let [_, movers, leaves] = &mut parts.order;
+    // Workers share the walks down the tree. The records move one by one.
+    context.each(Chunks::new(leaves.span_mut(0, count), MOVERS_PER_BLOCK), |block, leaves| {
+        for (slot, leaf) in movers.iter().skip(block * MOVERS_PER_BLOCK).zip(leaves) {
+            let (min, home) = (&boxes.at(slot.at()).min, all.at(slot.at()));
+            let holds = |cell: Cell| (0..3).all(|k| (cell.low()[k]..cell.high()[k]).contains(&min[k]));
+            let stays = home < I::LARGE && holds(tree.cells.at(home.at()));
+            *leaf = if stays { home } else { I::from_slot(home_of(tree, state, min) as u32) };
+        }
+    });
+    run!(context.kernels, |simd| relocate_each(simd, parts, count))
 }
 
 #[inline(always)]
 fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
-    parts.state.lists.stale = 1;
     let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
-    for index in 0..count {
-        let slot = parts.order[1].at(index).at();
-        if !relocate(simd, parts, slot, &mut budget) {
-            parts.state.tree.filled = 0;
-            return false;
-        }
-    }
-    true
+    let fits = (0..count).all(|index| relocate(simd, parts, index, &mut budget));
+    parts.state.tree.filled &= u8::from(fits);
+    fits
 }
 
 #[inline(always)]
-fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, budget: &mut usize) -> bool {
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, budget: &mut usize) -> bool {
+    let (slot, leaf) = (parts.order[1].at(index).at(), parts.order[2].at(index));
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
@@ -40,22 +54,15 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         return true;
     }
     let keys = simd.keys(&bounds);
-    let mut leaf = home.at();
-    let mut cell = if home < I::LARGE { parts.tree.cells.at(leaf) } else { Cell::NOWHERE };
-    let mut classified = cell.classify(simd, keys);
-    let stays = classified.is_home();
-    if !stays {
-        leaf = home_of(&parts.tree, parts.state, &bounds.min);
-        cell = parts.tree.cells.at(leaf);
-        classified = cell.classify(simd, keys);
-    }
+    let (stays, leaf) = (leaf == home, leaf.at());
+    let classified = parts.tree.cells.at(leaf).classify(simd, keys);
     if classified.is_large() {
-        let straddler = Straddler { bounds, slot: slot as u32, long: 0 };
-        if home == I::LARGE {
-            return large::put(parts, parts.place.at(slot).at(), straddler);
+        let mut place = parts.place.at(slot).at();
+        if home != I::LARGE {
+            withdraw(parts, slot);
+            place = parts.state.tree.large as usize;
         }
-        withdraw(parts, slot);
-        return large::put(parts, parts.state.tree.large as usize, straddler);
+        return large::put(parts, place, Straddler { bounds, slot: slot as u32, long: 0 });
     }
     if !stays {
         withdraw(parts, slot);
@@ -71,11 +78,11 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, slot: usize, b
         target.len += 1;
         parts.tree.leaves.put(leaf, target);
     }
-    let start = parts.tree.leaves.at(leaf).start;
+    let at = parts.tree.leaves.at(leaf).start as usize + parts.place.at(slot).at();
     let sub_levels = parts.state.tree.sub_levels();
     let whole = leaf >> sub_levels;
     let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32 | classified.marks());
-    parts.tree.records.put(start as usize + parts.place.at(slot).at(), record);
+    parts.tree.records.put(at, record);
     if sub_levels > 0
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)
     {

@@ -3,52 +3,51 @@
 //! first or the last step, which loses no pair.
 
 use super::cells::Sample;
-use super::{Cell, Frame, Leaf, Record};
+use super::{Cell, Frame, Record};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 use crate::simd::Simd;
-use crate::simd::kernels::Kernels;
 use crate::simd::kernels::run;
 
 /// Makes such frames narrower, and the records of their leaves anew, as a sample of each leaf tells. O(leaves + members of
 /// those leaves).
-pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, kernels: Kernels) {
-    let leaves = parts.state.tree.count as usize;
-    let extent = parts.state.tree.extent;
+pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
+    let (count, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
-    for ((cell, frame), leaf) in
-        tree.cells.span(0, leaves).iter().zip(&mut *tree.frames).zip(&mut *tree.leaves)
-    {
-        let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
-        run!(kernels, |simd| sharpen_leaf(simd, boxes, &extent, cell, frame, leaf, members));
+    let (cells, leaves, records) = (tree.cells.span(0, count), &*tree.leaves, &*tree.records);
+    context.each(Chunks::new(tree.frames.span_mut(0, count), 1), |index, frame| {
+        let leaf = leaves.at(index);
+        let members = records.span(leaf.start as usize, leaf.len as usize);
+        frame.fill(narrow(boxes, &extent, &cells.at(index), members));
+    });
+    for ((cell, frame), leaf) in cells.iter().zip(&*tree.frames).zip(&mut *tree.leaves) {
+        let (low, high) = extent.clip(cell);
+        if *frame != Frame::over(low, high) {
+            leaf.axis = frame.longest_axis() as u32;
+            let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
+            run!(context.kernels, |simd| write_again(simd, boxes, frame, members));
+        }
     }
 }
 
-/// Makes the frame of one leaf from where most of its members are.
-#[inline(always)]
-fn sharpen_leaf<S: Simd>(
-    simd: S,
-    boxes: &[KeyBox],
-    extent: &Extent,
-    cell: &Cell,
-    frame: &mut Frame,
-    leaf: &mut Leaf,
-    members: &mut [Record],
-) {
+/// The frame of a leaf from where most of its members are.
+fn narrow(boxes: &[KeyBox], extent: &Extent, cell: &Cell, members: &[Record]) -> Frame {
     let minimum = |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
-    let sample = Sample::of(members.len(), minimum);
     let (low, high) = extent.clip(cell);
-    let narrow = Extent { low, high }.trimmed(&sample);
+    let narrow = Extent { low, high }.trimmed(&Sample::of(members.len(), minimum));
     // If they are all at one point, no grid tells them apart, but the wide one tells the rest.
-    if (narrow.low, narrow.high) == (low, high) || narrow.low == narrow.high {
-        return;
-    }
-    *frame = Frame::over(narrow.low, narrow.high);
-    leaf.axis = frame.longest_axis() as u32;
+    let one_point = narrow.low == narrow.high;
+    if one_point { Frame::over(low, high) } else { Frame::over(narrow.low, narrow.high) }
+}
+
+#[inline(always)]
+fn write_again<S: Simd>(simd: S, boxes: &[KeyBox], frame: &Frame, members: &mut [Record]) {
     for record in members {
         let bounds = KeyBox::of(boxes, record.slot() as usize);
         *record = simd.record(frame, simd.keys(bounds), record.tag);
