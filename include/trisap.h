@@ -1325,12 +1325,14 @@ trisap_status trisap_world_nearest_many(const struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
-/// room for `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there
-/// are. `jobs` may be null. The time is that of the single queries, divided by the workers.
+/// room for `room` ids in all: first come those of the first region, then those of the second one, and so on.
+/// `ends[i]` tells where the ids of region `i` end and those of the next region begin. `jobs` may be null. The time is
+/// that of the single queries, divided by the workers; twice that if the objects of 32 regions take more than their
+/// share of the room.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the second
-/// one the counts are right, so are the ids of the regions for which `room` was enough, and the detail says how much
-/// room the others need. After the other two the ids are null and the counts zero, if anything was written to them.
+/// one the ends are right, some of the ids are there, and the detail says how much room all of them need. After the
+/// other two the ids are null and the ends zero, if anything was written to them.
 TRISAP_NODISCARD
 trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
                                          const struct trisap_region *regions,
@@ -1341,7 +1343,7 @@ trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
                                          const struct trisap_jobs *jobs,
                                          trisap_id *ids,
                                          size_t room,
-                                         uint32_t *counts)
+                                         size_t *ends)
 TRISAP_NOEXCEPT;
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.

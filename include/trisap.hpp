@@ -344,19 +344,18 @@ public:
         return nearest_many_with(points, hits, &c);
     }
 
-    /// Overlaps of many regions at once: see `trisap_world_overlaps_many`. `ids` is shared out equally; as many counts as
+    /// Overlaps of many regions at once, one after another in `ids`: see `trisap_world_overlaps_many`. As many ends as
     /// regions.
-    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids,
-                                       View<std::uint32_t> counts) const noexcept {
-        return overlaps_many_with(regions, ids, counts, nullptr);
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::size_t> ends) const noexcept {
+        return overlaps_many_with(regions, ids, ends, nullptr);
     }
 
     /// The same with the help of a job system.
     template <class ForkJoin>
-    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+    [[nodiscard]] Status overlaps_many(View<const Region> regions, View<Id> ids, View<std::size_t> ends,
                                        Jobs<ForkJoin> &jobs) const noexcept {
         const trisap_jobs c = jobs.c();
-        return overlaps_many_with(regions, ids, counts, &c);
+        return overlaps_many_with(regions, ids, ends, &c);
     }
 
     /// The first object that a cast meets, or the null id.
@@ -421,15 +420,14 @@ private:
                                          hits.data(), room);
     }
 
-    [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::uint32_t> counts,
+    [[nodiscard]] Status overlaps_many_with(View<const Region> regions, View<Id> ids, View<std::size_t> ends,
                                             const trisap_jobs *jobs) const noexcept {
-        if (counts.size() < regions.size()) {
+        if (ends.size() < regions.size()) {
             return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
         }
         const Choice of = choice();
-        const std::size_t room = regions.empty() ? 0 : ids.size() / regions.size();
         return trisap_world_overlaps_many(of.world, regions.data(), sizeof(Region), regions.size(), of.condition, of.user,
-                                          jobs, ids.data(), room, counts.data());
+                                          jobs, ids.data(), ids.size(), ends.data());
     }
 
     [[nodiscard]] Status first_hits_with(View<const Cast> casts, View<Hit> hits, const trisap_jobs *jobs) const noexcept {

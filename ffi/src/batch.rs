@@ -90,12 +90,14 @@ pub unsafe extern "C" fn trisap_world_nearest_many(
 }
 
 /// `trisap_world_overlaps` of each of `count` regions, the next one `stride` bytes behind the one before. `ids` has
-/// room for `room` ids for each: those of region `i` begin at `ids[i * room]`, and `counts[i]` tells how many there
-/// are. `jobs` may be null. The time is that of the single queries, divided by the workers.
+/// room for `room` ids in all: first come those of the first region, then those of the second one, and so on.
+/// `ends[i]` tells where the ids of region `i` end and those of the next region begin. `jobs` may be null. The time is
+/// that of the single queries, divided by the workers; twice that if the objects of 32 regions take more than their
+/// share of the room.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`, `TRISAP_STATUS_OUTPUT_FULL`, `TRISAP_STATUS_INVALID_ARGUMENT`. After the second
-/// one the counts are right, so are the ids of the regions for which `room` was enough, and the detail says how much
-/// room the others need. After the other two the ids are null and the counts zero, if anything was written to them.
+/// one the ends are right, some of the ids are there, and the detail says how much room all of them need. After the
+/// other two the ids are null and the ends zero, if anything was written to them.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_overlaps_many(
@@ -108,7 +110,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     jobs: *const trisap_jobs,
     ids: *mut trisap_id,
     room: usize,
-    counts: *mut u32,
+    ends: *mut usize,
 ) -> trisap_status {
     let ask = |call: &Look| {
         let range = call.range();
@@ -116,36 +118,39 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         let regions = unsafe { Items::new(regions, stride, count, &range)? };
         // SAFETY: the caller's promise.
         let executor = unsafe { executor(jobs, NAME)? };
-        let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
+        // Where nothing is asked, nothing is written.
+        let room = if count == 0 { 0 } else { room };
         if count > 0 {
-            border::span(counts, count, &range)?;
+            border::span(ends, count, &range)?;
         }
         // SAFETY: the caller's promise.
-        let (ids, counts) =
-            unsafe { (border::new_ids(ids, all, &range)?, border::zeros(counts, count, &range)?) };
+        let (ids, ends) =
+            unsafe { (border::new_ids(ids, room, &range)?, border::zeros(ends, count, &range)?) };
         let world = call.world()?;
         let among = world.among(accepts(condition, user));
         let mut block = [Region::Point([0.0; 3]); BLOCK];
+        let mut total = 0usize;
         let outcome = in_blocks(&regions, &mut block, trisap_region::to_core, |start, regions| {
-            let ids = ids.get_mut(start * room..(start + regions.len()) * room).unwrap_or_default();
-            let counts = counts.get_mut(start..).unwrap_or_default();
-            match among.overlaps_many(regions, &executor, ids, counts) {
-                // The others may have enough room.
-                Err(Error::OutputFull { .. }) => Ok(()),
-                outcome => outcome,
+            let ids = ids.get_mut(total..).unwrap_or_default();
+            let ends = ends.get_mut(start..start + regions.len()).unwrap_or_default();
+            match among.overlaps_many(regions, &executor, ids, ends) {
+                // How many the other blocks have is told, too.
+                Ok(_) | Err(Error::OutputFull { .. }) => {}
+                Err(error) => return Err(error),
             }
+            ends.iter_mut().for_each(|end| *end = end.saturating_add(total));
+            total = ends.last().copied().unwrap_or(total);
+            Ok(())
         });
         if outcome.is_err() {
             ids.fill(None);
-            counts.fill(0);
+            ends.fill(0);
         }
         outcome?;
-        match counts.iter().copied().max() {
-            Some(most) if most as usize > room => {
-                Err(Error::OutputFull { needed: u64::from(most), room }.into())
-            }
-            _ => Ok(()),
+        if total > room {
+            return Err(Error::OutputFull { needed: total as u64, room }.into());
         }
+        Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }

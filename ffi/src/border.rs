@@ -238,30 +238,24 @@ pub(crate) unsafe fn new_ids<'a>(
     count: usize,
     world: &Range<usize>,
 ) -> Result<&'a mut [Option<Id>], trisap_status> {
+    // SAFETY: the caller's promise, and zero is `None` (asserted below).
+    unsafe { zeros(first.cast::<Option<Id>>(), count, world) }
+}
+
+/// Room for items, made zero.
+///
+/// # Safety
+/// A pointer that is not null points to room for `count` items, for the life of the result. Zero is an item.
+pub(crate) unsafe fn zeros<'a, T>(
+    first: *mut T,
+    count: usize,
+    world: &Range<usize>,
+) -> Result<&'a mut [T], trisap_status> {
     if count == 0 {
         return Ok(&mut []);
     }
     span(first, count, world)?;
     // SAFETY: not null, aligned, and by the caller's promise there is room. A slice needs initialised memory.
-    unsafe { first.write_bytes(0, count) };
-    // SAFETY: no longer than a slice may be, and zero is `None` (asserted below).
-    Ok(unsafe { core::slice::from_raw_parts_mut(first.cast::<Option<Id>>(), count) })
-}
-
-/// Room for numbers, made zero.
-///
-/// # Safety
-/// A pointer that is not null points to room for `count` numbers, for the life of the result.
-pub(crate) unsafe fn zeros<'a>(
-    first: *mut u32,
-    count: usize,
-    world: &Range<usize>,
-) -> Result<&'a mut [u32], trisap_status> {
-    if count == 0 {
-        return Ok(&mut []);
-    }
-    span(first, count, world)?;
-    // SAFETY: not null, aligned, and by the caller's promise there is room.
     unsafe { first.write_bytes(0, count) };
     // SAFETY: no longer than a slice may be, and initialised just now.
     Ok(unsafe { core::slice::from_raw_parts_mut(first, count) })

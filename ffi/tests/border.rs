@@ -196,16 +196,15 @@ fn answers_go_where_they_are_wanted() {
         let visited = trisap_world_visit_overlaps(world, &region, Some(count_ids), user.cast());
         assert_eq!((visited, user.read()), (trisap_status::Ok, 3));
         let regions = [region, trisap_region_point([0.0; 3].as_ptr())];
-        let mut shares = Vec::<trisap_id>::with_capacity(6);
-        let mut counts = Vec::<u32>::with_capacity(2);
-        let (ids_out, counts_out) = (shares.as_mut_ptr(), counts.as_mut_ptr());
+        let mut all = Vec::<trisap_id>::with_capacity(5);
+        let mut ends = Vec::<usize>::with_capacity(2);
+        let (ids_out, ends_out) = (all.as_mut_ptr(), ends.as_mut_ptr());
         let (first, none) = (regions.as_ptr(), null_mut());
-        let told =
-            trisap_world_overlaps_many(world, first, 32, 2, None, none, null(), ids_out, 3, counts_out);
+        let told = trisap_world_overlaps_many(world, first, 32, 2, None, none, null(), ids_out, 5, ends_out);
         assert_eq!(told, trisap_status::Ok);
-        shares.set_len(6);
-        counts.set_len(2);
-        assert_eq!((&*shares, &*counts), (&[ids[0], ids[1], ids[2], ids[0], 0, 0][..], &[3, 1][..]));
+        all.set_len(5);
+        ends.set_len(2);
+        assert_eq!((&*all, &*ends), (&[ids[0], ids[1], ids[2], ids[0], 0][..], &[3, 4][..]));
 
         let ray = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 3.0);
         let miss = trisap_cast_ray(left.as_ptr(), right.as_ptr(), 0.5);

@@ -134,36 +134,37 @@ static void rule_and_queries() {
     };
     std::atomic<std::uint64_t> chosen{0};
     const auto ask = [&](trisap_condition condition, const trisap_jobs *c, std::vector<trisap::Hit> &hits,
-                         std::vector<trisap::Id> &found, std::vector<std::uint32_t> &counts) {
+                         std::vector<trisap::Id> &found, std::vector<std::size_t> &ends) {
         hits.resize(questions.size());
         found.resize(questions.size() * room);
-        counts.resize(questions.size());
+        ends.resize(questions.size());
         CHECK_OK(trisap_world_first_hits(world.c(), &questions[0].cast, sizeof(Question), questions.size(), condition,
                                          &chosen, c, hits.data()));
         CHECK_OK(trisap_world_overlaps_many(world.c(), &questions[0].region, sizeof(Question), questions.size(),
-                                            condition, &chosen, c, found.data(), room, counts.data()));
+                                            condition, &chosen, c, found.data(), found.size(), ends.data()));
     };
     std::vector<trisap::Hit> hits, alone_hits;
     std::vector<trisap::Id> found, alone_found;
-    std::vector<std::uint32_t> counts, alone_counts;
-    ask(nullptr, nullptr, alone_hits, alone_found, alone_counts);
+    std::vector<std::size_t> ends, alone_ends;
+    ask(nullptr, nullptr, alone_hits, alone_found, alone_ends);
     calls = 0;
     const trisap_jobs c = jobs.c();
-    ask(nullptr, &c, hits, found, counts);
-    CHECK(calls >= 2 && counts == alone_counts && found == alone_found);
+    ask(nullptr, &c, hits, found, ends);
+    CHECK(calls >= 2 && ends == alone_ends && found == alone_found);
     std::size_t met = 0;
     for (std::size_t i = 0; i < questions.size(); i++) {
         const trisap::Hit first = world.first_hit(questions[i].cast);
         CHECK(hits[i].id == first.id && hits[i].distance == first.distance && alone_hits[i].id == first.id);
         std::vector<trisap::Id> around(OBJECTS);
         const trisap::Answers<trisap::Id> answers = world.overlaps(questions[i].region, around);
-        CHECK(answers && counts[i] == answers.size());
-        CHECK(std::equal(answers.begin(), answers.end(), found.begin() + static_cast<std::ptrdiff_t>(i * room)));
+        const std::size_t start = i == 0 ? 0 : ends[i - 1];
+        CHECK(answers && ends[i] - start == answers.size());
+        CHECK(std::equal(answers.begin(), answers.end(), found.begin() + static_cast<std::ptrdiff_t>(start)));
         met += first.id != trisap::null_id;
     }
     CHECK(met > 100);
 
-    ask(choose, &c, hits, found, counts);
+    ask(choose, &c, hits, found, ends);
     CHECK(chosen > 100);
     const auto is_odd = [](trisap::Id id) { return trisap::slot(id) % 2 == 1; };
     std::vector<trisap::Hit> all(OBJECTS);
@@ -171,10 +172,10 @@ static void rule_and_queries() {
         const trisap::Answers<trisap::Hit> way = world.hits(questions[i].cast, all);
         const auto first = std::find_if(way.begin(), way.end(), [&](const trisap::Hit &hit) { return is_odd(hit.id); });
         CHECK(hits[i].id == (first == way.end() ? trisap::null_id : first->id));
-        const auto at = static_cast<std::ptrdiff_t>(i * room);
+        const std::size_t start = i == 0 ? 0 : ends[i - 1], alone = i == 0 ? 0 : alone_ends[i - 1];
         std::vector<trisap::Id> odd;
-        std::copy_if(&alone_found[i * room], &alone_found[i * room] + alone_counts[i], std::back_inserter(odd), is_odd);
-        CHECK(counts[i] == odd.size() && std::equal(odd.begin(), odd.end(), found.begin() + at));
+        std::copy_if(alone_found.data() + alone, alone_found.data() + alone_ends[i], std::back_inserter(odd), is_odd);
+        CHECK(ends[i] - start == odd.size() && std::equal(odd.begin(), odd.end(), found.data() + start));
     }
 }
 

@@ -316,9 +316,9 @@ static void values(void) {
     const trisap_cast rays[2] = {ray, ray};
     CHECK_OK(trisap_world_first_hits(world, rays, sizeof rays[0], 2, is_not, &ids[1], NULL, hits));
     CHECK(hits[0].id == ids[2] && hits[1].id == ids[2]);
-    uint32_t counts[2];
-    CHECK_OK(trisap_world_overlaps_many(world, &region, 0, 2, is_not, &ids[1], NULL, found, 2, counts));
-    CHECK(counts[0] == 1 && counts[1] == 1 && found[0] == ids[2] && found[2] == ids[2]);
+    size_t ends[2];
+    CHECK_OK(trisap_world_overlaps_many(world, &region, 0, 2, is_not, &ids[1], NULL, found, 2, ends));
+    CHECK(ends[0] == 1 && ends[1] == 2 && found[0] == ids[2] && found[1] == ids[2]);
     // In a world without filters all are in all groups and meet all.
     trisap_filter filter = trisap_default_filter();
     CHECK(trisap_world_meets(world, other, &filter) == 1 && trisap_world_meets(world, ids[0], &filter) == 0);
@@ -388,9 +388,9 @@ static void queries(void) {
         CHECK_OK(trisap_world_overlaps(world, &point, NULL, NULL, found, 8, &count));
         CHECK(count == 1 && found[0] == ids[2]);
         const trisap_region both[2] = {point, trisap_region_sphere(corner, 1.0f)};
-        uint32_t counts[2] = {0};
-        CHECK_OK(trisap_world_overlaps_many(world, both, sizeof both[0], 2, NULL, NULL, NULL, found, 4, counts));
-        CHECK(counts[0] == 1 && counts[1] == 2 && found[0] == ids[2] && found[4] == ids[1] && found[5] == ids[2]);
+        size_t ends[2] = {0};
+        CHECK_OK(trisap_world_overlaps_many(world, both, sizeof both[0], 2, NULL, NULL, NULL, found, 4, ends));
+        CHECK(ends[0] == 1 && ends[1] == 3 && found[0] == ids[2] && found[1] == ids[1] && found[2] == ids[2]);
 
         const float left[3] = {-1.0f, 0.5f, 0.5f}, right[3] = {0.5f, 0.0f, 0.0f};
         const trisap_cast ray = trisap_cast_ray(left, right, 8.0f);

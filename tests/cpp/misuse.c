@@ -583,32 +583,32 @@ static void regions(void) {
 
     // In a batch the position is told, and what there was to be written is null.
     trisap_region batch[3] = {good, good, good};
-    uint32_t counts[3] = {77, 77, 77};
+    size_t ends[3] = {77, 77, 77};
     const size_t stride = sizeof good;
 #define BATCH(...) trisap_world_overlaps_many(world, __VA_ARGS__)
-    REFUSED(BATCH(NULL, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, NULL, 4, counts), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(NULL, stride, 3, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, NULL, 4, ends), TRISAP_STATUS_NULL_POINTER);
     REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(BATCH(batch, 31, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH(batch, 33, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_MISALIGNED);
-    REFUSED(BATCH(batch, stride, SIZE_MAX / 8, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, SIZE_MAX / 2, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    REFUSED(BATCH((const trisap_region *)(const void *)world, stride, 3, NULL, NULL, NULL, out, 4, counts),
+    REFUSED(BATCH(batch, 31, 3, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, 33, 3, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_MISALIGNED);
+    REFUSED(BATCH(batch, stride, SIZE_MAX / 8, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, SIZE_MAX / 2, ends), TRISAP_STATUS_INVALID_ARGUMENT);
+    REFUSED(BATCH((const trisap_region *)(const void *)world, stride, 3, NULL, NULL, NULL, out, 4, ends),
             TRISAP_STATUS_OVERLAP);
     trisap_jobs jobs = trisap_default_jobs();
     jobs.worker_count = 0;
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, &jobs, out, 4, counts), TRISAP_STATUS_INVALID_ARGUMENT);
-    CHECK(counts[0] == 77);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, &jobs, out, 4, ends), TRISAP_STATUS_INVALID_ARGUMENT);
+    CHECK(ends[0] == 77);
     batch[2] = bad[5];
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
-    CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 0 && out[0] == TRISAP_NULL_ID);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_BAD_QUERY);
+    CHECK(trisap_world_error_detail(world) == 2 && ends[0] == 0 && out[0] == TRISAP_NULL_ID);
     batch[2] = bad[4];
-    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, counts), TRISAP_STATUS_BAD_QUERY);
+    REFUSED(BATCH(batch, stride, 3, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_BAD_QUERY);
     CHECK(trisap_world_error_detail(world) == 2);
-    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 1, counts), TRISAP_STATUS_OUTPUT_FULL);
-    CHECK(trisap_world_error_detail(world) == 2 && counts[0] == 2 && counts[1] == 2);
-    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, NULL, 0, counts), TRISAP_STATUS_OUTPUT_FULL);
-    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 2, counts), TRISAP_STATUS_OK);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 3, ends), TRISAP_STATUS_OUTPUT_FULL);
+    CHECK(trisap_world_error_detail(world) == 4 && ends[0] == 2 && ends[1] == 4);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, NULL, 0, ends), TRISAP_STATUS_OUTPUT_FULL);
+    REFUSED(BATCH(batch, stride, 2, NULL, NULL, NULL, out, 4, ends), TRISAP_STATUS_OK);
     CHECK(out[0] == ids[0] && out[1] == ids[1] && out[2] == ids[0] && out[3] == ids[1]);
     REFUSED(BATCH(NULL, stride, 0, NULL, NULL, NULL, NULL, 9, NULL), TRISAP_STATUS_OK);
 #undef BATCH

@@ -65,12 +65,12 @@ protected:
 
     bool say_status(trisap::Status status) { return say_status(status, world_); }
 
-    /// And what the world that was asked says of it, so many times.
-    bool say_status(trisap::Status status, const trisap_world *asked, std::size_t times = 1) {
+    /// And what the world that was asked says of it.
+    bool say_status(trisap::Status status, const trisap_world *asked) {
         say(static_cast<std::uint64_t>(status));
         if (status != TRISAP_STATUS_OK) {
             tally_.refused++;
-            say(trisap_world_error_detail(asked) * times);
+            say(trisap_world_error_detail(asked));
         }
         return status == TRISAP_STATUS_OK;
     }

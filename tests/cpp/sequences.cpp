@@ -465,18 +465,17 @@ private:
         std::vector<trisap::Hit> hits(length);
         good &= say_status(first_hits(nullptr, op, casts, hits));
         Ids ids(3 * length);
-        std::vector<std::uint32_t> counts(length);
-        const trisap::Status status = overlaps_many(nullptr, op, regions, ids, counts);
-        // The room of a region is told here, in Rust that of all.
-        say_status(status, world_, status == TRISAP_STATUS_OUTPUT_FULL ? length : 1);
+        std::vector<std::size_t> ends(length);
+        const trisap::Status status = overlaps_many(nullptr, op, regions, ids, ends);
+        say_status(status);
         if (good && status != TRISAP_STATUS_BAD_QUERY) {
             say_hits(hits, length);
-            std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
+            std::for_each(ends.begin(), ends.end(), [this](std::size_t end) { say(std::uint64_t{end}); });
             CHECK_OK(first_hits(two_in_three, op, casts, hits));
-            const trisap::Status full = overlaps_many(two_in_three, op, regions, ids, counts);
+            const trisap::Status full = overlaps_many(two_in_three, op, regions, ids, ends);
             CHECK(full == TRISAP_STATUS_OK || full == TRISAP_STATUS_OUTPUT_FULL);
             say_hits(hits, length);
-            std::for_each(counts.begin(), counts.end(), [this](std::uint32_t count) { say(std::uint64_t{count}); });
+            std::for_each(ends.begin(), ends.end(), [this](std::size_t end) { say(std::uint64_t{end}); });
         }
     }
 
@@ -487,9 +486,9 @@ private:
     }
 
     trisap::Status overlaps_many(trisap_condition condition, Operation &op, std::vector<trisap::Region> &regions, Ids &ids,
-                                 std::vector<std::uint32_t> &counts) {
+                                 std::vector<std::size_t> &ends) {
         return trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), regions.size(), condition,
-                                          &op.argument, nullptr, data(ids), 3, data(counts));
+                                          &op.argument, nullptr, data(ids), ids.size(), data(ends));
     }
 
     void view() {

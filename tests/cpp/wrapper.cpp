@@ -395,9 +395,9 @@ static void values() {
     CHECK(hits[0].id == ids[2] && hits[1].id == ids[2]);
     auto jobs = trisap::jobs(2, [](std::uint32_t, trisap::Task task) { task(); });
     const trisap::Region regions[] = {trisap::region(cube(1)), trisap::region(cube(1.5f))};
-    std::uint32_t counts[2] = {};
-    CHECK_OK(world.among(meets).overlaps_many(regions, found, counts, jobs));
-    CHECK(counts[0] == 1 && counts[1] == 1 && found[0] == ids[1] && found[4] == ids[1]);
+    std::size_t ends[2] = {};
+    CHECK_OK(world.among(meets).overlaps_many(regions, found, ends, jobs));
+    CHECK(ends[0] == 1 && ends[1] == 2 && found[0] == ids[1] && found[1] == ids[1]);
     CHECK_OK(world.among(has_even_slot).first_hits(rays, hits, jobs));
     CHECK(hits[0].id == ids[2]);
     CHECK_STATUS(world.among(others).first_hit(trisap::ray(nullptr, right)).status, TRISAP_STATUS_BAD_QUERY);

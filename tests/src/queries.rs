@@ -456,27 +456,24 @@ impl Questions {
                 out
             })
             .collect();
-        let most = one_by_one.iter().map(Vec::len).max().unwrap_or(0);
-        let (mut out, mut counts) = (vec![None; most * regions], vec![9; regions]);
-        among.overlaps_many(&self.regions, &jobs, &mut out, &mut counts).expect("room for more");
-        for (index, all) in one_by_one.iter().enumerate() {
-            let answer = out[index * most..][..counts[index] as usize].iter();
-            let expected = all.iter().filter(|id| id.is_some_and(some));
-            assert!(answer.eq(expected), "{setup:?}: region {index} among some");
-        }
-        for share in [most, most / 2, 0] {
-            let (mut out, mut counts) = (vec![None; share * regions + regions.min(1)], vec![9; regions]);
-            let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut counts);
-            let share = out.len() / regions.max(1);
-            let full = Error::OutputFull { needed: (most * regions) as u64, room: out.len() };
-            assert_eq!(told, if most > share { Err(full) } else { Ok(()) }, "{setup:?}");
-            for (index, expected) in one_by_one.iter().enumerate() {
-                assert_eq!(counts[index] as usize, expected.len(), "{setup:?}: how many in region {index}");
-                if expected.len() <= share {
-                    let answer = &out[index * share..][..expected.len()];
-                    assert_eq!(answer, expected, "{setup:?}: region {index}");
-                }
+        let total = one_by_one.iter().map(Vec::len).sum::<usize>();
+        let (mut out, mut ends) = (vec![None; total], vec![9; regions]);
+        let count = among.overlaps_many(&self.regions, &jobs, &mut out, &mut ends).expect("room for more");
+        let expected = one_by_one.iter().flatten().filter(|id| id.is_some_and(some));
+        assert!(out[..count].iter().eq(expected), "{setup:?}: among some");
+        // Room for all, and not quite; shares that are enough for each block, and shares that are not.
+        for room in [0, total / 2, total.saturating_sub(1), total, total + 9, total * regions] {
+            let (mut out, mut ends) = (vec![None; room], vec![9; regions]);
+            let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut ends);
+            let full = Error::OutputFull { needed: total as u64, room };
+            assert_eq!(told, if total > room { Err(full) } else { Ok(total) }, "{setup:?}");
+            let mut sum = 0;
+            for (expected, end) in one_by_one.iter().zip(ends) {
+                sum += expected.len();
+                assert_eq!(end, sum, "{setup:?}");
             }
+            let all: Vec<Option<Id>> = one_by_one.iter().flatten().copied().collect();
+            assert!(told.is_err() || out[..total] == all, "{setup:?}, room for {room}");
         }
     }
 }

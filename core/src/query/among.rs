@@ -29,31 +29,24 @@ impl<'m, I: Index> World<'m, I> {
     /// [`visit_nearest`](Self::visit_nearest)) need no condition, as they can refuse what they see.
     ///
     /// ```
-    /// use trisap_core::{Aabb, Capacity, Cast, Config, Filter, InlineWorld, layout};
-    ///
-    /// const CONFIG: Config = Config::new(Capacity::for_objects(16)).with_filters();
-    /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
-    /// const WALLS: u32 = 1;
-    /// const BALLS: u32 = 2;
-    ///
-    /// let mut memory = InlineWorld::<BYTES>::EMPTY;
-    /// let mut world = memory.init::<u16>(&CONFIG)?;
-    /// let ball = world.insert(Aabb::from_center([0.0; 3], [0.5; 3]))?;
-    /// let other = world.insert(Aabb::from_center([2.0, 0.0, 0.0], [0.5; 3]))?;
-    /// let wall = world.insert(Aabb::from_center([5.0, 0.0, 0.0], [0.5; 3]))?;
-    /// world.set_filter(ball, Filter::groups(BALLS, u32::MAX))?;
-    /// world.set_filter(other, Filter::groups(BALLS, u32::MAX))?;
-    /// world.set_filter(wall, Filter::groups(WALLS, u32::MAX))?;
-    ///
+    /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, Filter, InlineWorld, layout};
+    /// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_filters();
+    /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
+    /// # let mut world = memory.init::<u16>(&CONFIG)?;
+    /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+    /// let [ball, other, wall] = [world.insert(cube(0.0))?, world.insert(cube(2.0))?, world.insert(cube(5.0))?];
+    /// for (id, group) in [(ball, 1), (other, 1), (wall, 2)] {
+    ///     world.set_filter(id, Filter::groups(group, u32::MAX))?;
+    /// }
     /// let mut nearest = [None];
     /// world.among(|id| id != ball).nearest([0.0; 3], &mut nearest)?;
     /// assert_eq!(nearest[0].map(|hit| hit.id), Some(other));
     ///
-    /// let sees = Filter::groups(u32::MAX, WALLS);
-    /// let ray = Cast::ray([0.0; 3], [1.0, 0.0, 0.0], 100.0);
-    /// let hit = world.among(|id| world.meets(id, &sees)).first_hit(&ray)?;
+    /// let sees_walls = Filter::groups(u32::MAX, 2);
+    /// let ray = Cast::ray([0.5; 3], [1.0, 0.0, 0.0], 100.0);
+    /// let hit = world.among(|id| world.meets(id, &sees_walls)).first_hit(&ray)?;
     /// assert_eq!(hit.map(|hit| hit.id), Some(wall));
-    /// # Ok::<(), trisap_core::Error>(())
+    /// # Ok::<(), Error>(())
     /// ```
     pub fn among<'w, C: Fn(Id) -> bool>(&'w self, condition: C) -> Among<'w, 'm, C, I> {
         Among { world: self, condition }
@@ -95,8 +88,7 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
 /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
 /// let a = world.insert(cube(2.0))?;
-/// let down = [0.0, 0.0, -1.0];
-/// let rays = [Cast::ray([2.5, 0.5, 9.0], down, 100.0), Cast::ray([7.0, 0.5, 9.0], down, 100.0)];
+/// let rays = [2.5, 7.0].map(|x| Cast::ray([x, 0.5, 9.0], [0.0, 0.0, -1.0], 100.0));
 /// let mut hits = [None; 2];
 /// world.first_hits(&rays, &Serial, &mut hits)?;
 /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.id)), [Some(a), None]);
@@ -130,21 +122,20 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).nearest_many(points, executor, out)
     }
 
-    /// [`overlaps`](Self::overlaps) of each region. Each gets an equal share of `out`; `counts` tells how
-    /// many objects overlap each region.
+    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells for each region where its
+    /// objects end and those of the next one begin. The rest of `out` is `None`. Returns how many there are in all.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `counts` is shorter than `regions`; nothing is
-    /// written then. [`Error::OutputFull`] if a region has more objects than its share holds: the counts are
-    /// right, and so are the shares that suffice.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `ends` is shorter than `regions`; nothing is written then.
+    /// [`Error::OutputFull`], which says how many there are; `ends` is right then, and `out` holds some of them.
     pub fn overlaps_many(
         &self,
         regions: &[Region],
         executor: &dyn Executor,
         out: &mut [Option<Id>],
-        counts: &mut [u32],
-    ) -> Result<(), Error> {
-        self.among(|_| true).overlaps_many(regions, executor, out, counts)
+        ends: &mut [usize],
+    ) -> Result<usize, Error> {
+        self.among(|_| true).overlaps_many(regions, executor, out, ends)
     }
 }
 
@@ -160,10 +151,9 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         let short = Error::LengthMismatch { needed: casts.len(), given: out.len() };
         let out = out.get_mut(..casts.len()).ok_or(short)?;
         check(casts, Cast::is_valid)?;
-        in_blocks(casts, executor, out, &mut [], &|cast, out| {
+        in_blocks(casts, executor, (out, QUERIES_PER_BLOCK), &mut [], &|casts, out, _| {
             // The casts are valid.
-            out.fill(self.first_hit(cast).ok().flatten());
-            0
+            out.iter_mut().zip(casts).for_each(|(out, cast)| *out = self.first_hit(cast).ok().flatten());
         });
         Ok(())
     }
@@ -177,9 +167,12 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     ) -> Result<(), Error> {
         check(points, |point| point.iter().all(|x| x.is_finite()))?;
         out.fill(None);
-        // The points are valid.
-        in_blocks(points, executor, out, &mut [], &|point, out| {
-            self.nearest(*point, out).unwrap_or(0) as u32
+        let share = out.len() / points.len().max(1);
+        in_blocks(points, executor, (out, share * QUERIES_PER_BLOCK), &mut [], &|points, out, _| {
+            for (point, out) in points.iter().zip(out.chunks_mut(share.max(1))) {
+                // The points are valid.
+                let _ = self.nearest(*point, out);
+            }
         });
         Ok(())
     }
@@ -190,57 +183,71 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         regions: &[Region],
         executor: &dyn Executor,
         out: &mut [Option<Id>],
-        counts: &mut [u32],
-    ) -> Result<(), Error> {
-        let short = Error::LengthMismatch { needed: regions.len(), given: counts.len() };
-        let counts = counts.get_mut(..regions.len()).ok_or(short)?;
-        check(regions, Region::is_valid)?;
-        let share = out.len() / regions.len().max(1);
-        in_blocks(regions, executor, out, counts, &|region, out| match self.overlaps(region, out) {
-            Ok(count) => count as u32,
-            Err(Error::OutputFull { needed, .. }) => needed as u32,
-            // The regions are valid.
-            Err(_) => 0,
-        });
-        let most = counts.iter().copied().max().unwrap_or(0);
-        if most as usize > share {
-            let needed = u64::from(most) * regions.len() as u64;
-            return Err(Error::OutputFull { needed, room: out.len() });
+        ends: &mut [usize],
+    ) -> Result<usize, Error> {
+        let short = Error::LengthMismatch { needed: regions.len(), given: ends.len() };
+        let ends = ends.get_mut(..regions.len()).ok_or(short)?;
+        check(regions, |region| region.bounds().is_some())?;
+        // On many workers each block writes to an equal share first, from which its objects move to their place.
+        let share = out.len() / regions.len().div_ceil(QUERIES_PER_BLOCK).max(1);
+        let mut total = 0usize;
+        let is_packed = executor.workers() > 1 && {
+            in_blocks(regions, executor, (out, share), ends, &|regions, out, ends| {
+                self.pack(regions, out, ends)
+            });
+            ends.chunks_mut(QUERIES_PER_BLOCK).enumerate().all(|(block, ends)| {
+                let count = ends.last().copied().unwrap_or(0);
+                for k in 0..if count <= share { count } else { 0 } {
+                    out.put(total + k, out.at(block * share + k));
+                }
+                ends.iter_mut().for_each(|end| *end = end.saturating_add(total));
+                total = total.saturating_add(count);
+                count <= share
+            })
+        };
+        if !is_packed {
+            self.pack(regions, out, ends);
+            total = ends.last().copied().unwrap_or(0);
         }
-        Ok(())
+        out.get_mut(total..).unwrap_or_default().fill(None);
+        let full = Error::OutputFull { needed: total as u64, room: out.len() };
+        if total > out.len() { Err(full) } else { Ok(total) }
+    }
+
+    /// Writes the objects of each region and where they end, one after another. What has no room is only counted.
+    fn pack(&self, regions: &[Region], out: &mut [Option<Id>], ends: &mut [usize]) {
+        let mut end = 0usize;
+        for (region, place) in regions.iter().zip(ends) {
+            end = end.saturating_add(match self.overlaps(region, out.get_mut(end..).unwrap_or_default()) {
+                Ok(count) => count,
+                Err(Error::OutputFull { needed, .. }) => needed as usize,
+                // The regions are valid.
+                Err(_) => 0,
+            });
+            *place = end;
+        }
     }
 }
 
-/// Answers queries on the workers of an executor. Each query gets an equal share of `out`, and tells a number
-/// for `counts`, if that is not empty.
+/// Answers blocks of queries on the workers of an executor, each with so much room, and with a number for each query
+/// if there are any.
 fn in_blocks<Q: Sync, T: Send>(
     queries: &[Q],
     executor: &dyn Executor,
-    out: &mut [T],
-    counts: &mut [u32],
-    answer: &(dyn Fn(&Q, &mut [T]) -> u32 + Sync),
+    (out, room): (&mut [T], usize),
+    numbers: &mut [usize],
+    answer: &(dyn Fn(&[Q], &mut [T], &mut [usize]) + Sync),
 ) {
-    let (share, blocks) = (out.len() / queries.len().max(1), queries.len().div_ceil(QUERIES_PER_BLOCK));
-    let parts = (
-        blocks,
-        Chunks::optional(out.span_mut(0, share * queries.len()), QUERIES_PER_BLOCK * share),
-        Chunks::optional(counts, QUERIES_PER_BLOCK),
-    );
-    each(executor, QUERY_WORKERS, parts, |block, (_, out, counts)| {
-        let queries = queries.get(block * QUERIES_PER_BLOCK..).unwrap_or_default();
-        for (at, query) in queries.iter().enumerate().take(QUERIES_PER_BLOCK) {
-            let told = answer(query, out.get_mut(at * share..(at + 1) * share).unwrap_or_default());
-            if let Some(count) = counts.get_mut(at) {
-                *count = told;
-            }
-        }
+    let blocks = queries.len().div_ceil(QUERIES_PER_BLOCK);
+    let out = if room == 0 { &mut [] } else { out };
+    let parts = (blocks, Chunks::optional(out, room), Chunks::optional(numbers, QUERIES_PER_BLOCK));
+    each(executor, QUERY_WORKERS, parts, |block, (_, out, numbers)| {
+        answer(queries.chunks(QUERIES_PER_BLOCK).nth(block).unwrap_or_default(), out, numbers);
     });
 }
 
 /// An error for the first query that is not valid.
 fn check<T>(queries: &[T], is_valid: impl Fn(&T) -> bool) -> Result<(), Error> {
-    match queries.iter().position(|query| !is_valid(query)) {
-        Some(index) => Err(Error::BadQuery { index: index as u32 }),
-        None => Ok(()),
-    }
+    let bad = queries.iter().position(|query| !is_valid(query));
+    bad.map_or(Ok(()), |index| Err(Error::BadQuery { index: index as u32 }))
 }

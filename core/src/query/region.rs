@@ -35,7 +35,7 @@ pub enum Region {
 
 impl Region {
     /// The least box around the region; `None` if the region is not valid.
-    fn bounds(&self) -> Option<KeyBox> {
+    pub(super) fn bounds(&self) -> Option<KeyBox> {
         match *self {
             Self::Aabb(aabb) => KeyBox::from_aabb(&aabb),
             Self::Point(point) => KeyBox::from_aabb(&Aabb::new(point, point)),
@@ -46,10 +46,6 @@ impl Region {
                 valid.then_some(KeyBox { min: low, max: high })
             }
         }
-    }
-
-    pub(super) fn is_valid(&self) -> bool {
-        self.bounds().is_some()
     }
 }
 

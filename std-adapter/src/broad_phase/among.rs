@@ -53,19 +53,19 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// # Errors
     /// [`Error::BadQuery`].
     pub fn overlaps_many(&self, regions: &[Region]) -> Result<Vec<Vec<K>>, Error> {
-        let mut counts = vec![0; regions.len()];
+        let mut ends = vec![0; regions.len()];
         let mut ids = vec![None; 16 * regions.len()];
-        while let Err(error) = self.as_world().overlaps_many(regions, self.executor(), &mut ids, &mut counts)
-        {
+        while let Err(error) = self.as_world().overlaps_many(regions, self.executor(), &mut ids, &mut ends) {
             let Error::OutputFull { needed, .. } = error else { return Err(error) };
             ids.resize(needed as usize, None);
         }
-        let share = ids.len() / regions.len().max(1);
-        let of = |(at, count): (usize, &u32)| {
-            let ids = &ids[at * share..][..*count as usize];
-            ids.iter().filter_map(|id| self.key((*id)?)).collect()
+        let mut ids = ids.iter();
+        let mut start = 0;
+        let of = |end: &usize| {
+            let count = *end - core::mem::replace(&mut start, *end);
+            ids.by_ref().take(count).filter_map(|id| self.key((*id)?)).collect()
         };
-        Ok(counts.iter().enumerate().map(of).collect())
+        Ok(ends.iter().map(of).collect())
     }
 
     /// Visits the keys whose boxes overlap a region, each once, until the visitor ends it.

@@ -149,9 +149,9 @@ impl<I: Index> Life<'_, '_, I> {
         self.past.tally.say_status(&said);
         let bad_cast = casts.iter().position(|cast| cast.distance < 0.0);
         assert_eq!(said.err(), bad_cast.map(|index| Error::BadQuery { index: index as u32 }));
-        let (mut ids, mut counts) = (vec![None; 3 * regions.len()], vec![0; regions.len()]);
+        let (mut ids, mut ends) = (vec![None; 3 * regions.len()], vec![0; regions.len()]);
         let told =
-            self.checked.world_mut().with(setup).overlaps_many(&regions, &setup.jobs, &mut ids, &mut counts);
+            self.checked.world_mut().with(setup).overlaps_many(&regions, &setup.jobs, &mut ids, &mut ends);
         self.past.tally.say_status(&told);
         let bad_region = regions.iter().position(|region| !is_good(region));
         if let Some(index) = bad_region {
@@ -159,14 +159,14 @@ impl<I: Index> Life<'_, '_, I> {
         }
         if bad_cast.is_none() && bad_region.is_none() {
             self.say_hits(&hits);
-            counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
+            ends.iter().for_each(|end| self.past.tally.say(*end as u64));
             let living: Vec<Option<Id>> = self.checked.world().ids().map(Some).collect();
             let among = self.checked.world().among(two_in_three(op, &living));
             among.first_hits(&casts, &setup.jobs, &mut hits).expect("good casts");
-            let full = among.overlaps_many(&regions, &setup.jobs, &mut ids, &mut counts);
-            assert!(matches!(full, Ok(()) | Err(Error::OutputFull { .. })));
+            let full = among.overlaps_many(&regions, &setup.jobs, &mut ids, &mut ends);
+            assert!(matches!(full, Ok(_) | Err(Error::OutputFull { .. })));
             self.say_hits(&hits);
-            counts.iter().for_each(|count| self.past.tally.say(u64::from(*count)));
+            ends.iter().for_each(|end| self.past.tally.say(*end as u64));
             let questions = Questions { regions, casts, ..Questions::default() };
             let other = self.setup(op);
             let (world, model) = self.checked.parts_mut();

@@ -65,10 +65,10 @@ mod api {
         world: &World<'_, u16>,
         regions: &[Region; 2],
         out: &mut [Option<Id>; OBJECTS],
-        counts: &mut [u32; 2],
-    ) -> Result<(), Error> {
+        ends: &mut [usize; 2],
+    ) -> Result<usize, Error> {
         // Arrays, since more than four words of arguments would be on the caller's stack.
-        world.overlaps_many(regions, &Serial, out, counts)
+        world.overlaps_many(regions, &Serial, out, ends)
     }
     #[inline(never)]
     pub(super) fn first_hit(world: &World<'_, u16>, cast: &Cast) -> Result<Option<Hit>, Error> {
@@ -152,7 +152,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     let lone = first.get(0)?;
     let (region, cast) = (Region::Aabb(lone), Cast::ray(lone.min, [1.0, 0.5, 0.25], f32::INFINITY));
     let regions = [region, Region::Sphere { center: lone.max, radius: 1.0 }];
-    let mut counts = [0; 2];
+    let mut ends = [0; 2];
 
     let mut world = world.init::<u16>(&CONFIG).ok()?;
     let id = world.insert_many(first).ok()?.next()?;
@@ -161,7 +161,7 @@ fn calls(memory: &mut Memory) -> Option<()> {
     seen("is_resting", || api::is_resting(&world, id).then_some(()))?;
     seen("wake", || api::wake(&mut world, &[id]).ok())?;
     seen("overlaps", || api::overlaps(&world, &region, ids).ok())?;
-    seen("overlaps_many", || api::overlaps_many(&world, &regions, ids, &mut counts).ok())?;
+    seen("overlaps_many", || api::overlaps_many(&world, &regions, ids, &mut ends).ok())?;
     seen("first_hit", || api::first_hit(&world, &cast).ok().flatten().map(drop))?;
     seen("first_hits", || api::first_hits(&world, &[cast, cast], hits).ok())?;
     seen("hits", || api::hits(&world, &cast, hits).ok())?;

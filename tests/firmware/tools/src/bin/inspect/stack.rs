@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet};
 /// The first line that fits counts.
 const HOOKS: [(&str, &[&str]); 26] = [
     ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
-    ("in_blocks::<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
+    ("in_blocks::<trisap_core::query::region", &["overlaps_many::{closure#1} as"]),
     ("region::InRegion<u16>>::found", &["collect<trisap_core::id::Id", KEPT]),
     // A program without a ball has none to ask, and the check of pairs asks for boxes alone.
     ("region::Within>::side", &["region::Ball as", KEPT]),
