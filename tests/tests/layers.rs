@@ -197,7 +197,7 @@ fn no_file_is_too_long() {
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1407),
-    ("geometry", 1091),
+    ("geometry", 1089),
     ("lists", 96),
     ("memory", 1818),
     ("objects", 666),

@@ -4,7 +4,6 @@
 use super::aabb::{Aabb, widened};
 use super::key::{KeyBox, value};
 use super::record::{Frame, Record};
-use crate::simd::Simd;
 
 /// A prepared cast. It meets a box where the point `t * direction` is inside the box's difference from the
 /// start. A fourth axis of NaN fills the vectors and excludes nothing.
@@ -12,7 +11,7 @@ pub(crate) struct Line {
     direction: [f64; 4],
     pub(crate) distance: f64,
     /// All ones on an axis where the line runs backwards: it meets the high side first.
-    back: [i32; 4],
+    pub(crate) back: [i32; 4],
     /// What is subtracted from the side that is met first, and from the side that is met last.
     first: [f64; 4],
     last: [f64; 4],
@@ -211,11 +210,10 @@ impl Line {
         Self { direction, distance, back, first, last, inverse }
     }
 
-    /// From where to where a line is inside a box, between zero and `far`. It is outside if the first number
-    /// is above the second. Both rise with the box's sides: a larger box is met no later and left no earlier.
+    /// From where to where a line is inside a box, of which it has the sides as they are met; between zero and `far`. It is
+    /// outside if the first number is above the second. A larger box is met no later and left no earlier.
     #[inline(always)]
-    pub(crate) fn span<S: Simd>(&self, simd: S, bounds: &KeyBox, far: f64) -> (f64, f64) {
-        let [entry, exit] = simd.sides_met(bounds, &self.back);
+    pub(crate) fn span(&self, [entry, exit]: [[[f32; 4]; 2]; 2], far: f64) -> (f64, f64) {
         let (mut come, mut leave) = ([0.0; 4], [far; 4]);
         // All axes at once.
         for k in 0..4 {
