@@ -203,7 +203,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 666),
     ("pairs", 493),
     ("parallel", 496),
-    ("query", 1348),
+    ("query", 1350),
     ("simd", 2219),
     ("snapshot", 593),
     ("step", 652),

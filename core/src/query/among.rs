@@ -229,6 +229,8 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     }
 }
 
+type Answer<'a, Q, T> = dyn Fn(&[Q], &mut [T], &mut [usize]) + Sync + 'a;
+
 /// Answers blocks of queries on the workers of an executor, each with so much room, and with a number for each query
 /// if there are any.
 fn in_blocks<Q: Sync, T: Send>(
@@ -236,7 +238,7 @@ fn in_blocks<Q: Sync, T: Send>(
     executor: &dyn Executor,
     (out, room): (&mut [T], usize),
     numbers: &mut [usize],
-    answer: &(dyn Fn(&[Q], &mut [T], &mut [usize]) + Sync),
+    answer: &Answer<'_, Q, T>,
 ) {
     let blocks = queries.len().div_ceil(QUERIES_PER_BLOCK);
     let out = if room == 0 { &mut [] } else { out };
