@@ -14,7 +14,7 @@ export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zemit-stack-sizes
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/tests/firmware/target}/boards"
 export CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_OPT_LEVEL=s
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
-    /usr/bin/cargo rustc --quiet --release -p trisap-ffi --no-default-features --features panic-handler \
+    /usr/bin/cargo rustc --quiet --release -p trisap-ffi --no-default-features --features full,panic-handler \
         --crate-type staticlib -Zbuild-std=core --target "$target"
 done
 echo "the core and the C ABI build without std and alloc"

@@ -3,6 +3,14 @@
 use crate::error::Error;
 use bytemuck::{Pod, Zeroable};
 
+// What a build has beside pairs and lean worlds. A configuration that asks for more is refused: see `Sizes::of`.
+pub(crate) const TREE: bool = cfg!(feature = "large");
+pub(crate) const EVENTS: bool = cfg!(feature = "events");
+pub(crate) const MARGINS: bool = cfg!(feature = "margins");
+pub(crate) const FAT: bool = MARGINS || TREE;
+pub(crate) const FILTERS: bool = cfg!(feature = "filters");
+pub(crate) const VALUES: bool = cfg!(feature = "values");
+
 /// How much fits into a world. No limit loses anything silently: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -117,11 +125,11 @@ pub struct Config {
     /// Whether steps tell found and lost pairs. Costs a second pair buffer and the boxes of the last step.
     pub events: bool,
     /// Whether objects have a [`Filter`](crate::Filter), which says whom they meet. Costs 12 bytes an object.
-    /// Needs the feature `large`.
+    /// Needs the feature `filters`.
     pub filters: bool,
     /// Whether objects have a value of 64 bits for the caller's use: see
     /// [`World::set_value`](crate::World::set_value). Costs 8 bytes an object, 16 with events, and no time of
-    /// a step. Needs the feature `large`.
+    /// a step. Needs the feature `values`.
     pub values: bool,
     /// Whether a world for up to 256 objects does without a tree, vectors and scratch memory, as worlds for
     /// up to 64 always do. It takes a third to half of the bytes and is faster on a microcontroller. On a

@@ -2,9 +2,6 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// Whether there can be filters. Small builds leave out their code.
-pub(crate) const FILTERS: bool = cfg!(feature = "large");
-
 /// Classes that the class matrix knows.
 pub(crate) const CLASSES: usize = 32;
 

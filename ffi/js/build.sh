@@ -38,7 +38,7 @@ cp ../../LICENSE-* .
 # One folder each: other flags make everything anew.
 one() {
     RUSTFLAGS="$flags $3" CARGO_TARGET_DIR="$folder/web/$1" "$cargo" rustc -Zbuild-std=core -Zpanic-immediate-abort \
-        --quiet --release --locked -p trisap-ffi --target $target --no-default-features --features panic-handler \
+        --quiet --release --locked -p trisap-ffi --target $target --no-default-features --features full,panic-handler \
         --crate-type cdylib
     local linked="$folder/web/$1/$target/release/trisap_ffi.wasm"
     node optimise.js "$linked" "wasm/$1.wasm" "$2"

@@ -86,7 +86,7 @@ cargo_c() {
     fi
     rm -rf "$prefix"
     PATH=$tools/bin:$PATH CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false CARGO_TERM_QUIET=true \
-        cargo cinstall --release --locked -p trisap-ffi --no-default-features --features panic-handler,validate,sse41,avx2 --prefix "$prefix" --libdir "$prefix/lib" \
+        cargo cinstall --release --locked -p trisap-ffi --no-default-features --features full,panic-handler,validate,sse41,avx2 --prefix "$prefix" --libdir "$prefix/lib" \
         --target-dir "$root/cargo-c-target"
     # The names are those of CMake.
     local abi
@@ -182,7 +182,7 @@ macos() {
     local build=$root/macos symbols
     # There is no linker for macOS here, and a static library needs none.
     CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_DEBUG=false /usr/bin/cargo rustc --quiet --release --locked -p trisap-ffi \
-        --no-default-features --features panic-handler,validate --crate-type staticlib -Zbuild-std=core --target aarch64-apple-darwin \
+        --no-default-features --features full,panic-handler,validate --crate-type staticlib -Zbuild-std=core --target aarch64-apple-darwin \
         --target-dir "$root/debian"
     mkdir -p "$build"
     cp "$root/debian/aarch64-apple-darwin/release/libtrisap_ffi.a" "$build/libtrisap.a"

@@ -14,7 +14,7 @@ fn main() {
         _ => ("mps2", "mps2-large"),
     };
     println!("cargo::rustc-link-arg-bins=-L{}/boards", variable("CARGO_MANIFEST_DIR"));
-    for program in ["replay", "calls", "around"] {
+    for program in ["replay", "calls", "around", "flash"] {
         println!("cargo::rustc-link-arg-bin={program}=-T{board}.ld");
     }
     println!("cargo::rustc-link-arg-bin=measure=-T{large}.ld");

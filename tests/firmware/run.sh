@@ -47,6 +47,10 @@ failure() {
     echo "$code"
 }
 
+# Small builds with all capabilities, with each of them, and with none find what brute force finds.
+for features in events,margins,filters,values events margins filters values ""; do
+    /usr/bin/cargo test --quiet --no-default-features --features "validate,$features" --test small
+done
 # With debug assertions: on the host the same frames also stop at a broken invariant.
 /usr/bin/cargo build --quiet --workspace
 tools=$CARGO_TARGET_DIR/debug

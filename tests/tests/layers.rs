@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1407),
-    ("geometry", 1089),
-    ("lists", 96),
-    ("memory", 1818),
-    ("objects", 666),
-    ("pairs", 493),
+    ("", 1412),
+    ("geometry", 1091),
+    ("lists", 59),
+    ("memory", 1817),
+    ("objects", 670),
+    ("pairs", 525),
     ("parallel", 496),
-    ("query", 1350),
+    ("query", 1345),
     ("simd", 2219),
     ("snapshot", 593),
-    ("step", 652),
-    ("sweep", 1353),
-    ("tree", 2157),
-    ("validate", 423),
-    ("world", 1687),
+    ("step", 650),
+    ("sweep", 1357),
+    ("tree", 2156),
+    ("validate", 414),
+    ("world", 1688),
 ];
 
 #[test]

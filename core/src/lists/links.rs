@@ -1,93 +1,56 @@
-//! The tri-linked sorted lists (paper, section III.A): a list an axis, all objects by ascending minimum.
+//! The sorted list (paper, section III.A): each object once, by ascending minimum on one axis.
 //!
-//! A list is an array of slots (erratum E12). Its order is total: by key, then by slot (erratum E10). No
-//! array holds an object's position in a list: a search by its key finds it.
-//!
-//! Worlds without a tree keep the list of their sweep axis in order from step to step, by an insertion sort
-//! while few objects overtake each other, else by a heap sort (erratum E13). Others have no lists.
+//! It is an array of slots (erratum E12), in a total order: by key, then by slot (erratum E10). Worlds without a
+//! tree keep that of their sweep axis from step to step. Others have none (erratum E13).
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::sort::heapsort;
 
-/// Objects that each object may overtake, on average, before another sort is cheaper.
+/// Objects that each object may overtake, on average, before it is cheaper to sort over long distances first.
 const INVERSIONS_PER_OBJECT: usize = 4;
 
-/// The total order of a list.
-#[inline(always)]
-pub(crate) fn precedes<I: Index>(boxes: &[KeyBox], axis: usize, a: I, b: I) -> bool {
-    // By reference: one number of a box is needed.
-    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
-    (low(a), a) < (low(b), b)
-}
-
-/// Adds a slot to the end of all three lists; [`repair`] brings it to its place. O(1).
-pub(crate) fn append<I: Index>(parts: &mut Parts<'_, I>, slot: u32) {
-    // A slot that was freed since the lists were last cleaned is still in them.
-    if parts.state.lists.stale == 0 && bits::set(parts.listed, slot as usize) {
-        for order in &mut parts.order {
-            order.put(parts.state.lists.listed as usize, I::from_slot(slot));
-        }
-        parts.state.lists.listed += 1;
-    }
-}
-
-/// Makes the lists hold exactly the living objects, in their old order if there is one. O(n).
+/// Makes the list hold exactly the living objects, by slot. O(slots).
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
-    let boxes = &*parts.boxes.now;
-    if parts.state.lists.stale != 0 {
-        parts.state.lists.listed = parts.state.objects.slots;
-        for slot in 0..parts.state.objects.slots {
-            for order in &mut parts.order {
-                order.put(slot as usize, I::from_slot(slot));
-            }
+    let Parts { state, boxes, order: [order, ..], .. } = parts;
+    let mut listed = 0;
+    for (slot, bounds) in (0..state.objects.slots).zip(boxes.now.iter()) {
+        if !bounds.is_empty() {
+            order.put(listed, I::from_slot(slot));
+            listed += 1;
         }
     }
-    let mut kept = 0;
-    for order in &mut parts.order {
-        kept = 0;
-        for index in 0..parts.state.lists.listed as usize {
-            let slot = order.at(index);
-            if !boxes.at(slot.at()).is_empty() {
-                order.put(kept, slot);
-                kept += 1;
-            }
-        }
-    }
-    parts.state.lists.listed = kept as u32;
-    parts.state.lists.stale = 0;
-    parts.listed.fill(0);
-    for slot in parts.order[0].span(0, kept) {
-        bits::set(parts.listed, slot.at());
-    }
+    (state.lists.listed, state.lists.stale) = (listed as u32, 0);
 }
 
-/// Sorts one list: by insertion while that is cheap, else by a heap sort. O(n + inversions), or O(n log n).
+/// Sorts one list: by insertion while that is cheap, else over long distances first (Shell's sort). O(n + inversions), or about
+/// O(n^1.3) for as many as lists have.
 #[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
-    let Some(&first) = order.first() else { return };
-    // The last one that is in order.
-    let mut last = (low(first), first);
-    for index in 1..order.len() {
-        let slot = order.at(index);
-        let this = (low(slot), slot);
-        if last < this {
-            last = this;
-            continue;
+    for gap in [1, 57, 23, 10, 4, 1] {
+        for index in gap..order.len() {
+            let slot = order.at(index);
+            let (this, mut to) = (low(slot), index);
+            while to >= gap {
+                let other = order.at(to - gap);
+                if (low(other), other) < (this, slot) {
+                    break;
+                }
+                order.put(to, other);
+                to -= gap;
+            }
+            order.put(to, slot);
+            budget = budget.saturating_sub(index - to);
+            if budget == 0 {
+                break;
+            }
         }
-        let mut to = index;
-        while to > 0 && precedes(boxes, axis, slot, order.at(to - 1)) {
-            order.put(to, order.at(to - 1));
-            to -= 1;
+        if gap == 1 && budget > 0 {
+            return;
         }
-        order.put(to, slot);
-        match budget.checked_sub(index - to) {
-            Some(left) => budget = left,
-            None => return heapsort(order, |a, b| precedes(boxes, axis, a, b)),
-        }
+        budget = usize::MAX;
     }
 }

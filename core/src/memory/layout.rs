@@ -2,9 +2,8 @@
 
 use super::limits::{CHUNK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row};
 use super::scratch;
-use crate::config::{Config, Mode};
+use crate::config::{Config, EVENTS, FILTERS, MARGINS, Mode, TREE, VALUES};
 use crate::error::{Error, Field};
-use crate::filter::FILTERS;
 use crate::id::Index;
 use crate::simd::{CACHE_LINE, EIGHT};
 
@@ -17,9 +16,6 @@ pub struct Layout {
     /// The alignment of the slab in bytes.
     pub align: usize,
 }
-
-/// Whether there can be values. Small builds leave out their code.
-pub(crate) const VALUES: bool = cfg!(feature = "large");
 
 /// A cache line, which is at least the alignment of every item.
 pub(crate) const ALIGN: usize = CACHE_LINE;
@@ -72,12 +68,13 @@ pub(crate) struct Sizes {
 
 /// Whether a world has no tree.
 pub(crate) const fn is_small(config: &Config) -> bool {
-    config.capacity.objects as usize <= config.forced.leaf_target() / 8 || config.lean
+    !TREE || config.capacity.objects as usize <= config.forced.leaf_target() / 8 || config.lean
 }
 
 /// Whether objects have a fat box.
 pub(crate) const fn has_fat(config: &Config) -> bool {
-    config.margin.is_some() || config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config)
+    MARGINS && config.margin.is_some()
+        || config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config)
 }
 
 /// So many, if there are any.
@@ -92,7 +89,7 @@ impl Sizes {
         let capacity = &config.capacity;
         let most_objects = if config.lean {
             SMALL as u32
-        } else if cfg!(feature = "large") {
+        } else if TREE {
             I::MAX_OBJECTS
         } else {
             TINY as u32
@@ -101,6 +98,10 @@ impl Sizes {
             (Field::Workers, 32)
         } else if capacity.objects > most_objects {
             (Field::Objects, most_objects as u64)
+        } else if config.events && !EVENTS {
+            (Field::Events, 0)
+        } else if config.margin.is_some() && !MARGINS {
+            (Field::Margin, 0)
         } else if config.filters && !FILTERS {
             (Field::Filters, 0)
         } else if config.values && !VALUES {
@@ -149,7 +150,7 @@ impl Sizes {
 
     /// Whether the world has no tree.
     pub(crate) const fn is_small(&self) -> bool {
-        !cfg!(feature = "large") || self.bucket == 0
+        !TREE || self.bucket == 0
     }
 
     /// One item for each object of a world that has some.
@@ -161,22 +162,22 @@ impl Sizes {
     /// boxes and a tree needs them, too: it parks a pair only while both boxes stay, also inside fat boxes.
     pub(crate) const fn changed(&self) -> usize {
         let moves_inside_margin = self.fat > 0 && matches!(self.config.mode, Mode::Exact);
-        if_so(self.config.events || moves_inside_margin && self.tree > 0, self.objects)
+        if_so(EVENTS && self.config.events || TREE && moves_inside_margin && self.tree > 0, self.objects)
     }
 
     /// Records of all leaves. They are read in groups of eight, also behind the last leaf.
     pub(crate) const fn records(&self) -> usize {
-        if_so(self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
+        if_so(TREE && self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
     }
 
     /// Entries of the histogram.
     pub(crate) const fn histogram(&self) -> usize {
-        if_so(self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
+        if_so(TREE && self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
     }
 
     /// Where sections start: on a cache line, or in small worlds, which have no tree, where any item may.
     const fn align(&self) -> usize {
-        if self.tree > 0 { ALIGN } else { 16 }
+        if TREE && self.tree > 0 { ALIGN } else { 16 }
     }
 }
 

@@ -24,17 +24,15 @@ macro_rules! sections {
             /// the filter has changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
             /// With events: `before` may be out of date, since the slot changed before the last complete step.
-            outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.events))], new 0;
+            outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(EVENTS && s.config.events))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
-            active: &'m mut [u32] = [u32; bits::words(s.tree)], new 0;
-            /// One bit a slot: it is in the sorted lists.
-            listed: &'m mut [u32] = [u32; bits::words(s.objects)], new 0;
-            /// The tri-linked lists: slots by ascending minimum on x, y and z. Worlds with a tree use them as scratch.
+            active: &'m mut [u32] = [u32; bits::words(if_so(TREE, s.tree))], new 0;
+            /// Without a tree: slots by ascending minimum on the swept axis, and scratch. Worlds with a tree use all as scratch.
             order: [&'m mut [I]; 3] = [I; 3 * s.objects], used state.lists.listed as usize;
             /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
-            home: &'m mut [I] = [I; s.tree], new I::NONE;
+            home: &'m mut [I] = [I; if_so(TREE, s.tree)], new I::NONE;
             /// The position of the record in its leaf, or in the list of large objects.
-            place: &'m mut [I] = [I; s.tree], used state.objects.slots as usize;
+            place: &'m mut [I] = [I; if_so(TREE, s.tree)], used state.objects.slots as usize;
             }
 
             /// The boxes of all slots.
@@ -44,13 +42,13 @@ macro_rules! sections {
                 /// Of disabled objects: the low bits of a side, for which an empty box has no room.
                 cut: &'m mut [u16] = [u16; s.objects], new 0, saved cut [n.slots];
                 /// With margins, or predicted boxes: the fat box (erratum E5).
-                fat: &'m mut [KeyBox] = [KeyBox; s.fat], used state.objects.slots as usize, saved fat [n.slots];
+                fat: &'m mut [KeyBox] = [KeyBox; if_so(FAT, s.fat)], used state.objects.slots as usize, saved fat [n.slots];
                 /// With margins: the length that the box is grown by (erratum E2).
-                margins: &'m mut [f32] = [f32; s.by_object(s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
+                margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this
                 /// is its reported box, unless it is [outdated](Parts::outdated).
-                before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.config.events)], used state.objects.slots as usize;
+                before: &'m mut [KeyBox] = [KeyBox; s.by_object(EVENTS && s.config.events)], used state.objects.slots as usize;
                 + /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are
                 /// left unused. Fat boxes then mean nothing.
                 tight: bool = state.step.margins_in > 0;
@@ -58,27 +56,27 @@ macro_rules! sections {
 
             /// With filters: whom the objects meet.
             filters: FilterParts ['m] {
-                of: &'m mut [Filter] = [Filter; s.by_object(s.config.filters)], used state.objects.slots as usize,
+                of: &'m mut [Filter] = [Filter; s.by_object(FILTERS && s.config.filters)], used state.objects.slots as usize,
                     saved filters [n.slots];
                 /// One bit for each class that a class meets.
-                classes: &'m mut [u32] = [u32; if_so(s.config.filters, CLASSES)], new u32::MAX, saved classes [usize::MAX];
+                classes: &'m mut [u32] = [u32; if_so(FILTERS && s.config.filters, CLASSES)], new u32::MAX, saved classes [usize::MAX];
                 /// The filter may answer differently since the last complete step.
-                changed: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.config.filters))], new 0, saved refiltered [n.words];
+                changed: SlotSet<'m> = [u32; SlotSet::len(s.by_object(FILTERS && s.config.filters))], new 0, saved refiltered [n.words];
             }
 
             /// With values: the caller's number for each object.
             values: ValueParts ['m] {
                 /// A free slot keeps the value of the object that had it.
-                of: &'m mut [u64] = [u64; s.by_object(s.config.values)], used state.objects.slots as usize, saved values [n.slots];
+                of: &'m mut [u64] = [u64; s.by_object(VALUES && s.config.values)], used state.objects.slots as usize, saved values [n.slots];
                 /// With events: the values of the objects in [`FormerParts::generations`].
-                former: &'m mut [u64] = [u64; s.by_object(s.config.values && s.config.events)], used state.objects.slots as usize;
+                former: &'m mut [u64] = [u64; s.by_object(VALUES && EVENTS && s.config.values && s.config.events)], used state.objects.slots as usize;
             }
 
             /// Which slots new objects have got since the complete step before; with events also who had
             /// them, so that lost pairs can be named.
             former: FormerParts ['m] {
                 /// With events, of these slots: the generation of the former object.
-                generations: &'m mut [u32] = [u32; s.by_object(s.config.events)], used state.objects.slots as usize;
+                generations: &'m mut [u32] = [u32; s.by_object(EVENTS && s.config.events)], used state.objects.slots as usize;
                 /// These slots.
                 reused: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved reused [n.words];
             }
@@ -89,27 +87,27 @@ macro_rules! sections {
                 records: &'m mut [Record] = [Record; s.records()], used s.records();
                 /// The straddlers of all leaves, one leaf after another; behind them the boxes of the nodes
                 /// over the large objects, and their list.
-                straddlers: &'m mut [Straddler] = [Straddler; s.straddlers],
+                straddlers: &'m mut [Straddler] = [Straddler; if_so(TREE, s.straddlers)],
                     used state.tree.large_list() + state.tree.large as usize;
                 /// By node.
-                splits: &'m mut [Split] = [Split; 2 * s.whole_leaves], used 2 * s.whole_leaves;
+                splits: &'m mut [Split] = [Split; 2 * if_so(TREE, s.whole_leaves)], used 2 * s.whole_leaves;
                 /// By half of the number of two nodes: the node above them.
-                parents: &'m mut [u32] = [u32; s.whole_leaves], used s.whole_leaves;
+                parents: &'m mut [u32] = [u32; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf of a full step: its node.
-                tops: &'m mut [u32] = [u32; s.whole_leaves], used s.whole_leaves;
+                tops: &'m mut [u32] = [u32; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf, while it is divided: the planes between its sub-leaves, numbered as in a heap from one on.
-                planes: &'m mut [i32] = [i32; s.leaves], used s.leaves;
+                planes: &'m mut [i32] = [i32; if_so(TREE, s.leaves)], used s.leaves;
                 /// By leaf.
-                cells: &'m mut [Cell] = [Cell; s.leaves], used s.leaves;
+                cells: &'m mut [Cell] = [Cell; if_so(TREE, s.leaves)], used s.leaves;
                 /// By leaf of a full step. Its sub-leaves share it.
-                frames: &'m mut [Frame] = [Frame; s.whole_leaves], used s.whole_leaves;
+                frames: &'m mut [Frame] = [Frame; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf.
-                leaves: &'m mut [Leaf] = [Leaf; s.leaves], new Leaf::default();
+                leaves: &'m mut [Leaf] = [Leaf; if_so(TREE, s.leaves)], new Leaf::default();
                 /// By leaf, while leaves are divided: a box around its members, as a record in their frame.
                 /// Else it means nothing.
-                bounds: &'m mut [Record] = [Record; s.leaves], used s.leaves;
+                bounds: &'m mut [Record] = [Record; if_so(TREE, s.leaves)], used s.leaves;
                 /// By node: a box around its members. There is no node zero.
-                boxes: &'m mut [KeyBox] = [KeyBox; 2 * s.whole_leaves], new KeyBox::NOTHING;
+                boxes: &'m mut [KeyBox] = [KeyBox; 2 * if_so(TREE, s.whole_leaves)], new KeyBox::NOTHING;
                 /// In a fill: a row of counts for each block of slots, see
                 /// [`histogram_row`](crate::memory::limits::histogram_row). Then: where the movers of each leaf end.
                 histogram: &'m mut [u32] = [u32; s.histogram()], used 0;
@@ -122,13 +120,13 @@ macro_rules! sections {
                 /// With events: the pairs of the last complete step, in a step with few movers without the parked ones.
                 /// After a step the lost pairs come first. This buffer and `pairs` change places, so nothing is copied:
                 /// see [`PairState::swapped`](super::state::PairState::swapped).
-                previous: &'m mut [Pair<I>] = [Pair<I>; s.previous], used state.pairs.previous as usize;
+                previous: &'m mut [Pair<I>] = [Pair<I>; if_so(EVENTS, s.previous)], used state.pairs.previous as usize;
                 /// With workers: chunks of pairs in the order in which they were found.
-                staged: &'m mut [Pair<I>] = [Pair<I>; s.staged.saturating_mul(CHUNK)], used 0;
+                staged: &'m mut [Pair<I>] = [Pair<I>; if_so(TREE, s.staged.saturating_mul(CHUNK))], used 0;
                 /// The block, the position and the length of each chunk.
-                chunks: &'m mut [[u32; 3]] = [[u32; 3]; s.staged], used 0;
+                chunks: &'m mut [[u32; 3]] = [[u32; 3]; if_so(TREE, s.staged)], used 0;
                 /// The workers' scratch, in equal areas.
-                scratch: &'m mut [Record] = [Record; s.workers * scratch::records::<I>(s.bucket)], used 0;
+                scratch: &'m mut [Record] = [Record; if_so(TREE, s.workers * scratch::records::<I>(s.bucket))], used 0;
             }
         }
     };

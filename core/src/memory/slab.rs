@@ -8,7 +8,7 @@ use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
 use crate::access::{Access, Watch, bits};
-use crate::config::{Config, Mode};
+use crate::config::{Config, EVENTS, FAT, FILTERS, MARGINS, Mode, TREE, VALUES};
 use crate::error::Error;
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
@@ -148,16 +148,16 @@ macro_rules! slab {
 
         impl<'m, I: Index> Parts<'m, I> {
             /// Carves a slab that is long enough and aligned.
-            fn carve(slab: &'m mut [u8], sizes: Sizes) -> Option<Self> {
+            fn carve(slab: &'m mut [u8], sizes: Sizes) -> Result<Self, Error> {
                 let $s = &sizes;
                 let watch = Watch::over(slab);
                 let rest = &mut &mut *slab;
-                let $state: &mut State = take(rest, 1, $s)?.first_mut()?;
+                let $state: &mut State = take(rest, 1, $s).first_mut().ok_or(Error::InvariantBroken)?;
                 let swapped = $state.pairs.swapped != 0;
                 let mut parts = Self {
-                    $($name: Section::of(take::<$item>(rest, $count, $s)?),)*
+                    $($name: Section::of(take::<$item>(rest, $count, $s)),)*
                     $($group: $Group {
-                        $($gname: Section::of(take::<$gitem>(rest, $gcount, $s)?),)*
+                        $($gname: Section::of(take::<$gitem>(rest, $gcount, $s)),)*
                         $($plain: $pvalue,)*
                     },)*
                     state: $state,
@@ -167,7 +167,7 @@ macro_rules! slab {
                 if swapped {
                     core::mem::swap(&mut parts.output.pairs, &mut parts.output.previous);
                 }
-                Some(parts)
+                Ok(parts)
             }
 
             /// Empties the world. What is never read before it is written stays as it was.
@@ -192,9 +192,10 @@ macro_rules! slab {
 
 sections!(slab);
 
-/// Cuts a section off the slab.
-fn take<'m, T: Pod>(rest: &mut &'m mut [u8], count: usize, sizes: &Sizes) -> Option<&'m mut [T]> {
-    cut_off(rest, section::<T>(count, Some(0), sizes)?, count)
+/// Cuts a section off the slab. By the layout's arithmetic there is always enough.
+fn take<'m, T: Pod>(rest: &mut &'m mut [u8], count: usize, sizes: &Sizes) -> &'m mut [T] {
+    let bytes = if count == 0 { None } else { section::<T>(count, Some(0), sizes) };
+    bytes.and_then(|bytes| cut_off(rest, bytes, count)).unwrap_or_default()
 }
 
 impl TreeParts<'_> {
@@ -211,7 +212,7 @@ impl TreeParts<'_> {
 impl BoxParts<'_> {
     /// The boxes that lists, planes and sweeps use.
     pub(crate) fn swept(&self) -> &[KeyBox] {
-        if self.fat.is_empty() || self.tight { self.now } else { self.fat }
+        if !FAT || self.fat.is_empty() || self.tight { self.now } else { self.fat }
     }
 
     /// The boxes whose overlaps a result has.
@@ -227,7 +228,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let slab = front(slab, sizes.bytes)?;
         // Only the state decides how a slab is carved.
         slab.span_mut(0, size_of::<State>()).fill(0);
-        let mut parts = Self::carve(slab, sizes).ok_or(Error::InvariantBroken)?;
+        let mut parts = Self::carve(slab, sizes)?;
         *parts.state = State::new(config, size_of::<I>());
         parts.clear();
         Ok(parts)
@@ -238,7 +239,7 @@ impl<'m, I: Index> Parts<'m, I> {
         let state = bytemuck::try_from_bytes::<State>(front(slab, size_of::<State>())?).ok();
         let config = state.and_then(|state| state.setup.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
         let sizes = Sizes::of::<I>(&config).map_err(|_| Error::NotAWorld)?;
-        Self::carve(front(slab, sizes.bytes)?, sizes).ok_or(Error::InvariantBroken)
+        Self::carve(front(slab, sizes.bytes)?, sizes)
     }
 
     /// What the world was made for.
@@ -253,7 +254,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Whether overlaps of fat boxes may not be pairs.
     pub(crate) fn has_surplus(&self) -> bool {
-        self.mode() == Mode::Exact && !self.boxes.fat.is_empty() && !self.boxes.tight
+        FAT && self.mode() == Mode::Exact && !self.boxes.fat.is_empty() && !self.boxes.tight
     }
 }
 

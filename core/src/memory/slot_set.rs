@@ -1,13 +1,12 @@
 //! Sets of slots. The time to find the members depends on their number, and hardly on the number of slots.
 
 use crate::access::{Access, bits};
+use crate::config::TREE;
 use crate::id::Index;
 use crate::parallel::block_queue::Chunks;
 
 /// Slots in a group. Workers of a pass get whole groups.
 pub(crate) const GROUP: usize = 32 * 32;
-/// Whether there are groups. In small builds they would only take memory.
-const GROUPED: bool = cfg!(feature = "large");
 
 /// A set of slots, or of some consecutive slots, counted from the first of them.
 pub(crate) struct SlotSet<'m> {
@@ -26,12 +25,12 @@ impl<'m> From<(&'m mut [u32], &'m mut [u32])> for SlotSet<'m> {
 impl<'m> SlotSet<'m> {
     /// The words of memory for so many slots.
     pub(crate) const fn len(slots: usize) -> usize {
-        bits::words(slots) + if GROUPED { slots.div_ceil(GROUP) } else { 0 }
+        bits::words(slots) + if TREE { slots.div_ceil(GROUP) } else { 0 }
     }
 
     /// Divides that memory.
     pub(crate) fn carve(memory: &'m mut [u32]) -> Self {
-        let groups = if GROUPED { memory.len().div_ceil(33) } else { 0 };
+        let groups = if TREE { memory.len().div_ceil(33) } else { 0 };
         Self::from(memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default())
     }
 
@@ -55,14 +54,14 @@ impl<'m> SlotSet<'m> {
         if let Some(to) = self.words.get_mut(word) {
             *to |= bits;
         }
-        if GROUPED && let Some(group) = self.groups.get_mut(word / 32) {
+        if TREE && let Some(group) = self.groups.get_mut(word / 32) {
             *group |= u32::from(bits != 0) << (word % 32);
         }
     }
 
     /// Takes all slots out.
     pub(crate) fn clear(&mut self) {
-        if !GROUPED {
+        if !TREE {
             return self.words.fill(0);
         }
         for (group, words) in self.groups.iter_mut().zip(self.words.chunks_mut(32)) {
@@ -90,7 +89,7 @@ impl<'m> SlotSet<'m> {
     /// Calls a function with the number and the bits of each word that has some, and maybe of others.
     #[inline(always)]
     pub(crate) fn for_each_word(&self, mut each: impl FnMut(usize, u32)) {
-        if !GROUPED {
+        if !TREE {
             return (0..).zip(&*self.words).for_each(|(index, word)| each(index, *word));
         }
         for (group, bits) in self.groups.iter().enumerate() {
@@ -117,7 +116,7 @@ impl<'m> SlotSet<'m> {
     /// The slots in ascending order.
     pub(crate) fn slots(&self) -> impl Iterator<Item = usize> + '_ {
         let marked =
-            (0..).zip(self.words.chunks(32)).filter(|(group, _)| !GROUPED || self.groups.at(*group) != 0);
+            (0..).zip(self.words.chunks(32)).filter(|(group, _)| !TREE || self.groups.at(*group) != 0);
         marked.flat_map(|(group, words)| bits::ones(words).map(move |slot| group * GROUP + slot))
     }
 

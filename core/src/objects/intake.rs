@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::Mode;
+use crate::config::{EVENTS as HAS_EVENTS, Mode};
 use crate::geometry::boxes::{Boxes, CORNER};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -143,7 +143,7 @@ fn take_in_words<S: Simd, I: Index>(
         if objects.resting.get(word) == Some(&u32::MAX) {
             continue;
         }
-        let moved = if objects.before.is_empty() {
+        let moved = if !HAS_EVENTS || objects.before.is_empty() {
             take_in::<S, false>(simd, first, bounds, &mut objects, word, &mut intake)
         } else {
             take_in::<S, true>(simd, first, bounds, &mut objects, word, &mut intake)
@@ -206,7 +206,10 @@ fn take_in<S: Simd, const EVENTS: bool>(
             Some(bounds) if bounds.is_same(old) => {}
             Some(bounds) => {
                 if EVENTS && kept >> (at % 32) & 1 == 0 {
-                    before.put(at % 32, fat.reported(*mode, at, old));
+                    // Number by number: a copy from one slice to another would be a call.
+                    let ([a, b, c], [d, e, f]) = (old.min, old.max);
+                    let old = KeyBox { min: [a, b, c], max: [d, e, f] };
+                    before.put(at % 32, fat.reported(*mode, at, &old));
                 }
                 if fat.exist() {
                     contained |= u32::from(fat.follow(simd, at, old, &bounds)) << (at % 32);

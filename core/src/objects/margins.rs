@@ -6,7 +6,7 @@
 //! even so, the boxes as given are swept for a while: see [`renew`](crate::step::policy::renew).
 
 use crate::access::Access;
-use crate::config::{Margin, Mode};
+use crate::config::{FAT, Margin, Mode, TREE};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -36,7 +36,7 @@ pub(crate) struct Motions {
 impl FatBoxes<'_> {
     /// Whether there are fat boxes in use.
     pub(crate) fn exist(&self) -> bool {
-        !self.boxes.is_empty()
+        FAT && !self.boxes.is_empty()
     }
 
     /// The box of an object whose overlaps a result has; `now` is its box as given.
@@ -80,7 +80,7 @@ impl FatBoxes<'_> {
     /// Makes the fat box of an object that has come from an old box.
     fn make(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
         let margin = self.margin(at);
-        let predicts = cfg!(feature = "large") && self.predicted;
+        let predicts = TREE && self.predicted;
         let fat = if predicts { bounds.predicted(old, margin) } else { bounds.grown(margin) };
         self.boxes.put(at, fat);
     }

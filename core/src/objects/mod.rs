@@ -5,7 +5,7 @@ pub(crate) mod margins;
 pub(crate) mod settle;
 
 use crate::access::{Access, bits};
-use crate::config::Mode;
+use crate::config::{EVENTS, Mode};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -76,7 +76,8 @@ impl Objects<'_> {
     /// Keeps the box that the last complete step reported, for the events of the next one. To be called
     /// before anything of the slot is replaced; only the first call after that step counts.
     fn keep(&mut self, at: usize) {
-        if let Some(before) = self.before.get_mut(at)
+        if EVENTS
+            && let Some(before) = self.before.get_mut(at)
             && !bits::test(self.changed.words, at)
         {
             let now = self.now.at(at);
@@ -94,7 +95,7 @@ impl Objects<'_> {
     /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another
     /// object had the slot in the last step, its pairs are lost in any case.
     pub(crate) fn insert(&mut self, at: usize, bounds: KeyBox) {
-        if let Some(before) = self.before.get_mut(at) {
+        if EVENTS && let Some(before) = self.before.get_mut(at) {
             *before = KeyBox::EMPTY;
         }
         self.now.put(at, bounds);

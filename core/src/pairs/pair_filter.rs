@@ -1,7 +1,8 @@
 //! Asks filters and the caller's rule before a pair is written, so unwanted pairs take no room.
 
 use crate::access::Access;
-use crate::filter::{FILTERS, Filter, Rule, all_meet, meet};
+use crate::config::FILTERS;
+use crate::filter::{Filter, Rule, all_meet, meet};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
@@ -60,11 +61,9 @@ impl<'g> PairFilter<'g> {
     /// Whether two objects make a pair.
     #[inline]
     pub(crate) fn lets_through<I: Index>(&self, pair: &Pair<I>) -> bool {
-        if !FILTERS {
-            return true;
-        }
         let filters = self.filters.get(pair[0].at()).zip(self.filters.get(pair[1].at()));
-        filters.is_none_or(|(a, b)| self.meet(a, b))
-            && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
+        !FILTERS
+            || filters.is_none_or(|(a, b)| self.meet(a, b))
+                && self.rule.is_none_or(|rule| rule(pair[0].slot(), pair[1].slot()))
     }
 }

@@ -1,6 +1,7 @@
 //! Divides lists of pairs by a test of their boxes, or of sets of slots.
 
 use crate::access::{Access, bits};
+use crate::config::{FILTERS, TREE};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
@@ -58,6 +59,18 @@ pub(crate) fn partition<I: Index>(
 /// that does not pass changes places with the last one that passes, and so on.
 #[inline(always)]
 fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
+    if !TREE {
+        let meet =
+            |boxes, pair: &Pair<I>| KeyBox::of(boxes, pair[0].at()).overlaps(KeyBox::of(boxes, pair[1].at()));
+        return match test {
+            Test::Overlap(now) => one_by_one(pairs, |pair| meet(now, pair)),
+            Test::Ended { now, before: [] } => one_by_one(pairs, |pair| !meet(now, pair)),
+            Test::Ended { now, before } => one_by_one(pairs, |pair| !(meet(now, pair) && meet(before, pair))),
+            Test::ClearOf(set) if FILTERS => one_by_one(pairs, |pair| is_clear_of(set, pair)),
+            Test::Holds(test) if FILTERS => one_by_one(pairs, test),
+            _ => 0,
+        };
+    }
     // Pairs are tested together, since which ones pass is hard to predict: the next ones from either end.
     // These have bits where pairs wait to change places.
     let (mut start, mut end) = (0, pairs.len());
@@ -89,6 +102,26 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
         exchange_bits(pairs, (end, &mut failing), (end, &mut passing));
     }
     end + front
+}
+
+/// The same, for a small processor, which predicts nothing: a loop for each test, in registers.
+#[inline(always)]
+fn one_by_one<I: Index>(pairs: &mut [Pair<I>], holds: impl Fn(&Pair<I>) -> bool) -> usize {
+    let (mut start, mut end) = (0, pairs.len());
+    while start < end {
+        if !holds(&pairs.at(start)) {
+            end -= 1;
+            while end > start && !holds(&pairs.at(end)) {
+                end -= 1;
+            }
+            if end == start {
+                break;
+            }
+            pairs.swap_at(start, end);
+        }
+        start += 1;
+    }
+    start
 }
 
 /// Exchanges the pair of a word's lowest bit with the pair of another word's highest bit; clears both bits.

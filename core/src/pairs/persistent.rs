@@ -10,6 +10,7 @@
 //! object of a parked surplus pair is active either.
 
 use crate::access::Access;
+use crate::config::{EVENTS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
@@ -20,19 +21,16 @@ use crate::parallel::context::StepContext;
 /// This many times as many objects may be active as have another box, before the others become inactive.
 const ACTIVE_FOR_EACH: u32 = 8;
 
-/// Whether worlds can park pairs. Small builds have only worlds without a tree, which do not.
-const PARKS: bool = cfg!(feature = "large");
-
 /// For a step that tests only moved objects: brings the pairs of two resting ones to the front of the buffer,
 /// pairs of the result first, and returns how many. With events, all other pairs are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
-    if PARKS && !parts.sizes.is_small() {
+    if TREE && !parts.sizes.is_small() {
         park(parts, context);
     }
     let Parts { state, moved, output, .. } = parts;
     let (swept, result) = (state.pairs.swept as usize, state.pairs.result().end);
     let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
-    if PARKS && moved.count() > 0 {
+    if TREE && moved.count() > 0 {
         let (parked, clear) = (state.pairs.parked as usize, ClearOf(moved.words));
         kept_result = parked + partition(context, output.pairs.span_mut(parked, result - parked), clear);
         gone = result - kept_result;
@@ -75,9 +73,9 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     }
     let Parts { state, output, .. } = parts;
     let result = state.pairs.result();
-    if parts.sizes.previous > 0 && state.pairs.complete != 0 {
+    if EVENTS && parts.sizes.previous > 0 && state.pairs.complete != 0 {
         // The surplus in front is dropped. The last pairs of the result take its place.
-        if PARKS {
+        if TREE {
             for at in 0..result.start.min(result.len()) {
                 output.pairs.put(at, output.pairs.at(result.end - 1 - at));
             }
@@ -85,7 +83,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         core::mem::swap(&mut output.pairs, &mut output.previous);
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
-    } else if PARKS && parts.sizes.previous > 0 {
+    } else if TREE && EVENTS && parts.sizes.previous > 0 {
         // A step that did not end, or had no room for its pairs, has set them aside. The parked ones are here.
         let parked = result.start..state.pairs.parked as usize;
         let others = state.pairs.previous as usize;

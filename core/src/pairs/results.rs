@@ -5,8 +5,7 @@
 //! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
-use crate::config::Mode;
-use crate::filter::FILTERS;
+use crate::config::{EVENTS, FAT, FILTERS, Mode};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
@@ -26,12 +25,12 @@ pub(crate) fn sort_out<I: Index>(
     context: StepContext<'_>,
 ) {
     parts.state.pairs.swept = swept as u64;
-    let events = parts.sizes.previous > 0;
+    let events = EVENTS && parts.sizes.previous > 0;
     let (has_surplus, mode) = (parts.has_surplus(), parts.mode());
     let PairState { parked, kept, kept_result, surplus_parked, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
-    if mode == Mode::Exact && parts.state.objects.moved_inside_margin != 0 {
+    if FAT && mode == Mode::Exact && parts.state.objects.moved_inside_margin != 0 {
         let now = parts.boxes.reported(mode);
         let pairs = &mut *parts.output.pairs;
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));
@@ -87,6 +86,9 @@ pub(crate) fn sort_out<I: Index>(
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have
 /// kept their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
+    if !EVENTS {
+        return;
+    }
     let mode = parts.mode();
     let BoxParts { now, fat, before, tight, .. } = &mut parts.boxes;
     let boxes = if mode == Mode::Fat && !fat.is_empty() && !*tight { &**fat } else { &**now };

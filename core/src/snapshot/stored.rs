@@ -2,7 +2,7 @@
 //! checks and loads it.
 
 use crate::access::{Access, bits};
-use crate::config::{Config, Mode};
+use crate::config::{Config, FAT, FILTERS, MARGINS, Mode, VALUES};
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};

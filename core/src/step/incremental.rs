@@ -2,7 +2,8 @@
 //! pairs (paper, section III.B.1).
 
 use crate::access::Access;
-use crate::filter::{FILTERS, Filter};
+use crate::config::FILTERS;
+use crate::filter::Filter;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;

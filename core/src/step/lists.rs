@@ -2,7 +2,8 @@
 
 use super::policy::SCAN_EVERY;
 use crate::access::Access;
-use crate::geometry::key::{KeyBox, length};
+use crate::config::TREE;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::lists::links;
 use crate::memory::scratch::Work;
@@ -16,7 +17,6 @@ use crate::parallel::executor::Stage;
 use crate::sweep::kinds::{Kinds, Pass};
 use crate::sweep::small::{self, Found};
 use crate::tree::assign;
-use crate::tree::cells::{Sample, longest_axis};
 
 /// Sorts the list of one axis and sweeps its boxes.
 pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
@@ -27,15 +27,9 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     }
     let Parts { state, boxes, order, output, filters, .. } = parts;
     let boxes = boxes.swept().span(0, state.objects.slots as usize);
-    let coarse = choose_axes(order[0].span(0, state.objects.live as usize), state, boxes);
-    let axis = state.lists.axis as usize;
-    let (live, slots) = (state.objects.live as usize, state.objects.slots);
-    let [x, y, z] = order;
-    let (sorted, parts, codes) = match axis {
-        0 => (x, y, z),
-        1 => (y, z, x),
-        _ => (z, x, y),
-    };
+    let coarse = choose_axes(state, boxes);
+    let (live, slots, axis) = (state.objects.live as usize, state.objects.slots, state.lists.axis as usize);
+    let [sorted, parts, codes] = order;
     let sorted = sorted.span_mut(0, live);
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
     links::repair(sorted, boxes, axis);
@@ -45,7 +39,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let mut sweep =
         |lists: [&[I]; 2]| small::sweep(lists, boxes, axes, pair_filter, output.pairs, &mut found);
     let mut spared = 0;
-    if pair_filter.is_some_and(|filter| filter.tells_apart()) {
+    if TREE && pair_filter.is_some_and(|filter| filter.tells_apart()) {
         spared = sweep_parts(pair_filter, sorted, [parts, codes], slots as usize, &mut sweep);
     } else {
         sweep([sorted, &[]]);
@@ -54,8 +48,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
-/// Sweeps the parts of a sorted list that meet. The two other lists are scratch: they end as the same objects
-/// in another order. Returns how many pairs of objects were not compared, as their filters do not meet.
+/// Sweeps the parts of a sorted list that meet. The two other lists are scratch. Returns how many pairs of objects were not compared, as their filters do not meet.
 #[inline(never)]
 fn sweep_parts<I: Index>(
     pair_filter: Option<PairFilter<'_>>,
@@ -79,24 +72,28 @@ fn sweep_parts<I: Index>(
             }
         }
     }
-    codes.copy_in(sorted);
     plan.spared
 }
 
-/// Chooses the axes and tells whether `f32` is too coarse, in every eighth step and when objects are new: a
-/// look at all boxes costs a third of their sweep.
-fn choose_axes<I: Index>(slots: &[I], state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
+/// Chooses the axes along which the fewest boxes overlap, and tells whether `f32` is too coarse, in every eighth step and when
+/// objects are new. O(slots).
+fn choose_axes(state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
     if state.lists.scan_in > 0 && state.objects.has_inserted == 0 {
         state.lists.scan_in -= 1;
         return None;
     }
     state.lists.scan_in = SCAN_EVERY - 1;
-    let bounds_scan = assign::scan_bounds(slots.iter().filter_map(|slot| boxes.get(slot.at())));
-    // Where most boxes are.
-    let extent = bounds_scan.extent.trimmed(&Sample::of_list(slots, boxes));
-    state.lists.axis = longest_axis(&extent, state.lists.axis as usize) as u8;
-    let side = |k: u8| length(extent.low[k as usize % 3], extent.high[k as usize % 3]);
-    let (a, b) = ((state.lists.axis + 1) % 3, (state.lists.axis + 2) % 3);
-    state.lists.second_axis = if side(b) > side(a) { b } else { a };
-    Some(bounds_scan.is_coarse(state.objects.live))
+    let mut near = [0; 3];
+    for (slot, a) in (0u32..).zip(boxes) {
+        // Multiples of the golden ratio are spread evenly.
+        let b = KeyBox::of(boxes, ((slot.wrapping_mul(0x9e37_79b9) >> 16) as usize * boxes.len()) >> 16);
+        (0..3).for_each(|k| near[k] += u32::from(a.min[k] <= b.max[k] && b.min[k] <= a.max[k]));
+    }
+    // The list of the last axis is in order already, so another one has to be clearly better.
+    let last = state.lists.axis as usize % 3;
+    let axis = (0..3).fold(last, |best, k| if 5 * near[k] < 4 * near[best] { k } else { best });
+    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+    state.lists.axis = axis as u8;
+    state.lists.second_axis = if near[b] < near[a] { b as u8 } else { a as u8 };
+    TREE.then(|| assign::scan_bounds(boxes.iter()).is_coarse(state.objects.live))
 }

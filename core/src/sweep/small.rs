@@ -1,7 +1,7 @@
 //! Sweeps the boxes themselves along a sorted list (paper, section IV): no records and no batches. A small
 //! processor has no vectors that would repay them.
 
-use crate::filter::FILTERS;
+use crate::config::{FILTERS, TREE};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::pairs::pair_filter::PairFilter;
@@ -26,13 +26,14 @@ pub(crate) fn sweep<I: Index>(
     pairs: &mut [Pair<I>],
     found: &mut Found,
 ) {
+    // A small build has three copies instead of six. They test y last: in most scenes few boxes are apart in height.
     match axes {
-        [0, 1] => sweep_along::<I, 0, 1, 2>(lists, boxes, pair_filter, pairs, found),
+        [0, 1] if TREE => sweep_along::<I, 0, 1, 2>(lists, boxes, pair_filter, pairs, found),
         [0, _] => sweep_along::<I, 0, 2, 1>(lists, boxes, pair_filter, pairs, found),
-        [1, 2] => sweep_along::<I, 1, 2, 0>(lists, boxes, pair_filter, pairs, found),
+        [1, 2] if TREE => sweep_along::<I, 1, 2, 0>(lists, boxes, pair_filter, pairs, found),
         [1, _] => sweep_along::<I, 1, 0, 2>(lists, boxes, pair_filter, pairs, found),
-        [_, 0] => sweep_along::<I, 2, 0, 1>(lists, boxes, pair_filter, pairs, found),
-        _ => sweep_along::<I, 2, 1, 0>(lists, boxes, pair_filter, pairs, found),
+        [_, 1] if TREE => sweep_along::<I, 2, 1, 0>(lists, boxes, pair_filter, pairs, found),
+        _ => sweep_along::<I, 2, 0, 1>(lists, boxes, pair_filter, pairs, found),
     }
 }
 
@@ -45,7 +46,9 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     pairs: &mut [Pair<I>],
     found: &mut Found,
 ) {
-    let across = FILTERS && !other.is_empty();
+    let across = FILTERS && TREE && !other.is_empty();
+    let (mut written, mut candidates) = (found.pairs, 0);
+    let mut room = pairs.get_mut(written..).unwrap_or_default().iter_mut();
     while let Some((&slot, behind)) = rest.split_first() {
         let KeyBox { min, max } = *KeyBox::of(boxes, slot.at());
         let mut others = behind;
@@ -71,13 +74,14 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
             if b.min[U] <= max[U] && min[U] <= b.max[U] && b.min[V] <= max[V] && min[V] <= b.max[V] {
                 let pair = pair(slot.slot(), other.slot());
                 if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
-                    if let Some(place) = pairs.get_mut(found.pairs) {
+                    if let Some(place) = room.next() {
                         *place = pair;
                     }
-                    found.pairs += 1;
+                    written += 1;
                 }
             }
         }
-        found.candidates += others.len() - ahead.len();
+        candidates += others.len() - ahead.len();
     }
+    *found = Found { pairs: written, candidates: found.candidates + candidates };
 }

@@ -165,8 +165,7 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
     }
 }
 
-/// The axis to sweep a whole world along: `axis` unless another is clearly longer, since the list of that
-/// axis is in order already.
+/// The longest axis: `axis` unless another is clearly longer.
 pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
     let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
     (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best })

@@ -6,7 +6,6 @@ use crate::config::Margin;
 use crate::error::Error;
 use crate::filter::{CLASSES, Filter, meet};
 use crate::id::{Id, Index};
-use crate::lists::links;
 use crate::memory::slab::Parts;
 
 /// Attributes of objects. A rule of the caller's own about pairs: [`with_rule`](World::with_rule).
@@ -102,7 +101,7 @@ impl<I: Index> World<'_, I> {
         let objects = &mut parts.state.objects;
         (objects.live, objects.disabled) = (objects.live + 1, objects.disabled - 1);
         objects.dirty = 1;
-        links::append(parts, slot as u32);
+        parts.state.lists.stale = 1;
     }
 
     /// Puts objects to rest, all or none: objects that the caller knows to rest, as steps find out about

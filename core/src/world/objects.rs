@@ -2,13 +2,13 @@
 
 use super::World;
 use crate::access::{Access, bits};
+use crate::config::MARGINS;
 use crate::error::Error;
 use crate::filter::Filter;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
-use crate::lists::links;
 use crate::memory::slab::Parts;
 use crate::objects::margins::margin_length;
 
@@ -201,7 +201,9 @@ impl<'m, I: Index> World<'m, I> {
         let former_generation = parts.generations.at(at);
         let generation = former_generation.wrapping_add(1).max(1);
         parts.generations.put(at, generation);
-        if let (Some(margin), Some(length)) = (parts.config().margin, parts.boxes.margins.get_mut(at)) {
+        if MARGINS
+            && let (Some(margin), Some(length)) = (parts.config().margin, parts.boxes.margins.get_mut(at))
+        {
             *length = margin_length(&margin, &bounds);
         }
         parts.objects().insert(at, bounds);
@@ -221,7 +223,7 @@ impl<'m, I: Index> World<'m, I> {
         }
         parts.state.objects.has_inserted = 1;
         parts.state.objects.dirty = 1;
-        links::append(parts, slot);
+        parts.state.lists.stale = 1;
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
     }

@@ -19,7 +19,7 @@ done
 
 # In C: the static library, a header, no C library.
 CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_OPT_LEVEL=s /usr/bin/cargo rustc --quiet --release --manifest-path ../../../ffi/Cargo.toml \
-    --no-default-features --features panic-handler --crate-type staticlib -Zbuild-std=core --target thumbv7em-none-eabihf
+    --no-default-features --features events,panic-handler --crate-type staticlib -Zbuild-std=core --target thumbv7em-none-eabihf
 library=$CARGO_TARGET_DIR/thumbv7em-none-eabihf/release/libtrisap_ffi.a
 program=$CARGO_TARGET_DIR/start-in-c
 clang --target=thumbv7em-none-eabihf -mcpu=cortex-m4 -mfloat-abi=hard -Os -std=c11 -Wall -Wextra -Werror -ffreestanding \

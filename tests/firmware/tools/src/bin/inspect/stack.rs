@@ -11,7 +11,9 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 26] = [
+const HOOKS: [(&str, &[&str]); 28] = [
+    ("in_blocks<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
+    ("in_blocks<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::region", &["overlaps_many::{closure#1} as"]),
     ("region::InRegion<u16>>::found", &["collect<trisap_core::id::Id", KEPT]),
@@ -33,7 +35,7 @@ const HOOKS: [(&str, &[&str]); 26] = [
     ("snapshot::saved", &["::snapshot_size::{closure", "::save::{closure"]),
     ("World<u16>>::visit_hits", &["::hits::{closure", "::first_hit::{closure"]),
     ("cast::visit_along", &["::hits::{closure", "::first_hit::{closure"]),
-    ("World<u16>>::", &["Executor>::", "results::", "in_blocks::<", RULE]),
+    ("World<u16>>::", &["Executor>::", "results::", "in_blocks::<", "in_blocks<", RULE]),
     ("Stepper<u16>>::", &["Executor>::", "results::", "intake::", "assign::", RULE]),
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
