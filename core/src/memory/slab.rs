@@ -227,9 +227,9 @@ impl<'m, I: Index> Parts<'m, I> {
         let sizes = Sizes::of::<I>(config)?;
         let slab = front(slab, sizes.bytes)?;
         // Only the state decides how a slab is carved.
-        slab.span_mut(0, size_of::<State>()).fill(0);
+        let state = State::new(config, size_of::<I>());
+        slab.span_mut(0, size_of::<State>()).copy_in(bytemuck::bytes_of(&state));
         let mut parts = Self::carve(slab, sizes)?;
-        *parts.state = State::new(config, size_of::<I>());
         parts.clear();
         Ok(parts)
     }

@@ -110,8 +110,7 @@ fn ingest_blocks<I: Index>(
         let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
-        let objects =
-            Objects { now, cut: &mut [], fat, moved, changed, outdated: &[], before, resting, mode };
+        let objects = Objects { now, cut: &mut [], fat, moved, changed, before, resting, mode };
         let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
         let mut records = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
         found.fill(ingest_block(context.kernels, first, bounds, objects, settle.then_some(&mut records)));
@@ -253,7 +252,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     fours: Fours<'_, '_, '_>,
 ) -> (u32, u32, u32) {
     let Fours { bounds, mut items, now, before, kept, skipped, fat, first: word, mode } = fours;
-    let (mut taken, mut changed, mut contained) = (0, 0, 0);
+    let (mut taken, mut changed, mut contained, mut lie) = (0, 0, 0, false);
     let (all, mut room) = ([KeyBox::ALL; 4], [0; 8 * CORNER]);
     let before = before.as_chunks_mut::<4>().0;
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
@@ -264,12 +263,16 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
             continue;
         }
         let mut new = [KeyBox::EMPTY; 4];
-        // In most steps all stay in their fat boxes.
+        // In most steps all stay in their fat boxes. Where four lie still, the next ones probably do.
         let held = if FAT && !fat.renews { fat.boxes.get(word + first..) } else { None };
         let quiet = match held.and_then(|held| held.first_chunk()) {
-            Some(held) => simd.encode_four(boxes, held, old, &mut new),
+            Some(held) => match if lie { simd.encode_four(boxes, old, old, &mut new) } else { None } {
+                None => simd.encode_four(boxes, held, old, &mut new),
+                same => same,
+            },
             None => None,
         };
+        lie = quiet == Some(0);
         let others = match quiet {
             Some(others) => others,
             None => match simd.encode_four(boxes, &all, old, &mut new) {

@@ -1,9 +1,8 @@
-//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section V; erratum E2).
+//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section V; E2).
 //!
-//! A fat box is the box and a margin; or it is predicted: it holds the box, the next ones if the object goes on as it does, and
-//! a little around these. Such a box lasts several times as long as one of its size that is grown on all sides. All are made anew
-//! at once when some objects have left theirs, so that most steps are quiet: nobody leaves. Where they do not last some steps
-//! even so, the boxes as given are swept for a while: see [`renew`](crate::step::policy::renew).
+//! A fat box is the box and a margin; or predicted: it also holds the next boxes of an object that goes on as it
+//! does. All are made anew at once when some objects have left theirs, so that most steps are quiet. Where they
+//! do not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
 use crate::access::Access;
 use crate::config::{FAT, Margin, Mode, TREE};
@@ -62,33 +61,25 @@ impl FatBoxes<'_> {
             self.motions.moved_inside_margin = true;
             return true;
         }
-        self.make(at, old, bounds);
+        self.boxes.put(at, Self::made(TREE && self.predicted, self.margin(at), old, bounds));
         false
     }
 
-    /// Makes the fat box of an object that stays in its own anew, if that has become far too wide. Returns whether it had.
-    pub(crate) fn shrinks(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let fat = self.boxes.at(at);
-        self.make(at, old, bounds);
-        let shrinks = fat.largest_extent() > MOST_WIDTH * self.boxes.at(at).largest_extent();
-        if !shrinks {
-            self.boxes.put(at, fat);
+    /// Forgets a fat box that has become far too wide for a box, which is to get one around it then.
+    pub(crate) fn forget_wide(&mut self, at: usize, bounds: &KeyBox) {
+        let most = MOST_WIDTH * (bounds.largest_extent() + self.margin(at));
+        if self.exist() && self.boxes.at(at).largest_extent() > most {
+            self.boxes.put(at, KeyBox::EMPTY);
         }
-        shrinks
     }
 
-    /// Makes the fat box of an object that has come from an old box.
-    fn make(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) {
-        let margin = self.margin(at);
-        let predicts = TREE && self.predicted;
-        let fat = if predicts { bounds.predicted(old, margin) } else { bounds.grown(margin) };
-        self.boxes.put(at, fat);
+    /// The fat box of an object that has come from an old box.
+    pub(crate) fn made(predicts: bool, margin: f32, old: &KeyBox, bounds: &KeyBox) -> KeyBox {
+        if predicts { bounds.predicted(old, margin) } else { bounds.grown(margin) }
     }
 }
 
 /// Leaves fat boxes unused from now on. Objects that had another one count as moved. O(slots).
-#[cold]
-#[inline(never)]
 pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
     for slot in 0..parts.state.objects.slots as usize {
         let now = parts.boxes.now.at(slot);
@@ -100,8 +91,6 @@ pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
 }
 
 /// Uses fat boxes again. An object has another one than its box from its next box on. O(slots).
-#[cold]
-#[inline(never)]
 pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
     let slots = parts.state.objects.slots as usize;
     for (fat, now) in parts.boxes.fat.iter_mut().zip(parts.boxes.now.span(0, slots)) {
@@ -110,10 +99,10 @@ pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
     parts.boxes.tight = false;
 }
 
-/// A fat box so many times as wide as a new one would be is far too wide.
-const MOST_WIDTH: f32 = 4.0;
+/// A fat box so many times as wide as the box and its margin is far too wide. No predicted one is at first.
+const MOST_WIDTH: f32 = 16.0;
 
-/// The most that the size of a box counts, in multiples of its smallest side: a wide plane needs no wide margin.
+/// The most that the size of a box counts, in its smallest sides: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;
 
 /// The length of a margin for a box (erratum E2). An unbounded box counts as size zero.

@@ -22,8 +22,6 @@ pub(crate) struct Objects<'o> {
     pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: SlotSet<'o>,
     pub(crate) changed: SlotSet<'o>,
-    /// With events: who had another box in the last complete step; steps need it not.
-    pub(crate) outdated: &'o [u32],
     /// See [`BoxParts::before`](crate::memory::slab::BoxParts::before).
     pub(crate) before: &'o mut [KeyBox],
     /// Who is put to rest by the caller; empty where nobody is.
@@ -32,7 +30,7 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// Whether fat boxes are predicted, and whether each new box gets a new one. Neither in a fat world or one without a tree.
+    /// Whether fat boxes are predicted, and whether each new box gets a new one: in exact worlds with a tree.
     pub(crate) fn fat_boxes(&self) -> (bool, bool) {
         let may = !self.sizes.is_small() && self.mode() == Mode::Exact;
         (may && self.config().predicted, may && self.state.step.renews != 0)
@@ -56,7 +54,6 @@ impl<I: Index> Parts<'_, I> {
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
-            outdated: self.outdated.words,
             before: self.boxes.before,
             resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
             mode: self.sizes.config.mode,
@@ -114,12 +111,8 @@ impl Objects<'_> {
         } else if bounds != old {
             self.keep(at);
             self.now.put(at, bounds);
-            // If it rested before, it probably does again: nothing is predicted.
-            let goes_on = !self.outdated.is_empty() && bits::test(self.outdated, at);
-            let from = if goes_on { old } else { bounds };
-            let contained = self.fat.exist()
-                && self.fat.follow(Scalar, at, &from, &bounds)
-                && !self.fat.shrinks(at, &from, &bounds);
+            self.fat.forget_wide(at, &bounds);
+            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }

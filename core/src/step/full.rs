@@ -40,7 +40,7 @@ pub(super) fn full<I: Index>(
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
-    keep::plan(parts.state, work.tied, left);
+    keep::plan(parts.state, left);
     let rebalanced = if anew { parts.state.objects.live } else { arranged.rebalanced };
     (route, Progress { pairs, work, leaves, rebalanced, ..arranged })
 }

@@ -1,15 +1,16 @@
 //! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose
 //! equally. The table of constants in `NOTEBOOK.md` says what was measured.
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY, Mode};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
+use crate::memory::limits::TRIAL;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::{PairState, State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
-use crate::objects::margins;
+use crate::objects::margins::{self, FatBoxes};
 use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
@@ -35,21 +36,21 @@ const PAIR_SAMPLE: usize = 256;
 /// After this many steps with few movers leaves are divided, since the next steps probably have few, too.
 const CALM: u8 = 2;
 
-/// A full step, in the unit of the costs below; what one costs that makes all fat boxes anew, beyond a quiet step; and a quiet step.
+/// A full step, in the unit of these costs; one that makes all fat boxes anew, beyond a quiet step; a quiet one.
 const FULL: u64 = 64;
 const RENEWAL: u64 = 112;
 const QUIET: u64 = 20;
-/// Steps that fat boxes have to last before a sample of so many is asked whether they still hold.
+/// Steps that fat boxes have to last before some are asked whether they still hold.
 const LEAST_AGE: u32 = 3;
-const HELD_SAMPLE: usize = 64;
+/// About so many objects tell what all do.
+const SAMPLE: usize = 64;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
-/// Fat boxes do not pay if half of them are so many times as large as the boxes, as a sample of about so many tells.
+/// Fat boxes do not pay if half of them are so many times as large as the boxes.
 const MOST_GROWTH: f32 = 2.0;
-const SIZE_SAMPLE: usize = 128;
-/// Nor where there are so many candidates for each object, beyond twice the pairs, since a full step is cheaper than their test.
+/// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
 const CROWD: u64 = 8;
-/// Steps without them after that: the first time, and at most.
+/// Steps without them after that: the first time, and at most. In the [last ones](TRIAL) some are tried.
 const PAUSES: [u8; 2] = [16, 64];
 
 /// What a step costs beyond a quiet one, if so many objects have left their fat boxes.
@@ -75,29 +76,31 @@ fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
     in_use && !fixed && parts.mode() == Mode::Exact && parts.state.tree.filled == 1
 }
 
-/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs that this is due.
+/// How many of so many slots something holds for, as it does for some of them.
+fn estimate(slots: usize, holds: impl FnMut(&usize) -> bool) -> u64 {
+    let each = (slots / SAMPLE).max(1);
+    ((0..slots).step_by(each).filter(holds).count() * each) as u64
+}
+
+/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs.
 pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
     let age = parts.state.step.age.saturating_add(1);
     if age < LEAST_AGE || parts.state.step.renews != 0 || !renews(parts) {
         return;
     }
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
-    let (mut looked, mut left) = (0, 0);
-    for slot in (0..slots).step_by((slots / HELD_SAMPLE).max(1)) {
+    let moved = estimate(slots, |&slot| {
         let held = parts.boxes.fat.at(slot);
         let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
-        looked += 1;
-        left += u64::from(!held.is_empty() && new.is_some_and(|new| !held.contains(&new)));
-    }
-    let moved = left * u64::from(parts.state.objects.live) / u64::max(looked, 1);
+        !held.is_empty() && new.is_some_and(|new| !held.contains(&new))
+    });
     if is_due(&parts.state.step, age, upkeep(parts.state, moved)) {
-        parts.state.step.renews = 1;
-        parts.state.step.margins_after = 0;
+        (parts.state.step.renews, parts.state.step.margins_after) = (1, 0);
     }
 }
 
-/// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they cost more than they spare; and uses
-/// them again after some steps, if many move. All as counts tell. Returns whether other boxes are swept now than objects were
+/// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and has
+/// them tried some steps later. All as counts tell. Returns whether other boxes are swept now than objects were
 /// placed by. Boxes with margins that the caller has fixed stay, and those of fat worlds.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
@@ -112,63 +115,84 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
     let new = step.renews != 0;
-    (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
-    step.renews = step.renews.saturating_sub(1);
     if step.margins_in > 0 {
         // Where few move, they are tested one by one anyway.
-        let waits = step.margins_in == 1 && !many && !has_margin;
-        step.margins_in -= u8::from(!waits);
-        if step.margins_in == 0 && !has_margin && are_swollen(parts) {
-            lengthen_pause(&mut parts.state.step);
-        } else if parts.state.step.margins_in == 0 {
-            parts.state.step.renews = 1;
-            margins::use_again(parts);
+        if step.margins_in > TRIAL {
+            step.margins_in -= 1;
+        } else if many || has_margin {
+            try_on(parts);
         }
         return false;
     }
+    (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
+    step.renews = step.renews.saturating_sub(1);
     if !is_known || !crowded && (moved == 0 || new && (has_margin || !many || !are_swollen(parts))) {
         return false;
     }
     let step = &mut parts.state.step;
-    let steps = u64::from(step.age) + 1;
-    let pays = RENEWAL + u64::from(step.spent) + cost + QUIET * steps < FULL * steps;
-    if !pays && (many || crowded && step.age < LEAST_AGE) {
+    // Few get another box for long, and most of these leave their fat one.
+    let in_vain = step.age > 64 && !many && !has_margin && parts.changed.count() < 2 * moved;
+    if in_vain || !pays(step, step.age, cost) && (many || crowded && step.age < LEAST_AGE) {
         pause(parts);
         return true;
     }
     if crowded || is_due(step, step.age, cost) {
-        step.renews = 1;
-        step.margins_after = 0;
+        (step.renews, step.margins_after) = (1, 0);
     }
     step.spent = step.spent.saturating_add(cost as u16);
     false
 }
 
-/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare, by a sample.
-/// Where none are in use: whether they would be, as far as the boxes of the last step tell.
-fn are_swollen<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let BoxParts { now, fat, before, tight, .. } = &parts.boxes;
-    let slots = parts.state.objects.slots as usize;
-    let (mut swollen, mut looked) = (0, 0);
-    for slot in (0..slots).step_by((slots / SIZE_SAMPLE).max(1)) {
-        let now = KeyBox::of(now, slot);
-        let fat = match before.get(slot) {
-            _ if !tight => fat.at(slot),
-            Some(before) if bits::test(parts.changed.words, slot) => now.predicted(before, 0.0),
-            _ => *now,
-        };
-        let mut growth = 1.0;
-        for k in 0..3 {
-            let (side, fat) = (length(now.min[k], now.max[k]), length(fat.min[k], fat.max[k]));
-            // Not of flat and unbounded ones.
-            if side > 0.0 && fat < f32::MAX {
-                growth *= fat / side;
-            }
-        }
-        looked += 1;
-        swollen += usize::from(growth > MOST_GROWTH);
+/// Whether fat boxes are worth what they have cost in so many steps, after one more that costs so much.
+fn pays(step: &StepState, age: u32, cost: u64) -> bool {
+    let steps = u64::from(age) + 1;
+    RENEWAL + u64::from(step.spent) + cost + QUIET * steps < FULL * steps
+}
+
+/// In the last steps of a pause some of the first (age) slots try fat boxes; all do as soon as that would pay.
+fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
+    let steps = TRIAL - parts.state.step.margins_in;
+    if steps == 0 {
+        (parts.state.step.age, parts.state.step.spent) = (parts.state.objects.slots, 0);
     }
-    2 * swollen > looked
+    let ((predicted, _), BoxParts { now, fat, margins, .. }) = (parts.fat_boxes(), &mut parts.boxes);
+    let left = estimate(parts.state.step.age as usize, |&slot| {
+        let (now, old) = (now.at(slot), fat.at(slot));
+        let margin = margins.get(slot).copied().unwrap_or_default();
+        match steps {
+            0 => fat.put(slot, now),
+            1 => fat.put(slot, FatBoxes::made(predicted, margin, &old, &now)),
+            _ => return !now.is_empty() && !old.contains(&now),
+        }
+        false
+    });
+    let cost = upkeep(parts.state, left);
+    let swollen = steps == 1 && parts.config().margin.is_none() && are_swollen(parts);
+    let step = &mut parts.state.step;
+    step.margins_in -= 1;
+    if steps >= 2 && pays(step, u32::from(steps) - 2, cost) {
+        (step.margins_in, step.renews) = (0, 1);
+        margins::use_again(parts);
+    } else if step.margins_in == 0 || swollen {
+        lengthen_pause(step);
+    } else {
+        step.spent += cost as u16;
+    }
+}
+
+/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare.
+fn are_swollen<I: Index>(parts: &Parts<'_, I>) -> bool {
+    let BoxParts { now, fat, tight, .. } = &parts.boxes;
+    let slots = if *tight { parts.state.step.age } else { parts.state.objects.slots };
+    let swollen = estimate(slots as usize, |&slot| {
+        let growth = |k: usize| {
+            let [side, fat] = [now.at(slot), fat.at(slot)].map(|of| length(of.min[k], of.max[k]));
+            // Not of flat and unbounded ones.
+            if side > 0.0 && fat < f32::MAX { fat / side } else { 1.0 }
+        };
+        growth(0) * growth(1) * growth(2) > MOST_GROWTH
+    });
+    2 * swollen > u64::from(slots)
 }
 
 /// Leaves fat boxes unused for some steps.
@@ -177,9 +201,9 @@ pub(crate) fn pause<I: Index>(parts: &mut Parts<'_, I>) {
     margins::leave_unused(parts);
 }
 
-fn lengthen_pause(step: &mut StepState) {
-    step.margins_after = step.margins_after.saturating_mul(2).clamp(PAUSES[0], PAUSES[1]);
-    step.margins_in = step.margins_after;
+fn lengthen_pause(StepState { margins_in, margins_after, .. }: &mut StepState) {
+    *margins_after = margins_after.saturating_mul(2).clamp(PAUSES[0], PAUSES[1]);
+    *margins_in = *margins_after;
 }
 
 /// The path for a number of moved objects, and why.

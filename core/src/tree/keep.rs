@@ -1,8 +1,7 @@
 //! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought
 //! the other objects' to their records, and the leavers are moved.
 //!
-//! Cells, frames and axes stay too, from the step that filled all leaves last. No frame loses a pair, but
-//! where objects have left the frame for its rim more candidates tie, and then all leaves are filled anew.
+//! Cells, frames and axes stay too: those of the step that filled all leaves last. No frame loses a pair.
 
 use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::relocate_all;
@@ -46,20 +45,9 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     true
 }
 
-/// Candidates that may tie beyond the step before: one in so many of its, and one in so many objects.
-const MORE_TIES: u64 = 8;
-const MORE_TIES_SHARE: u64 = 64;
-
-/// Notes a full step in which so many candidates tied, and which has kept the leaves, or has filled them
-/// after so many objects had left theirs: does the next one keep them?
-pub(crate) fn plan(state: &mut State, ties: u64, refilled: Option<u32>) {
-    let (is_calm, kept) = match refilled {
-        Some(left) => (left <= state.objects.live / LEAVERS_SHARE && state.tree.uneven == 0, 0),
-        None => {
-            let before = state.stats().tied;
-            let most = before + before / MORE_TIES + u64::from(state.objects.live) / MORE_TIES_SHARE;
-            (ties <= most && state.tree.heavy == 0 && state.tree.uneven == 0, state.step.kept)
-        }
-    };
-    state.step.kept = if is_calm && kept < MOST_KEPT { kept + 1 } else { 0 };
+/// Whether the next full step keeps the leaves, after one that has, or has filled them as so many left theirs.
+pub(crate) fn plan(state: &mut State, refilled: Option<u32>) {
+    let kept = if refilled.is_some() { 0 } else { state.step.kept };
+    let is_calm = refilled.map_or(state.tree.heavy == 0, |left| left <= state.objects.live / LEAVERS_SHARE);
+    state.step.kept = if is_calm && state.tree.uneven == 0 && kept < MOST_KEPT { kept + 1 } else { 0 };
 }

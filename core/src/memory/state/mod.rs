@@ -6,10 +6,11 @@ mod setup;
 pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState, large_nodes};
 pub(crate) use setup::Setup;
 
-use super::layout::is_small;
+use super::layout::has_fat;
 use super::scratch::Work;
 use super::stats::{Route, Stats};
-use crate::config::{Config, Mode};
+use crate::config::{Config, MOVERS_ONLY};
+use crate::memory::limits::TRIAL;
 use bytemuck::{Pod, Zeroable};
 
 /// See the module. Plain bytes without gaps, as it is in the slab: parts with numbers of 64 bits come first.
@@ -29,8 +30,10 @@ pub(crate) struct State {
 impl State {
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let pairs = PairState { complete: 1, ..PairState::zeroed() };
-        let predicted = config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config);
-        let step = StepState { renews: if predicted { 2 } else { 0 }, ..StepState::zeroed() };
+        // Margins are used from the first step on, predicted boxes once some have tried them.
+        let uses = config.margin.is_some() || config.fixed_margins || config.forced.of(MOVERS_ONLY).is_some();
+        let margins_in = if has_fat(config) && !uses { TRIAL } else { 0 };
+        let step = StepState { margins_in, ..StepState::zeroed() };
         Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
     }
 

@@ -209,7 +209,7 @@ pub(crate) struct StepState {
     pub(crate) renews: u16,
     /// What the steps since that was so last have cost beyond quiet ones.
     pub(crate) spent: u16,
-    /// How many these are.
+    /// How many these are; while some try fat boxes, the first slots of which some do.
     pub(crate) age: u32,
 }
 
