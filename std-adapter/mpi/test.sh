@@ -5,6 +5,10 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+missing=
+command -v mpicc >/dev/null || missing+=" mpicc (libopenmpi-dev)"
+command -v mpirun >/dev/null || missing+=" mpirun (openmpi-bin)"
+[ -z "$missing" ] || { echo "missing:$missing" >&2 && exit 1; }
 cargo fmt --check
 cargo clippy --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
