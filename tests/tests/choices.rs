@@ -184,9 +184,10 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
     for config in [plain, plain.with_events()] {
         let frames = drift(0.02, 24);
         let predicted = on_every_setup(config, &frames, &Jobs::USUAL);
-        // They are made anew about every eighth step, in the step in which many would leave theirs.
+        // Some objects try them in the first steps. Then they are made anew about every eighth step, in the step in which many
+        // would leave theirs.
         let steps = quiet(&predicted);
-        assert!(steps >= 19, "{steps} quiet steps of 24");
+        assert!(steps >= 17, "{steps} quiet steps of 24");
         let grown = config.without_predicted_boxes().with_margin(Margin::length(0.1));
         let grown = on_every_setup(grown, &frames, &Jobs::USUAL);
         assert!(quiet(&grown) < steps, "{} of grown boxes, {steps} of predicted ones", quiet(&grown));

@@ -208,7 +208,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("snapshot", 593),
     ("step", 674),
     ("sweep", 1357),
-    ("tree", 2144),
+    ("tree", 2146),
     ("validate", 414),
     ("world", 1688),
 ];

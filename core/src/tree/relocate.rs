@@ -40,7 +40,9 @@ pub(crate) fn relocate_all<I: Index>(
 fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
     let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
     let fits = (0..count).all(|index| relocate(simd, parts, index, &mut budget));
-    parts.state.tree.filled &= u8::from(fits);
+    if !fits {
+        parts.state.tree.filled = 0;
+    }
     fits
 }
 
