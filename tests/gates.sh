@@ -20,7 +20,8 @@ RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 cargo check -p trisap-core --features glam
 # Each capability alone, and none.
 for feature in "" large events margins filters values; do
-    cargo clippy -p trisap-core -p trisap-ffi --no-default-features --features "$feature" -- -D warnings
+    cargo clippy -p trisap-core --no-default-features --features "$feature" -- -D warnings
+    cargo clippy -p trisap-ffi --no-default-features --features "std $feature" -- -D warnings
 done
 cargo clippy --manifest-path tests/loom/Cargo.toml -- -D warnings
 (cd tests/firmware && cargo fmt --all --check && cargo clippy --workspace --all-targets -- -D warnings)

@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 28] = [
+const HOOKS: [(&str, &[&str]); 29] = [
     ("in_blocks<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
     ("in_blocks<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
@@ -40,6 +40,7 @@ const HOOKS: [(&str, &[&str]); 28] = [
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
     ("enclose::", &["Executor>::"]),
+    ("relocate::", &["Executor>::"]),
     ("nearest::visit_near", &["api::nearest::{closure"]),
 ];
 
