@@ -3,7 +3,7 @@
 use crate::error::Error;
 use bytemuck::{Pod, Zeroable};
 
-// What a build has beside pairs and lean worlds. A configuration that asks for more is refused: see `Sizes::of`.
+// What a build has beside pairs and lean worlds. `Sizes::of` refuses a configuration that asks for more.
 pub(crate) const TREE: bool = cfg!(feature = "large");
 pub(crate) const EVENTS: bool = cfg!(feature = "events");
 pub(crate) const MARGINS: bool = cfg!(feature = "margins");
@@ -142,10 +142,10 @@ pub struct Config {
     /// anew when that costs less than to search for the objects that leave theirs, and are left unused for
     /// some steps where they cost more than they spare.
     pub fixed_margins: bool,
-    /// Whether fat boxes are predicted from the motion of each object and hold it for some steps as it goes on, so that steps
-    /// in which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result of an exact
-    /// world. With a margin there is at least that around each box. Costs 24 bytes an object. Worlds without a tree and fat
-    /// worlds have none: these return the overlaps of what the caller has put around the boxes.
+    /// Whether fat boxes are predicted from each object's motion and hold it for some steps, so that steps in
+    /// which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result
+    /// of an exact world. A margin is the least around each box. 24 bytes an object. Worlds without a tree
+    /// and fat worlds have none: these return the overlaps of what the caller has put around the boxes.
     pub predicted: bool,
     /// What tests have fixed.
     #[cfg_attr(feature = "serde", serde(skip))]

@@ -203,7 +203,7 @@ impl<M: AsRef<[u32]>> Contacts<M> {
         self.word(self.at(contact, NEXT + self.side(contact, slot)))
     }
 
-    /// Whether each number in use is once in the lists of its two objects, and each free one in the free list.
+    /// Whether each number in use is once in the lists of its two objects, each free one in the free list.
     fn is_whole(&self) -> bool {
         let words = self.memory.as_ref();
         let [mark, objects, room, live, used, mut free] =

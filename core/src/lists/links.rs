@@ -1,6 +1,6 @@
 //! The sorted list (paper, section III.A): each object once, by ascending minimum on one axis.
 //!
-//! It is an array of slots (erratum E12), in a total order: by key, then by slot (erratum E10). Worlds without a
+//! An array of slots (erratum E12), in a total order: by key, then by slot (erratum E10). Worlds without a
 //! tree keep that of their sweep axis from step to step. Others have none (erratum E13).
 
 use crate::access::Access;
@@ -24,7 +24,7 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     (state.lists.listed, state.lists.stale) = (listed as u32, 0);
 }
 
-/// Sorts one list: by insertion while that is cheap, else over long distances first (Shell's sort). O(n + inversions), or about
+/// Sorts one list: by insertion while that is cheap, else Shell's sort. O(n + inversions), or about
 /// O(n^1.3) for as many as lists have.
 #[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {

@@ -1,8 +1,8 @@
-//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, section V; E2).
+//! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, V; E2).
 //!
-//! A fat box is the box and a margin; or predicted: it also holds the next boxes of an object that goes on as it
-//! does. All are made anew at once when some objects have left theirs, so that most steps are quiet. Where they
-//! do not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
+//! A fat box is the box and a margin; or predicted: it also holds the next boxes of an object that goes on.
+//! All are made anew at once when some objects have left theirs, so that most steps are quiet. Where they do
+//! not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
 use crate::access::Access;
 use crate::config::{FAT, Margin, Mode, TREE};

@@ -15,7 +15,7 @@ use crate::simd::{Simd, call};
 pub(crate) enum Test<'b, I> {
     /// The boxes overlap.
     Overlap(&'b [KeyBox]),
-    /// The boxes do not overlap now; or did not before, if there are boxes of before: new objects in the slots.
+    /// The boxes do not overlap now; or did not before, if there are boxes of before: of new objects.
     Ended { now: &'b [KeyBox], before: &'b [KeyBox] },
     /// Neither object is in a set.
     ClearOf(&'b [u32]),

@@ -22,7 +22,7 @@ use crate::parallel::context::StepContext;
 const ACTIVE_FOR_EACH: u32 = 8;
 
 /// For a step that tests only moved objects: brings the pairs of two resting ones to the front of the buffer,
-/// pairs of the result first, and returns how many. With events, all other pairs are set aside to be compared.
+/// pairs of the result first; returns how many. With events, all other pairs are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
     if TREE && !parts.sizes.is_small() {
         park(parts, context);
@@ -84,7 +84,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
     } else if TREE && EVENTS && parts.sizes.previous > 0 {
-        // A step that did not end, or had no room for its pairs, has set them aside. The parked ones are here.
+        // A step that did not end, or had no room for its pairs, has set them aside, but for parked ones.
         let parked = result.start..state.pairs.parked as usize;
         let others = state.pairs.previous as usize;
         state.pairs.previous += parked.len() as u64;

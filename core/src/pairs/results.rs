@@ -1,4 +1,4 @@
-//! Turns overlaps of swept boxes into the result: the exact test, found and lost pairs, their order on request.
+//! Turns overlaps of swept boxes into the result: the exact test, found and lost pairs, their order.
 //!
 //! A pair is found exactly if its boxes did not overlap at the last complete step. It is lost exactly if that
 //! step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
@@ -101,8 +101,8 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: only the previous
-/// result tells which stay. Brings these to the front; returns where the ones that the result told are, in order.
+/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: the previous
+/// result alone tells which stay. Brings these to the front; returns where the told ones are, in order.
 fn stay_known<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],

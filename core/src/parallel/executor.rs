@@ -12,19 +12,19 @@ use core::cell::Cell;
 /// # What an executor may do
 /// The result is the same, byte for byte, if the executor
 /// - makes `width` calls (what it should do), fewer, more, or none;
-/// - makes them at once, one after another, in any order, on any threads, the calling one included, which is idle
+/// - makes them at once, one after another, in any order, on any threads, also the calling one, which is idle
 ///   until `fork_join` returns: a good executor has it make one of the calls, or run other tasks;
 /// - makes a call late, when others have done all of the work, as long as that is before `fork_join` returns;
-/// - calls the job from inside a task that it runs while it waits for something else, on a stack however deep.
+/// - calls the job inside a task that it runs while it waits for something else, on a stack however deep.
 ///
 /// # What it must do
-/// - **Complete:** `fork_join` returns only when every call of the job that has begun or may still begin has returned.
-///   That is the only sign of completion, and the job's memory is gone afterwards. The borrow checker sees to it;
-///   where a lifetime is lengthened to hand the job to a long-lived thread, and behind a C interface, the executor has
+/// - **Complete:** `fork_join` returns only when every call of the job that has begun or may begin has returned.
+///   That is the only sign of completion; the job's memory is gone afterwards. The borrow checker sees to it;
+///   where a lifetime is lengthened for a long-lived thread, and behind a C interface, the executor has
 ///   to.
-/// - **Order memory:** all that the calling thread did before `fork_join` *happens before* every call, and every call
-///   happens before the return of `fork_join`. Starting and joining threads, mutexes, channels, and release stores
-///   that acquire loads read all do that; relaxed counters do not. The job itself adds no ordering: its blocks are
+/// - **Order memory:** all that the caller did before `fork_join` *happens before* every call, and every call
+///   before the return of `fork_join`. Starting and joining threads, mutexes, channels, and release stores
+///   that acquire loads read do that; relaxed counters do not. The job adds no ordering: its blocks are
 ///   claimed with relaxed atomics.
 ///
 /// # What it can rely on
@@ -35,15 +35,15 @@ use core::cell::Cell;
 /// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each.
 /// Beside other busy threads an executor that spins and waits can make a step several times slower than one
 /// thread. It never does if it follows these rules, and it keeps its gain where processors are free:
-/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left to begin: take
-///   the other calls back. A thread that sleeps or has not been let run then costs nothing. `trisap::Offer` does that.
-/// - **Spin for microseconds only,** in the caller that waits for a call and in a thread that waits for the next job.
-///   Then let others run (`yield_now`), and then sleep, so that a thread that holds a block but no processor gets
+/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left: take
+///   the other calls back. A thread that sleeps or may not run then costs nothing. `trisap::Offer` does that.
+/// - **Spin for microseconds only,** in the caller that waits for a call and a thread that waits for a job.
+///   Then let others run (`yield_now`), then sleep, so that a thread that holds a block but no processor gets
 ///   this one.
-/// - **Work alone after a long wait,** for many times as long as the wait was, and longer each time that it happens
+/// - **Work alone after a long wait,** for many times as long as the wait was, longer each time that it happens
 ///   again. To work alone, [`workers`](Self::workers) returns 1, or `fork_join` makes one call.
-/// - **Compare.** Who works on what never changes a byte, so the time of steps may decide. If shared steps are no
-///   faster than steps alone, stay alone and try again later. [`enter`](Self::enter) tells when steps begin and end.
+/// - **Compare.** Who works on what never changes a byte, so time may decide. If shared steps are no faster
+///   than steps alone, stay alone and try again later. [`enter`](Self::enter) tells when steps begin and end.
 ///
 /// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
 ///
@@ -77,7 +77,7 @@ pub trait Executor {
     /// below 2 nothing is shared. The answer may change from call to call.
     fn workers(&self) -> u32;
 
-    /// Calls `job` `width` times, at the same time if possible, and returns when all these calls have returned.
+    /// Calls `job` `width` times, at the same time if possible, and returns when all calls have returned.
     ///
     /// `width` is at least 2. It is at most the least of [`workers`](Self::workers), of
     /// [`Config::workers`](crate::Config::workers) and of the number of blocks of work. The trait says what
@@ -166,7 +166,7 @@ impl Executor for OneStep<'_> {
     }
 }
 
-/// Whether a job can have two calls at once. A claim is exclusive only if the counter has atomic addition, and WebAssembly has threads only
+/// Whether a job can have two calls at once. A claim needs atomic addition, and WebAssembly has threads only
 /// where it has atomics: a module for the web is loaded over a network, and needs no code for them.
 pub(crate) const THREADS: bool =
     cfg!(all(target_has_atomic = "32", any(not(target_family = "wasm"), target_feature = "atomics")));

@@ -98,7 +98,7 @@ impl<I: Index> World<'_, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `out` is shorter than `casts`; nothing is written.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `out` is shorter than `casts`. Nothing is written.
     pub fn first_hits(
         &self,
         casts: &[Cast],
@@ -122,12 +122,12 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).nearest_many(points, executor, out)
     }
 
-    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells for each region where its
-    /// objects end and those of the next one begin. The rest of `out` is `None`. Returns how many there are in all.
+    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the objects of
+    /// each end and the next ones begin. The rest of `out` is `None`. Returns how many there are in all.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`] if `ends` is shorter than `regions`; nothing is written then.
-    /// [`Error::OutputFull`], which says how many there are; `ends` is right then, and `out` holds some of them.
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `ends` is shorter than `regions`. Nothing is written.
+    /// [`Error::OutputFull`], which says how many there are; `ends` is right then, `out` holds some of them.
     pub fn overlaps_many(
         &self,
         regions: &[Region],
@@ -188,7 +188,7 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         let short = Error::LengthMismatch { needed: regions.len(), given: ends.len() };
         let ends = ends.get_mut(..regions.len()).ok_or(short)?;
         check(regions, |region| region.bounds().is_some())?;
-        // On many workers each block writes to an equal share first, from which its objects move to their place.
+        // Each block writes to an equal share first, from which its objects move to their place.
         let share = out.len() / regions.len().div_ceil(QUERIES_PER_BLOCK).max(1);
         let mut total = 0usize;
         let is_packed = executor.workers() > 1 && {
@@ -214,7 +214,7 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         if total > out.len() { Err(full) } else { Ok(total) }
     }
 
-    /// Writes the objects of each region and where they end, one after another. What has no room is only counted.
+    /// Writes the objects of each region and where they end, one after another. Beyond the room it counts.
     fn pack(&self, regions: &[Region], out: &mut [Option<Id>], ends: &mut [usize]) {
         let mut end = 0usize;
         for (region, place) in regions.iter().zip(ends) {
@@ -231,7 +231,7 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
 
 type Answer<'a, Q, T> = dyn Fn(&[Q], &mut [T], &mut [usize]) + Sync + 'a;
 
-/// Answers blocks of queries on the workers of an executor, each with so much room, and with a number for each query
+/// Answers blocks of queries on an executor's workers, each with so much room, and a number for each query
 /// if there are any.
 fn in_blocks<Q: Sync, T: Send>(
     queries: &[Q],

@@ -118,7 +118,7 @@ impl<I: Index> World<'_, I> {
     /// Returns how many there are.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some of them.
+    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some.
     #[doc(alias("raycast_all", "ray_hits"))]
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
         self.among(|_| true).hits(cast, out)
@@ -208,7 +208,7 @@ fn visit_along<S: Simd, I: Index>(
     cast: &Cast,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> ControlFlow<()> {
-    // What takes longest comes first: the leaf where the cast starts is found by planes alone, and prefetched.
+    // What takes longest comes first: the leaf where the cast starts is found by planes, and prefetched.
     let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
     if let Some(home) = home {
         prefetch_parts(simd, &world.parts, home);
@@ -276,7 +276,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     }
 }
 
-/// The sub-leaves that a cast meets, nearer ones first. A number each: its time, with the number of the sub-leaf in
+/// The sub-leaves that a cast meets, nearer ones first. A number each: the time, and the number of the sub-leaf in
 /// the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above all others.
 struct Met {
     numbers: [u32; EIGHT],

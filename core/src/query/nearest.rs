@@ -29,7 +29,7 @@ use core::ops::ControlFlow;
 /// assert_eq!(world.nearest([0.0; 3], &mut hits)?, 2);
 /// assert_eq!(hits.map(|hit| hit.map(|hit| (hit.id, hit.distance))), [Some((ids[0], 2.0)), Some((ids[1], 5.0))]);
 ///
-/// // The nearest shape, which need not have the nearest box; without the first object. Shapes are no nearer than their boxes.
+/// // The nearest shape, without the first object. Its box need not be the nearest; no shape is nearer than its box.
 /// let shape = |hit: &Hit| if hit.id == ids[1] { 8.5 } else { hit.distance + 0.2 };
 /// let mut nearest = None;
 /// world.visit_nearest([0.0; 3], f64::INFINITY, &mut |hit| {
@@ -46,13 +46,13 @@ use core::ops::ControlFlow;
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes are at most so far from a point, each once, nearer leaves of the tree before farther ones. The
-    /// visitor returns how far to look on: infinity to refuse an object and look as far as before, its distance to see only what
-    /// is not farther, less than zero to stop. For the nearest of those that only the caller knows: by the distance of a shape, by
-    /// what was visited before. Where boxes decide, [`nearest`](Self::nearest) and [`among`](Self::among) are shorter.
+    /// Visits the objects whose boxes are at most so far from a point, each once, nearer leaves before farther ones.
+    /// The visitor returns how far to look on: infinity to refuse an object, its distance to see only what is not
+    /// farther, less than zero to stop. For a nearest that only the caller knows: by the distance of a shape, by
+    /// what was visited before. Where boxes decide, [`nearest`](Self::nearest), [`among`](Self::among) are shorter.
     ///
     /// # Errors
-    /// [`Error::BadQuery`] where the point is not finite, or the distance NaN or negative; it may be infinite.
+    /// [`Error::BadQuery`]: the point is not finite, or the distance NaN or negative; it may be infinite.
     pub fn visit_nearest(
         &self,
         point: [f32; 3],
@@ -72,9 +72,9 @@ impl<I: Index> World<'_, I> {
         })
     }
 
-    /// Writes the objects whose boxes are nearest to a point to `out`, as many as it takes, the nearest first, equally near
-    /// ones by ascending slot. Squares of distances are compared, and two of them can have the same root. Returns how many there are:
-    /// less than `out` takes only if there are no more objects.
+    /// Writes the objects whose boxes are nearest to a point to `out`, the nearest first, equally near ones
+    /// by ascending slot. Squares of distances are compared, and two can have the same root. Returns how many
+    /// there are: less than `out` takes only if there are no more objects.
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.

@@ -157,10 +157,10 @@ pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. The same calls give the
-    /// same order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that
+    /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. Same calls, same
+    /// order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that
     /// panics leaves the world as it was, as do those of [`visit_hits`](Self::visit_hits) and
-    /// [`visit_nearest`](Self::visit_nearest) and the conditions of [`among`](Self::among): queries only look.
+    /// [`visit_nearest`](Self::visit_nearest) and conditions of [`among`](Self::among): queries only look.
     ///
     /// # Errors
     /// [`Error::BadQuery`] if the region is not valid: NaN, a minimum above its maximum, a negative radius.
@@ -183,7 +183,7 @@ impl<I: Index> World<'_, I> {
     /// Writes the objects that overlap a region to `out`, by ascending slot. Returns how many there are.
     ///
     /// # Errors
-    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some of them.
+    /// [`Error::BadQuery`], or [`Error::OutputFull`], which says how many there are; `out` holds some.
     #[doc(alias("query_aabb", "intersections_with_aabb", "aabb_intersections"))]
     pub fn overlaps(&self, region: &Region, out: &mut [Option<Id>]) -> Result<usize, Error> {
         self.among(|_| true).overlaps(region, out)

@@ -1,8 +1,8 @@
 //! The operations of a step for each instruction set, and all `unsafe` for it.
 //!
-//! What a step does with boxes is a function that is generic over [`Simd`] and inlined, so it has the instruction
-//! set of its caller: [`run!`](kernels::run), for the level of a [`Kernels`](crate::Kernels). A level is a handful
-//! of operations on bytes, records and boxes: another CPU needs one small file. All levels give the same bytes.
+//! What a step does with boxes is a function that is generic over [`Simd`] and inlined, so it has the
+//! instruction set of its caller: [`run!`](kernels::run), for the level of a [`Kernels`](crate::Kernels). A
+//! level is some operations on bytes, records and boxes: one small file. All levels give the same bytes.
 
 // A program for an emulator is built with `--cfg agreement` to call the tests of single operations.
 #[cfg(any(test, agreement))]
@@ -94,8 +94,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The keys of four boxes: bit `k` of the result where box `k` is another one than `old[k]`. `None` where one of them is bad
-    /// or not inside `held[k]`, or one of the old ones empty; the new keys mean nothing then.
+    /// The keys of four boxes: bit `k` where box `k` is another one than `old[k]`. `None` where one of them
+    /// is bad or not inside `held[k]`, or one of the old ones empty; the new keys mean nothing then.
     #[inline(always)]
     fn encode_four(
         self,
@@ -308,7 +308,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         sides
     }
 
-    /// When a cast enters each of some records of a leaf, and which ones it may touch: bit `i` for record `i`. The others have NaN.
+    /// When a cast enters each of some records, and which it may touch: bit `i` for record `i`. Others have NaN.
     #[inline(always)]
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
         let (mut times, mut mask) = ([f32::NAN; EIGHT], 0);

@@ -111,11 +111,11 @@ impl<I: Index> World<'_, I> {
 
 /// Growth.
 impl<I: Index> World<'_, I> {
-    /// Moves the world to other memory and another configuration: larger, or smaller if all fits. `slab`: as for
+    /// Moves the world to other memory and another configuration, smaller ones if all fits. `slab`: as for
     /// [`new_in`](Self::new_in); what was in it is gone. This world stays as it is. O(bytes of the new slab).
     ///
-    /// Everything goes on: ids, boxes, margins, filters, values, rest, and the last result, so the next step tells
-    /// what is found and lost since. After [`Error::PairsFull`] the world can move to where there is room for the
+    /// Everything goes on: ids, boxes, margins, filters, values, rest, the last result, so the next step tells
+    /// what is found and lost since. After [`Error::PairsFull`] it can move to where there is room for the
     /// pairs; a step there tells events as if there had always been room. The next step finds all pairs anew.
     ///
     /// Capacities, workers, the margin of new objects and all choices about speed may change. The mode,

@@ -48,7 +48,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
-/// Sweeps the parts of a sorted list that meet. The two other lists are scratch. Returns how many pairs of objects were not compared, as their filters do not meet.
+/// Sweeps the parts of a sorted list that meet; two lists are scratch. Returns how many pairs filters spare.
 #[inline(never)]
 fn sweep_parts<I: Index>(
     pair_filter: Option<PairFilter<'_>>,
@@ -75,8 +75,8 @@ fn sweep_parts<I: Index>(
     plan.spared
 }
 
-/// Chooses the axes along which the fewest boxes overlap, and tells whether `f32` is too coarse, in every eighth step and when
-/// objects are new. O(slots).
+/// Chooses the axes along which the fewest boxes overlap, and whether `f32` is too coarse, each eighth step
+/// and when objects are new. O(slots).
 fn choose_axes(state: &mut State, boxes: &[KeyBox]) -> Option<bool> {
     if state.lists.scan_in > 0 && state.objects.has_inserted == 0 {
         state.lists.scan_in -= 1;

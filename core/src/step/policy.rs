@@ -36,7 +36,7 @@ const PAIR_SAMPLE: usize = 256;
 /// After this many steps with few movers leaves are divided, since the next steps probably have few, too.
 const CALM: u8 = 2;
 
-/// A full step, in the unit of these costs; one that makes all fat boxes anew, beyond a quiet step; a quiet one.
+/// A full step, in the unit of these costs; what new fat boxes cost beyond a quiet step; a quiet step.
 const FULL: u64 = 64;
 const RENEWAL: u64 = 112;
 const QUIET: u64 = 20;
@@ -99,8 +99,8 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
     }
 }
 
-/// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and has
-/// them tried some steps later. All as counts tell. Returns whether other boxes are swept now than objects were
+/// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
+/// has them tried later. All as counts tell. Returns whether other boxes are swept now than objects were
 /// placed by. Boxes with margins that the caller has fixed stay, and those of fat worlds.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
@@ -149,7 +149,7 @@ fn pays(step: &StepState, age: u32, cost: u64) -> bool {
     RENEWAL + u64::from(step.spent) + cost + QUIET * steps < FULL * steps
 }
 
-/// In the last steps of a pause some of the first (age) slots try fat boxes; all do as soon as that would pay.
+/// In the last steps of a pause some of the first (age) slots try fat boxes; all do once that would pay.
 fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
     let steps = TRIAL - parts.state.step.margins_in;
     if steps == 0 {

@@ -135,7 +135,7 @@ impl<I: Index> Collector<'_, '_, I> {
         let chunks = BlockQueue::new((Chunks::new(staged, CHUNK), Chunks::new(chunks, 1)));
         let areas = BlockQueue::new(Chunks::new(scratch, area));
         executor::run(executor, areas.count(), blocks, &|| {
-            // A call that finds none leaves the work to calls that have one, which go on until nothing is left.
+            // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim() else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
             while !full.load(Relaxed)

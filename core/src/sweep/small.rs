@@ -26,7 +26,7 @@ pub(crate) fn sweep<I: Index>(
     pairs: &mut [Pair<I>],
     found: &mut Found,
 ) {
-    // A small build has three copies instead of six. They test y last: in most scenes few boxes are apart in height.
+    // A small build has three copies, not six. They test y last: in most scenes few boxes are apart in height.
     match axes {
         [0, 1] if TREE => sweep_along::<I, 0, 1, 2>(lists, boxes, pair_filter, pairs, found),
         [0, _] => sweep_along::<I, 0, 2, 1>(lists, boxes, pair_filter, pairs, found),

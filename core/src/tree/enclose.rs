@@ -51,7 +51,7 @@ fn list_straddlers_of<S: Simd>(
 ) {
     let mut at = leaf.straddler_start as usize;
     for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-        // Noted first: which ones are marked is hard to predict, and each miss of the cache would be waited for.
+        // Noted first: which are marked is hard to predict, and each miss of the cache would be waited for.
         let mut marked = 0u64;
         for (bit, record) in records.iter().enumerate() {
             marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
@@ -71,7 +71,7 @@ fn list_straddlers_of<S: Simd>(
     }
 }
 
-/// Makes the box of each node: a leaf's, around its cell and straddlers; an inner node's, around its children.
+/// Makes the box of each node: a leaf's around its cell and straddlers, an inner node's around its children.
 pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
     let tree = &mut parts.tree;
     let count = parts.state.tree.count as usize;

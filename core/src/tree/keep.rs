@@ -45,7 +45,7 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     true
 }
 
-/// Whether the next full step keeps the leaves, after one that has, or has filled them as so many left theirs.
+/// Whether the next full step keeps the leaves, after one that has, or has filled them as many left theirs.
 pub(crate) fn plan(state: &mut State, refilled: Option<u32>) {
     let kept = if refilled.is_some() { 0 } else { state.step.kept };
     let is_calm = refilled.map_or(state.tree.heavy == 0, |left| left <= state.objects.live / LEAVERS_SHARE);

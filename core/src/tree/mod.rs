@@ -3,10 +3,10 @@
 //! * An object is at home in the one leaf whose half-open cell holds its minimum corner (errata E9, E10). Its
 //!   record is there, once. A box that reaches beyond the cell is also a straddler there; the leaves that it
 //!   reaches find it there (erratum E7).
-//! * Planes stay from step to step: an object that rests never changes its leaf (erratum E8). They are medians of
+//! * Planes stay from step to step: what rests never changes its leaf (erratum E8). They are medians of
 //!   minima when they are made ([`build`]). Full leaves get new ones, empty ones lose theirs ([`balance`]).
 //! * A leaf that would gain nothing from a plane gets none, however full it is (errata E11 and E14).
-//! * Each node down to the leaves of a full step has a box around its members. Movers make it larger; it becomes
+//! * Each node down to the leaves of a full step has a box around its members. Movers enlarge it; it becomes
 //!   tight again after a while ([`refit`]). A look for objects near a box or along a line walks by these
 //!   boxes ([`visit`]). Planes only tell where an object is at home.
 //!
@@ -66,7 +66,7 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
 /// A corner, to be compared with planes.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
-    /// The highest keys that no plane tells apart from the corner's. So a whole plane, axis included, compares
+    /// The highest keys that no plane tells apart from the corner's: a whole plane, axis included, compares
     /// with them as its key does with the corner. A fourth key stands for the axis that does not occur.
     keys: [i32; 4],
 }

@@ -14,8 +14,8 @@ use crate::parallel::context::StepContext;
 use crate::simd::Simd;
 use crate::simd::kernels::run;
 
-/// Makes such frames narrower, and the records of their leaves anew, as a sample of each leaf tells. O(leaves + members of
-/// those leaves).
+/// Makes such frames narrower, and the records of their leaves anew, as a sample of each leaf tells. O(n) at
+/// most.
 pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let (count, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
     let boxes = parts.boxes.swept();

@@ -94,8 +94,8 @@ impl<'m, I: Index> World<'m, I> {
     }
 
     /// Adds objects, all or none. Gives their ids in the order of the boxes: `let ids: Vec<Id> =
-    /// world.insert_many(boxes)?.collect()`. Objects whose ids you do not take are added when the iterator is dropped; if it is
-    /// forgotten (`mem::forget`), only those whose ids were taken are there, and the world is whole. O(n).
+    /// world.insert_many(boxes)?.collect()`. Objects whose ids you do not take are added when the iterator is
+    /// dropped; if it is forgotten (`mem::forget`), only the taken ones are there. The world is whole. O(n).
     ///
     /// # Errors
     /// [`Error::BadBox`] or [`Error::ObjectsFull`].

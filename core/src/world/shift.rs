@@ -30,7 +30,7 @@ impl<I: Index> World<'_, I> {
     /// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
     ///
     /// // A metre apart, a million kilometres out.
-    /// let cube = |x: f64, origin: f64| Aabb::from_f64([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0], [origin, 0.0, 0.0]);
+    /// let cube = |x: f64, o: f64| Aabb::from_f64([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0], [o, 0.0, 0.0]);
     /// let mut memory = InlineWorld::<BYTES>::EMPTY;
     /// let mut world = memory.init::<u16>(&CONFIG)?;
     /// let ids = [world.insert(cube(1e9, 0.0))?, world.insert(cube(1e9 + 2.0, 0.0))?];

@@ -222,7 +222,7 @@ impl<I: Index> World<'_, I> {
         self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
     }
 
-    /// With events: the pairs of the complete step before that the last one does not have. The slot of a removed
+    /// With events: the pairs of the complete step before that the last one has not. The slot of a removed
     /// object may have a new object by now, and the same two slots may be found again: take lost pairs first.
     #[doc(alias("stopped", "ended", "end_contact"))]
     #[must_use]
