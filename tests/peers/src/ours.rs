@@ -57,7 +57,8 @@ impl<I: Index> Ours<I> {
     fn new(setting: &Setting, pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
         let boxes = setting.boxes;
         let capacity = Capacity::for_objects(boxes.len() as u32);
-        let capacity = capacity.with_pairs(capacity.pairs.max(pairs as u32));
+        // Room as `trisap run` has it: fat boxes overlap more often than boxes.
+        let capacity = capacity.with_pairs(capacity.pairs.max((pairs + pairs / 4) as u32));
         let mut config = Config::new(capacity).with_workers(options.threads);
         if events {
             config = config.with_events();
