@@ -139,11 +139,11 @@ fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Each pair has two slots in order. If nothing has changed since, the boxes of a pair of the result overlap,
 /// and the filters let it through.
 fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
-    let Stored { moved, settled, changed, filters, .. } = stored;
+    let Stored { moved, settled, changed, filters, state, .. } = stored;
     let in_order = |pair: &Pair<I>| pair[0] < pair[1] && pair[1].at() < stored.now.len();
     let boxes = stored.reported();
-    // Without the set nothing tells which objects moved inside their margins.
-    let known = changed.len() > 0 || stored.state.objects.moved_inside_margin == 0;
+    // Without the set, also before a move, nothing tells which objects moved inside their margins.
+    let known = state.objects.moved_inside_margin == 0 || changed.len() > 0 && state.pairs.unkept == 0;
     let stays = |slot: usize| known && ![moved, settled, changed].iter().any(|set| set.has(slot));
     let meets = |a, b| meet(&filters.at(a), &filters.at(b), |class| stored.classes.at(class));
     for (at, pair) in stored.pairs.iter().enumerate() {
