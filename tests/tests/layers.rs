@@ -203,7 +203,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 655),
     ("pairs", 525),
     ("parallel", 496),
-    ("query", 1350),
+    ("query", 1343),
     ("simd", 2219),
     ("snapshot", 593),
     ("step", 674),

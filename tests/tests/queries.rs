@@ -267,10 +267,10 @@ fn touching_counts() {
             assert_eq!(count(Region::Point([5.5, 5.0, 5.5])), 2);
             assert_eq!(count(Region::Aabb(Aabb::new([10.0, 4.0, 4.5], [11.0, 4.5, 4.5]))), 2);
             assert_eq!(count(Region::Aabb(Aabb::new([10.000_001, 4.0, 4.5], [11.0, 4.5, 4.5]))), 0);
-            assert_eq!(count(Region::Sphere { center: [12.0, 5.5, 5.5], radius: 2.0 }), 1);
-            assert_eq!(count(Region::Sphere { center: [12.0, 5.5, 5.5], radius: 1.999_999_9 }), 0);
-            assert_eq!(count(Region::Sphere { center: [0.0; 3], radius: f32::INFINITY }), 1000);
-            assert_eq!(count(Region::Aabb(Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]))), 1000);
+            assert_eq!(count(Region::sphere([12.0, 5.5, 5.5], 2.0)), 1);
+            assert_eq!(count(Region::sphere([12.0, 5.5, 5.5], 1.999_999_9)), 0);
+            assert_eq!(count(Region::sphere([0.0; 3], f32::INFINITY)), 1000);
+            assert_eq!(count(Aabb::new([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]).into()), 1000);
             let mut hits = |cast: Cast| {
                 ask_cast(asked, model, &cast, setup);
                 let mut out = vec![None; 1000];

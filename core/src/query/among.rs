@@ -54,13 +54,15 @@ impl<'m, I: Index> World<'m, I> {
 }
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
-    /// Writes the answers of `ask` that may answer to `out`, in order. Returns how many there are.
-    pub(super) fn collect<T: Copy>(
+    /// Writes the answers of `ask` that may answer to `out`, in order. Returns how many there are. The visitor
+    /// always says `on`.
+    pub(super) fn collect<T: Copy, On: Copy>(
         &self,
         out: &mut [Option<T>],
+        on: On,
         id: impl Fn(&T) -> Id,
         precedes: impl Fn(Option<T>, Option<T>) -> bool,
-        ask: impl FnOnce(&mut dyn FnMut(T)) -> Result<(), Error>,
+        ask: impl FnOnce(&mut dyn FnMut(T) -> On) -> Result<(), Error>,
     ) -> Result<usize, Error> {
         let mut count = 0;
         ask(&mut |answer| {
@@ -70,6 +72,7 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
                 }
                 count += 1;
             }
+            on
         })?;
         if count > out.len() {
             return Err(Error::OutputFull { needed: count as u64, room: out.len() });

@@ -142,17 +142,8 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
 
     /// See [`World::hits`].
     pub fn hits(&self, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
-        self.collect(
-            out,
-            |hit| hit.id,
-            precedes,
-            |take| {
-                self.world.visit_hits(cast, &mut |hit| {
-                    take(hit);
-                    f64::INFINITY
-                })
-            },
-        )
+        let ask = |visit: &mut dyn FnMut(Hit) -> f64| self.world.visit_hits(cast, visit);
+        self.collect(out, f64::INFINITY, |hit| hit.id, precedes, ask)
     }
 }
 

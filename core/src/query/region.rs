@@ -33,7 +33,19 @@ pub enum Region {
     },
 }
 
+impl From<Aabb> for Region {
+    fn from(aabb: Aabb) -> Self {
+        Self::Aabb(aabb)
+    }
+}
+
 impl Region {
+    /// A [ball](Self::Sphere).
+    #[must_use]
+    pub const fn sphere(center: [f32; 3], radius: f32) -> Self {
+        Self::Sphere { center, radius }
+    }
+
     /// The least box around the region; `None` if the region is not valid.
     pub(super) fn bounds(&self) -> Option<KeyBox> {
         match *self {
@@ -136,17 +148,15 @@ pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
 /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
-/// # use core::ops::ControlFlow;
 /// let [a, b] = [world.insert(cube(0.0))?, world.insert(cube(3.0))?];
 /// let mut found = [None; 8];
 /// assert_eq!(world.overlaps(&Region::Point([0.5; 3]), &mut found)?, 1);
 /// assert_eq!(found[0], Some(a));
 ///
-/// let ball = Region::Sphere { center: [2.0, 0.5, 0.5], radius: 1.0 };
 /// let mut touched = None;
-/// world.visit_overlaps(&ball, &mut |id| {
+/// world.visit_overlaps(&Region::sphere([2.0, 0.5, 0.5], 1.0), &mut |id| {
 ///     touched = Some(id);
-///     ControlFlow::Break(()) // one is enough
+///     core::ops::ControlFlow::Break(()) // one is enough
 /// })?;
 /// assert!(touched == Some(a) || touched == Some(b));
 ///
@@ -170,13 +180,12 @@ impl<I: Index> World<'_, I> {
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         let (now, bounds) = (&*self.parts.boxes.now, region.bounds().ok_or(Error::BadQuery { index: 0 })?);
-        match *region {
-            Region::Aabb(_) | Region::Point(_) => self.visit_boxes(now, bounds, None, visit),
-            Region::Sphere { center, radius } => {
-                let ball = Ball { center, squared: widened(radius) * widened(radius) };
-                self.visit_boxes(now, bounds, Some(&ball), visit);
-            }
-        }
+        let Region::Sphere { center, radius } = *region else {
+            self.visit_boxes(now, bounds, None, visit);
+            return Ok(());
+        };
+        let ball = Ball { center, squared: widened(radius) * widened(radius) };
+        self.visit_boxes(now, bounds, Some(&ball), visit);
         Ok(())
     }
 
@@ -239,17 +248,7 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
         ask: impl FnOnce(&mut dyn FnMut(Id) -> ControlFlow<()>) -> Result<(), Error>,
     ) -> Result<usize, Error> {
         let precedes = |a: Option<Id>, b: Option<Id>| a.map(Id::slot) < b.map(Id::slot);
-        self.collect(
-            out,
-            |id| *id,
-            precedes,
-            |take| {
-                ask(&mut |id| {
-                    take(id);
-                    ControlFlow::Continue(())
-                })
-            },
-        )
+        self.collect(out, ControlFlow::Continue(()), |id| *id, precedes, ask)
     }
 }
 
