@@ -48,7 +48,7 @@ int main() {
     auto jobs = trisap::jobs(4, [&](unsigned count, trisap::Task task) {
         job_system.run(count, task.function(), task.argument());
     });
-    const trisap::Boxes boxes = trisap::boxes_in(bodies.data(), bodies.size(), bodies[0].min, bodies[0].max);
+    const trisap::Boxes boxes = trisap::boxes_in(bodies, &Body::min, &Body::max);
     trisap::Config config = trisap::config(5000);
     config.workers = 4;
     trisap::World world;

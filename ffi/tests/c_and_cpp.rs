@@ -182,6 +182,25 @@ fn a_world_that_grows_says_what_a_large_one_says() {
 }
 
 #[test]
+fn the_first_lines_of_the_readme_run() {
+    let readme = std::fs::read_to_string(repository().join("README.md")).expect("the README");
+    let (_, lines) = readme.split_once("```cpp\n").expect("C++");
+    let (lines, _) = lines.split_once("```").expect("an end");
+    let around = "#include <cstdio>\n#include <trisap.hpp>\n#include <vector>\n\
+        struct Body { float min[3], max[3]; };\n\
+        static void collide(Body &a, Body &b) { std::printf(\"%g %g\\n\", a.min[0], b.min[0]); }\n\
+        static bool play(std::vector<Body> &bodies) {\nLINES\nreturn true;\n}\n\
+        int main() {\n\
+        std::vector<Body> bodies{{{0, 0, 0}, {2, 2, 2}}, {{5, 5, 5}, {6, 6, 6}}, {{1, 1, 1}, {3, 3, 3}}}, none;\n\
+        return play(bodies) && play(none) ? 0 : 1;\n}\n";
+    let source = scratch("readme.cpp");
+    std::fs::write(&source, around.replace("LINES", lines)).expect("a file of this test");
+    let program = Program::new("g++", "-std=c++17", &source, "readme");
+    let printed = succeed(&mut program.with(["-D_GLIBCXX_ASSERTIONS"]).with(SANITIZERS).with(STATIC).build());
+    assert_eq!(printed, "0 1\n");
+}
+
+#[test]
 fn the_example_of_rollback_runs() {
     let source = repository().join("ffi/examples/rollback.cpp");
     let program = Program::new("g++", "-std=c++17", &source, "rollback").with(["-O1"]).with(SANITIZERS);

@@ -21,6 +21,11 @@ pub mod sequence;
 pub mod workers;
 pub mod worlds;
 
+/// The first lines of Rust that somebody sees.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
+
 /// A pair of slots, the lower one first, whatever the index width of the world that it comes from.
 pub type SlotPair = [u32; 2];
 
