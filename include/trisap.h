@@ -779,15 +779,17 @@ TRISAP_NODISCARD uint32_t trisap_world_len(const struct trisap_world *world) TRI
 /// The filter of a new object: in all groups, meets all groups, class 0. O(1).
 TRISAP_NODISCARD struct trisap_filter trisap_default_filter(void) TRISAP_NOEXCEPT;
 
-/// Adds an object with its filter and its value, either of which may be null, and writes its id to `id`. O(1).
+/// Adds an object with its filter, its value and its margin, each of which may be null, and writes its id to `id`. O(1).
 ///
 /// Errors: those of `trisap_world_insert`; with a filter `TRISAP_STATUS_NO_FILTERS` and `TRISAP_STATUS_BAD_CLASS`, with
-/// a value `TRISAP_STATUS_NO_VALUES`. There is no new object then.
+/// a value `TRISAP_STATUS_NO_VALUES`, with a margin `TRISAP_STATUS_NO_MARGINS` and `TRISAP_STATUS_BAD_MARGIN`. There is
+/// no new object then.
 TRISAP_NODISCARD
 trisap_status trisap_world_insert_with(struct trisap_world *world,
                                        const struct trisap_aabb *aabb,
                                        const struct trisap_filter *filter,
                                        const uint64_t *value,
+                                       const float *margin,
                                        trisap_id *id)
 TRISAP_NOEXCEPT;
 

@@ -639,17 +639,28 @@ public:
 
     /// The same with a filter, for which the world needs `Config::filters`.
     [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, Status *status = nullptr) noexcept {
-        return insert_with(aabb, &filter, nullptr, status);
+        return insert_with(aabb, &filter, nullptr, nullptr, status);
     }
 
     /// The same with a filter and a value, for which the world needs `Config::values`, too.
     [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, std::uint64_t value, Status *status = nullptr) noexcept {
-        return insert_with(aabb, &filter, &value, status);
+        return insert_with(aabb, &filter, &value, nullptr, status);
     }
 
     /// The same with a value alone.
     [[nodiscard]] Id insert_value(const Aabb &aabb, std::uint64_t value, Status *status = nullptr) noexcept {
-        return insert_with(aabb, nullptr, &value, status);
+        return insert_with(aabb, nullptr, &value, nullptr, status);
+    }
+
+    /// The same with a filter, a value and a margin of its own, each of which may be null.
+    [[nodiscard]] Id insert_with(const Aabb &aabb, const Filter *filter, const std::uint64_t *value, const float *margin,
+                                 Status *status = nullptr) noexcept {
+        Id id = null_id;
+        const Status outcome = grow_and([&] { return trisap_world_insert_with(world_, &aabb, filter, value, margin, &id); });
+        if (status != nullptr) {
+            *status = outcome;
+        }
+        return id;
     }
 
     /// Adds objects, all or none. There must be room for as many ids as boxes.
@@ -1079,15 +1090,6 @@ private:
             more.workers = jobs->worker_count < 32 ? jobs->worker_count : 32;
             static_cast<void>(move_to(more));
         }
-    }
-
-    [[nodiscard]] Id insert_with(const Aabb &aabb, const Filter *filter, const std::uint64_t *value, Status *status) noexcept {
-        Id id = null_id;
-        const Status outcome = grow_and([&] { return trisap_world_insert_with(world_, &aabb, filter, value, &id); });
-        if (status != nullptr) {
-            *status = outcome;
-        }
-        return id;
     }
 
     /// Calls, and once more after each growth where something did not fit.

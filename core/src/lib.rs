@@ -20,6 +20,7 @@ mod geometry;
 mod id;
 mod lists;
 mod memory;
+mod object;
 mod objects;
 mod pairs;
 #[allow(unsafe_code, reason = "what workers share; each use says why it is sound")]
@@ -50,6 +51,7 @@ pub use geometry::boxes::Boxes;
 pub use id::{Id, Index, Pair};
 pub use memory::layout::{Layout, layout};
 pub use memory::stats::{Path, Reason, Stats};
+pub use object::Object;
 pub use parallel::executor::{Executor, Serial, Stage};
 pub use query::{Among, Cast, Hit, Planes, Region, Side, Volume};
 pub use simd::kernels::Kernels;

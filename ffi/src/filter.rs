@@ -6,7 +6,7 @@ use crate::border::living;
 use crate::call::{Call, Look, look, trisap_world, with};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
-use trisap_core::{Error, Filter};
+use trisap_core::{Error, Filter, Object};
 
 /// Whom an object meets. Two objects make a pair if each one's mask has a group of the other, and their classes meet
 /// (see `trisap_world_set_classes`). Filled by `trisap_default_filter`.
@@ -40,10 +40,11 @@ pub extern "C" fn trisap_default_filter() -> trisap_filter {
     Filter::ALL.into()
 }
 
-/// Adds an object with its filter and its value, either of which may be null, and writes its id to `id`. O(1).
+/// Adds an object with its filter, its value and its margin, each of which may be null, and writes its id to `id`. O(1).
 ///
 /// Errors: those of `trisap_world_insert`; with a filter `TRISAP_STATUS_NO_FILTERS` and `TRISAP_STATUS_BAD_CLASS`, with
-/// a value `TRISAP_STATUS_NO_VALUES`. There is no new object then.
+/// a value `TRISAP_STATUS_NO_VALUES`, with a margin `TRISAP_STATUS_NO_MARGINS` and `TRISAP_STATUS_BAD_MARGIN`. There is
+/// no new object then.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_insert_with(
@@ -51,37 +52,19 @@ pub unsafe extern "C" fn trisap_world_insert_with(
     aabb: *const trisap_aabb,
     filter: *const trisap_filter,
     value: *const u64,
+    margin: *const f32,
     id: *mut trisap_id,
 ) -> trisap_status {
     let insert = |call: &mut Call| {
         border::check(aabb)?;
         border::span(id, 1, &call.range())?;
-        let (filter, value) = unsafe {
-            // SAFETY: the caller's promise: null, or one of each.
-            (border::optional(filter)?, border::optional(value)?)
-        };
         // SAFETY: aligned, not null, and initialised by the caller's promise.
-        let aabb = unsafe { aabb.read() };
-        let mut world = call.world()?;
-        let config = world.config();
-        // Everything that would be refused later is found before there is an object.
-        match filter {
-            Some(_) if !config.filters => return Err(Error::NoFilters.into()),
-            Some(filter) if filter.object_class >= CLASSES => {
-                return Err(Error::BadClass { class: filter.object_class }.into());
-            }
-            _ => {}
-        }
-        if value.is_some() && !config.values {
-            return Err(Error::NoValues.into());
-        }
-        let new = world.insert(aabb.into())?;
-        if let Some(filter) = filter {
-            world.set_filter(new, filter.into())?;
-        }
-        if let Some(value) = value {
-            world.set_value(new, value)?;
-        }
+        let mut object = Object::new(unsafe { aabb.read() }.into());
+        (object.filter, object.value, object.margin) = unsafe {
+            // SAFETY: the caller's promise: null, or one of each.
+            (border::optional(filter)?.map(Filter::from), border::optional(value)?, border::optional(margin)?)
+        };
+        let new = call.world()?.insert(object)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())

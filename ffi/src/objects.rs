@@ -5,7 +5,7 @@ use crate::border::{self, Items, living};
 use crate::call::{Call, Look, look, trisap_world, with};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
-use trisap_core::{Error, Id};
+use trisap_core::{Aabb, Error, Id};
 
 /// A view of boxes one after another. For others, point `first` to the first minimum and set `stride` and
 /// `max_offset`. O(1).
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn trisap_world_insert(
         border::span(id, 1, &call.range())?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
-        let new = call.world()?.insert(aabb.into())?;
+        let new = call.world()?.insert(Aabb::from(aabb))?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn trisap_world_insert_at(
         border::span(id, 1, &call.range())?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
-        let new = call.world()?.insert_at(slot, aabb.into())?;
+        let new = call.world()?.insert_at(slot, Aabb::from(aabb))?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())

@@ -17,7 +17,7 @@ use crate::OwnedWorld;
 use contacts::Numbers;
 use core::hash::Hash;
 use names::Names;
-use trisap_core::{Aabb, Capacity, Config, Error, Filter, Id, World};
+use trisap_core::{Aabb, Capacity, Config, Error, Filter, Id, Object, World};
 
 /// Boxes by key, and which of them overlap: a [`World`] that counts its memory itself.
 ///
@@ -184,20 +184,29 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.as_world().aabb(self.id(key)?)
     }
 
-    /// Adds a box, or gives the key another one if it has one. Boxes that come in an iterator come by [`extend`](Self::extend).
+    /// Adds a box, or an [`Object`]: a box and what else it has. A key that has a box gets these instead, all or none.
+    /// Boxes that come in an iterator come by [`extend`](Self::extend).
     ///
     /// # Errors
-    /// [`Error::BadBox`], or [`Error::NoMemory`].
+    /// Those of [`Object::check`], [`Error::BadBox`] for a box alone; or [`Error::NoMemory`].
     #[doc(alias("create_proxy", "add"))]
-    pub fn insert(&mut self, key: K, aabb: Aabb) -> Result<(), KeyedError<K>> {
+    pub fn insert(&mut self, key: K, object: impl Into<Object>) -> Result<(), KeyedError<K>> {
         let named = |error| KeyedError { key, error };
-        if self.update(&key, aabb)? {
-            return Ok(());
+        let object = object.into();
+        object.check(&self.config).map_err(named)?;
+        if let Some(id) = self.names.look_up(&key) {
+            let described = self.owned.change(|world| {
+                object.filter.map_or(Ok(()), |filter| world.set_filter(id, filter))?;
+                object.value.map_or(Ok(()), |value| world.set_value(id, value))?;
+                object.margin.map_or(Ok(()), |length| world.set_margin(id, length))?;
+                world.set_aabb(id, object.aabb)
+            });
+            return described.map_err(named);
         }
-        let id = match self.owned.change(|world| world.insert(aabb)) {
+        let id = match self.owned.change(|world| world.insert(object)) {
             Err(Error::ObjectsFull { .. }) => {
                 self.reserve(self.len().max(FIRST as usize)).map_err(named)?;
-                self.owned.change(|world| world.insert(aabb))
+                self.owned.change(|world| world.insert(object))
             }
             said => said,
         };

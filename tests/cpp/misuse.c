@@ -250,14 +250,16 @@ static void together(void) {
     const trisap_filter filter = trisap_default_filter();
     const uint64_t value = 7;
     trisap_id id = 77;
-    REFUSED(trisap_world_insert_with(world, NULL, NULL, NULL, &id), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
-    REFUSED(trisap_world_insert_with(world, &bad, NULL, NULL, &id), TRISAP_STATUS_BAD_BOX);
-    REFUSED(trisap_world_insert_with(world, &aabb, &filter, NULL, &id), TRISAP_STATUS_NO_FILTERS);
-    REFUSED(trisap_world_insert_with(world, &aabb, NULL, &value, &id), TRISAP_STATUS_NO_VALUES);
-    REFUSED(trisap_world_insert_with(world, &aabb, (const trisap_filter *)(const void *)((const char *)&filter + 1), NULL, &id),
+    REFUSED(trisap_world_insert_with(world, NULL, NULL, NULL, NULL, &id), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, NULL, NULL), TRISAP_STATUS_NULL_POINTER);
+    REFUSED(trisap_world_insert_with(world, &bad, NULL, NULL, NULL, &id), TRISAP_STATUS_BAD_BOX);
+    REFUSED(trisap_world_insert_with(world, &aabb, &filter, NULL, NULL, &id), TRISAP_STATUS_NO_FILTERS);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, &value, NULL, &id), TRISAP_STATUS_NO_VALUES);
+    const float margin = -1.0f;
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, &margin, &id), TRISAP_STATUS_BAD_MARGIN);
+    REFUSED(trisap_world_insert_with(world, &aabb, (const trisap_filter *)(const void *)((const char *)&filter + 1), NULL, NULL, &id),
             TRISAP_STATUS_MISALIGNED);
-    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, (trisap_id *)(void *)world), TRISAP_STATUS_OVERLAP);
+    REFUSED(trisap_world_insert_with(world, &aabb, NULL, NULL, NULL, (trisap_id *)(void *)world), TRISAP_STATUS_OVERLAP);
     CHECK(id == 77);
 
     const trisap_aabb two[2] = {aabb, bad};

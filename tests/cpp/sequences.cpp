@@ -78,7 +78,18 @@ private:
         // In some cases at a slot, which there may not be.
         const bool at = op.argument % 4 == 3;
         const std::uint32_t slot = at ? op.rng.below(objects_ + 1) : 0;
-        if (say_status(at ? trisap_world_insert_at(world_, slot, &aabb, &id) : trisap_world_insert(world_, &aabb, &id))) {
+        // One in four that may come anywhere has more than a box.
+        const std::uint32_t has = op.argument % 4 == 2 ? op.argument >> 2 : 0;
+        const trisap::Filter filter = (has & 1) != 0 ? Header::filter(op.rng) : trisap::filter();
+        const std::uint64_t value = (has & 2) != 0 ? op.rng.bits() : 0;
+        const float lengths[] = {0.0f, 0.125f, 0.5f, -1.0f};
+        const auto insert_with = [&] {
+            return trisap_world_insert_with(world_, &aabb, (has & 1) != 0 ? &filter : nullptr, (has & 2) != 0 ? &value : nullptr,
+                                            (has & 4) != 0 ? &lengths[op.argument >> 5 & 3] : nullptr, &id);
+        };
+        if (say_status(at         ? trisap_world_insert_at(world_, slot, &aabb, &id)
+                       : has != 0 ? insert_with()
+                                  : trisap_world_insert(world_, &aabb, &id))) {
             born(id);
         }
     }

@@ -196,7 +196,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1412),
+    ("", 1503),
     ("geometry", 1089),
     ("lists", 59),
     ("memory", 1823),
@@ -210,7 +210,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("sweep", 1357),
     ("tree", 2146),
     ("validate", 414),
-    ("world", 1688),
+    ("world", 1694),
 ];
 
 #[test]

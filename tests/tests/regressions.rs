@@ -270,3 +270,18 @@ fn a_pair_is_not_told_of_an_object_that_came_after_it() {
         assert!(world.step().expect("room for the pairs").pair_values().eq([[100, 300]]));
     }
 }
+
+/// Without events nothing says which object has moved inside its margin since the step before, so the pairs
+/// that a world takes along to another one are not held against their boxes.
+#[test]
+fn a_world_that_moved_inside_margins_is_valid_where_it_moves_to_a_tree() {
+    let config = |objects| Config::new(ample(objects, 9)).with_margin(Margin::length(0.5));
+    let (mut small, mut large) = (Slab::new::<u32>(&config(8)), Slab::new::<u32>(&config(700)));
+    let mut world = small.world::<u32>(&config(8));
+    let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.9, 0.0, 0.0)]);
+    assert_eq!(world.step().expect("room").pairs(), [[0, 1]]);
+    world.set_aabb(ids[1], cube(1.2, 0.0, 0.0)).expect("a good box");
+    let mut moved = world.move_into(large.bytes_mut(), &config(700)).expect("room");
+    assert_eq!(moved.validate(), Ok(()));
+    assert!(moved.step().expect("room").pairs().is_empty());
+}

@@ -10,6 +10,7 @@ use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::{Id, Index};
 use crate::memory::slab::Parts;
+use crate::object::Object;
 use crate::objects::margins::margin_length;
 
 /// Objects. None of these calls changes the result of the last step; the next step sees all of them at once.
@@ -35,23 +36,27 @@ use crate::objects::margins::margin_length;
 /// # Ok::<(), Error>(())
 /// ```
 impl<'m, I: Index> World<'m, I> {
-    /// Adds an object. Slots are given out in ascending order until an object is removed. O(1).
+    /// Adds an object: a box, or an [`Object`] with a box and what else it has. Slots are given out in
+    /// ascending order until an object is removed. O(1).
     ///
     /// # Errors
-    /// [`Error::BadBox`] or [`Error::ObjectsFull`].
+    /// [`Error::ObjectsFull`], or those of [`Object::check`]: [`Error::BadBox`] for a box alone.
     #[doc(alias("create_proxy", "add"))]
-    pub fn insert(&mut self, aabb: Aabb) -> Result<Id, Error> {
-        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
-        self.insert_box(bounds)
+    pub fn insert(&mut self, object: impl Into<Object>) -> Result<Id, Error> {
+        let object = object.into();
+        let bounds = object.bounds(self.parts.config())?;
+        let id = self.insert_box(bounds)?;
+        self.describe(id, &object)
     }
 
     /// Adds an object in a slot that the caller names, so that a server and its clients agree on slots. Its
     /// generation is this world's. O(free slots), and O(slots below) where it is the highest so far.
     ///
     /// # Errors
-    /// [`Error::BadBox`]; [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot.
-    pub fn insert_at(&mut self, slot: u32, aabb: Aabb) -> Result<Id, Error> {
-        let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+    /// [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot; those of [`Object::check`].
+    pub fn insert_at(&mut self, slot: u32, object: impl Into<Object>) -> Result<Id, Error> {
+        let object = object.into();
+        let bounds = object.bounds(self.parts.config())?;
         if let Some(id) = self.id_at(slot) {
             return Err(Error::SlotTaken { id });
         }
@@ -67,7 +72,8 @@ impl<'m, I: Index> World<'m, I> {
         }
         (first..slot).rev().for_each(|below| self.remove_slot(below as usize));
         self.parts.state.objects.slots = self.parts.state.objects.slots.max(slot + 1);
-        self.fill_slot(slot, bounds)
+        let id = self.fill_slot(slot, bounds)?;
+        self.describe(id, &object)
     }
 
     /// Gives an object another box. O(1).
@@ -165,6 +171,14 @@ impl<'m, I: Index> World<'m, I> {
             self.parts.state.objects.slots += 1;
         }
         self.fill_slot(slot, bounds)
+    }
+
+    /// Gives a new object what it has beside its box.
+    fn describe(&mut self, id: Id, object: &Object) -> Result<Id, Error> {
+        object.filter.map_or(Ok(()), |filter| self.set_filter(id, filter))?;
+        object.value.map_or(Ok(()), |value| self.set_value(id, value))?;
+        object.margin.map_or(Ok(()), |length| self.set_margin(id, length))?;
+        Ok(id)
     }
 
     fn check_room(&self, slot: u32) -> Result<(), Error> {

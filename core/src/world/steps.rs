@@ -11,7 +11,6 @@ use crate::pairs::results;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{Executor, Serial};
 use crate::simd::kernels::Kernels;
-use core::fmt;
 use core::ops::Deref;
 
 /// A step on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by
@@ -124,7 +123,7 @@ impl<'m, I: Index> World<'m, I> {
     }
 }
 
-impl<'w, 'e, I: Index> Stepper<'w, '_, 'e, I> {
+impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
     /// The same on the workers of a job system.
     pub fn on(self, executor: &'e dyn Executor) -> Self {
         Self { executor, ..self }
@@ -161,9 +160,7 @@ impl<'w, 'e, I: Index> Stepper<'w, '_, 'e, I> {
         let (world, context) = self.context()?;
         world.renew_tree(context)
     }
-}
 
-impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
     fn context(self) -> Result<(&'w mut World<'m, I>, StepContext<'e>), Error> {
         let Self { world, executor, rule } = self;
         if rule.is_some() && world.parts.filters.classes.is_empty() {
@@ -337,6 +334,7 @@ fn both<A, B>(
 }
 
 /// The result of a step, and a view of the world as it is after it.
+#[derive(Debug)]
 pub struct Step<'w, I: Index = u32> {
     pub(super) world: &'w World<'w, I>,
     pub(super) rejected: Option<Rejected>,
@@ -372,11 +370,5 @@ impl<'w, I: Index> Step<'w, I> {
         let now = &self.parts.boxes.now;
         let apart = |pair: &&Pair<I>| !now.at(pair[0].at()).overlaps(&now.at(pair[1].at()));
         self.pairs().iter().filter(apart).count() as u64
-    }
-}
-
-impl<I: Index> fmt::Debug for Step<'_, I> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Step").field("world", self.world).field("rejected", &self.rejected).finish()
     }
 }

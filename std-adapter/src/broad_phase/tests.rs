@@ -438,3 +438,40 @@ fn bytes_that_are_no_snapshot_are_refused() {
     let narrow = Snapshot::from_bytes(&bytes, |number| u32::try_from(number).ok().filter(|key| *key < 8));
     assert_eq!(narrow.map(drop).err(), Some(Error::BadSnapshot), "a number that is no key");
 }
+
+#[test]
+fn an_object_comes_with_all_that_it_has_or_not_at_all() {
+    let cube = Aabb::from_center([0.0; 3], [0.5; 3]);
+    let config = Config::default().with_filters().with_values().with_margin(Margin::length(0.25));
+    let mut broad_phase = BroadPhase::with_config(&config).expect("a small world");
+    let object = Object::new(cube).with_filter(Filter::class(3)).with_value(7).with_margin(0.5);
+    for (key, object) in [(1, object), (2, object.with_value(8)), (1, object.with_value(9).with_margin(1.0))]
+    {
+        broad_phase.insert(key, object).expect("a good object");
+    }
+    let bad = Object::new(Aabb::new([f32::NAN; 3], [1.0; 3])).with_value(1);
+    for key in [1, 3] {
+        let refused = |error| Err(KeyedError { key, error });
+        assert_eq!(broad_phase.insert(key, bad), refused(Error::BadBox { index: 0 }));
+        let filter = Filter::class(32);
+        assert_eq!(
+            broad_phase.insert(key, object.with_filter(filter)),
+            refused(Error::BadClass { class: 32 })
+        );
+        assert_eq!(broad_phase.insert(key, object.with_margin(-1.0)), refused(Error::BadMargin));
+    }
+    assert_eq!((broad_phase.len(), broad_phase.margin(&1)), (2, Some(1.0)));
+    let (world, [one, two]) =
+        (broad_phase.as_world(), [1, 2].map(|key| broad_phase.id(&key).expect("its id")));
+    assert_eq!((world.value(one), world.value(two), world.filter(two)), (Some(9), Some(8), object.filter));
+
+    let mut plain = BroadPhase::new();
+    for (object, error) in [
+        (Object::new(cube).with_filter(Filter::ALL), Error::NoFilters),
+        (Object::new(cube).with_value(1), Error::NoValues),
+        (Object::new(cube).with_margin(1.0), Error::NoMargins),
+    ] {
+        assert_eq!(plain.insert(1, object), Err(KeyedError { key: 1, error }));
+    }
+    assert!(plain.is_empty());
+}

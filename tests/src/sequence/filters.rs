@@ -5,12 +5,12 @@ use super::format::Operation;
 use super::life::Life;
 use trisap_core::{Error, Filter, Index};
 
-fn good(filter: Filter) -> Result<(), Error> {
+pub(super) fn good(filter: Filter) -> Result<(), Error> {
     if filter.class < 32 { Ok(()) } else { Err(Error::BadClass { class: filter.class }) }
 }
 
 impl<I: Index> Life<'_, '_, I> {
-    fn has_filters(&self) -> Result<(), Error> {
+    pub(super) fn has_filters(&self) -> Result<(), Error> {
         if self.past.config.filters { Ok(()) } else { Err(Error::NoFilters) }
     }
 

@@ -1,15 +1,15 @@
 //! A world, its model and its twin, and what is done to them.
 
-use super::draw;
 use super::format::{Header, Kind, Operation, operations};
 use super::moving::{grow, moved};
 use super::tally::Tally;
+use super::{draw, filters};
 use crate::checked::{Checked, Saved};
 use crate::model::Model;
 use crate::scenes::Rng;
 use crate::worlds::Slab;
 use std::fmt::Debug;
-use trisap_core::{Aabb, Boxes, Config, Error, Id, Index, Kernels, World};
+use trisap_core::{Aabb, Boxes, Config, Error, Id, Index, Kernels, Object, World};
 
 /// Plays a sequence of operations.
 ///
@@ -107,7 +107,8 @@ impl<'m, I: Index> Life<'m, '_, I> {
                 // In some cases at a slot, which there may not be.
                 let slot = op.argument % 4 == 3;
                 let slot = slot.then(|| op.rng.below(self.objects() as usize + 1) as u32);
-                self.insert(aabb, slot);
+                let object = self.described(Object::new(aabb), &mut op);
+                self.insert(object, slot);
             }
             Kind::InsertMany => {
                 let mut boxes: Vec<Aabb> =
@@ -223,31 +224,54 @@ impl<'m, I: Index> Life<'m, '_, I> {
         self.checked.model_mut()
     }
 
-    fn insert(&mut self, aabb: Aabb, slot: Option<u32>) {
+    /// One in four that may come anywhere has more than a box.
+    fn described(&self, mut object: Object, op: &mut Operation) -> Object {
+        let has = if op.argument % 4 == 2 { op.argument >> 2 } else { 0 };
+        object.filter = (has & 1 != 0).then(|| draw::filter(&mut op.rng));
+        object.value = (has & 2 != 0).then(|| op.rng.bits());
+        object.margin = (has & 4 != 0).then(|| [0.0, 0.125, 0.5, -1.0][op.argument >> 5 & 3]);
+        object
+    }
+
+    fn insert(&mut self, object: Object, slot: Option<u32>) {
         let (live, room) = (self.checked.model().len() as u64, self.objects());
         let needed = slot.map_or(live, u64::from) + 1;
-        let expected = if !aabb.is_valid() {
-            Some(Error::BadBox { index: 0 })
+        let expected = if let Err(error) = self.takes(&object) {
+            Some(error)
         } else if let Some(id) = slot.and_then(|slot| self.checked.model().id_at(slot)) {
             Some(Error::SlotTaken { id })
         } else {
             (needed > u64::from(room)).then_some(Error::ObjectsFull { needed, room })
         };
         let said = self.both(|world| match slot {
-            Some(slot) => world.insert_at(slot, aabb),
-            None => world.insert(aabb),
+            Some(slot) => world.insert_at(slot, object),
+            None => world.insert(object),
         });
         assert_eq!(said.err(), expected);
         if let Ok(id) = said {
             assert!(slot.is_none_or(|slot| slot == id.slot()), "another slot");
-            self.born(id, aabb);
+            self.born(id, &object);
         }
     }
 
-    fn born(&mut self, id: Id, aabb: Aabb) {
+    fn takes(&self, object: &Object) -> Result<(), Error> {
+        if let Some(filter) = object.filter {
+            self.has_filters().and(filters::good(filter))?;
+        }
+        object.value.map_or(Ok(()), |_| self.has_values())?;
+        object.margin.map_or(Ok(()), |length| self.takes_margin(length))?;
+        if object.aabb.is_valid() { Ok(()) } else { Err(Error::BadBox { index: 0 }) }
+    }
+
+    fn born(&mut self, id: Id, object: &Object) {
         self.past.tally.say(id.to_bits());
         self.past.known[id.slot() as usize] = Some(id);
-        self.model().insert(id, aabb);
+        self.model().insert(id, object.aabb);
+        object.filter.into_iter().for_each(|filter| self.model().set_filter(id, filter));
+        object.value.into_iter().for_each(|value| self.model().set_value(id, value));
+        if let Some(length) = object.margin {
+            assert_eq!(self.checked.world().margin(id), Some(length), "the margin of {id}");
+        }
         self.name(id);
     }
 
@@ -264,7 +288,7 @@ impl<'m, I: Index> Life<'m, '_, I> {
         let ids = said.unwrap_or_default();
         assert!(ids.is_empty() || ids.len() == boxes.len(), "an id for each box");
         for (id, aabb) in ids.iter().zip(boxes) {
-            self.born(*id, *aabb);
+            self.born(*id, &Object::new(*aabb));
         }
     }
 
@@ -332,15 +356,18 @@ impl<'m, I: Index> Life<'m, '_, I> {
         }
     }
 
-    fn set_margin(&mut self, op: &mut Operation) {
-        let Some(id) = self.any(op) else { return };
-        let length = [0.0, 0.125, 0.5, -1.0][op.argument % 4];
-        let good = match self.past.config.margin {
+    fn takes_margin(&self, length: f32) -> Result<(), Error> {
+        match self.past.config.margin {
             _ if length < 0.0 => Err(Error::BadMargin),
             None => Err(Error::NoMargins),
             Some(_) => Ok(()),
-        };
-        let expected = self.stale(id).and(good);
+        }
+    }
+
+    fn set_margin(&mut self, op: &mut Operation) {
+        let Some(id) = self.any(op) else { return };
+        let length = [0.0, 0.125, 0.5, -1.0][op.argument % 4];
+        let expected = self.stale(id).and(self.takes_margin(length));
         assert_eq!(self.both(|world| world.set_margin(id, length)), expected);
         if expected.is_ok() {
             assert_eq!(self.checked.world().margin(id), Some(length), "the margin of {id}");

@@ -5,7 +5,7 @@ use super::life::Life;
 use trisap_core::{Error, Id, Index};
 
 impl<I: Index> Life<'_, '_, I> {
-    fn has_values(&self) -> Result<(), Error> {
+    pub(super) fn has_values(&self) -> Result<(), Error> {
         if self.past.config.values { Ok(()) } else { Err(Error::NoValues) }
     }
 
