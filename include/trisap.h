@@ -544,11 +544,9 @@ TRISAP_NODISCARD uint32_t trisap_abi_version(void) TRISAP_NOEXCEPT;
 /// The version of the linked library, as "1.2.3". O(1).
 TRISAP_NODISCARD const char *trisap_version(void) TRISAP_NOEXCEPT;
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", or "other" for one of 128 bits. Only the speed
-/// differs. O(1).
-TRISAP_NODISCARD
-const char *trisap_instruction_set(void)
-TRISAP_NOEXCEPT;
+/// The instruction set that steps use on this CPU: "scalar", "avx2", or one of 128 bits: "sse4.1", "neon",
+/// "simd128". Only the speed differs. O(1).
+TRISAP_NODISCARD const char *trisap_instruction_set(void) TRISAP_NOEXCEPT;
 
 /// The text of a status, in English and without a full stop. Never null, also for numbers that are no status. O(1).
 TRISAP_NODISCARD

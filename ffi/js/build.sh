@@ -3,8 +3,8 @@
 # trisap-simd128.wasm for hosts with 128-bit vectors. `ffi/js/build.sh --parts` also says what fills them, part by part of the
 # library, with `--functions` behind it function by function.
 #
-# Needs node with npm, and a Rust that can build core for wasm32-unknown-unknown: Debian's packages rustc-web, cargo-web and
-# rust-web-src, or rustup's with its component rust-src.
+# Needs node with npm, and a Rust that can build core for wasm32-unknown-unknown: Debian's packages rustc-web, cargo-web,
+# rust-web-src and lld-22, or rustup's with its component rust-src.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -16,7 +16,7 @@ if [[ -x /usr/bin/cargo && -d /usr/lib/rustlib/src/rust/library/core ]]; then
 elif [[ -d "$(cd ../.. && rustc --print sysroot 2>/dev/null)/lib/rustlib/src/rust/library/core" ]]; then
     cargo=cargo
 else
-    echo "no source of Rust's core: apt install rustc-web cargo-web rust-web-src, or rustup component add rust-src" >&2
+    echo "no source of Rust's core: apt install rustc-web cargo-web rust-web-src lld-22, or rustup component add rust-src" >&2
     exit 1
 fi
 export RUSTC_BOOTSTRAP=1

@@ -158,16 +158,17 @@ pub unsafe extern "C" fn trisap_contacts_update(
                 numbers.add(at).write(contact);
             }
         };
-        for (at, [a, b]) in lost.iter().enumerate() {
-            tell(ended, at, contacts.get(*a, *b).unwrap_or(TRISAP_NO_CONTACT));
-        }
+        (0..lost_count).for_each(|at| tell(ended, at, TRISAP_NO_CONTACT));
+        // In their order, without the pairs that had no number.
+        let mut places = lost.iter().enumerate();
+        let gone = |pair, contact| {
+            let place = places.find(|(_, lost)| **lost == pair);
+            place.into_iter().for_each(|(at, _)| tell(ended, at, contact));
+        };
         let mut at = 0..;
-        contacts.update(
-            lost,
-            found,
-            |_, _| {},
-            |_, contact| at.next().into_iter().for_each(|at| tell(began, at, contact)),
-        )?;
+        contacts.update(lost, found, gone, |_, contact| {
+            at.next().into_iter().for_each(|at| tell(began, at, contact));
+        })?;
         Ok(())
     };
     let outcome: Result<(), Refusal> = update();

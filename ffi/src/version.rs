@@ -44,15 +44,17 @@ pub extern "C" fn trisap_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The instruction set that steps use on this CPU: "scalar", "avx2", or "other" for one of 128 bits. Only the speed
-/// differs. O(1).
+/// The instruction set that steps use on this CPU: "scalar", "avx2", or one of 128 bits: "sse4.1", "neon",
+/// "simd128". Only the speed differs. O(1).
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn trisap_instruction_set() -> *const c_char {
     let name = match Kernels::detect().name() {
         "scalar" => c"scalar",
         "avx2" => c"avx2",
-        _ => c"other",
+        "neon" => c"neon",
+        "simd128" => c"simd128",
+        _ => c"sse4.1",
     };
     name.as_ptr()
 }

@@ -493,6 +493,13 @@ static void contacts() {
         CHECK_STATUS(trisap_contacts_open(nullptr, 4, &made), TRISAP_STATUS_NULL_POINTER);
         CHECK_STATUS(trisap_contacts_init(words.data(), 8, 4, 6, &made), TRISAP_STATUS_MEMORY_TOO_SMALL);
         CHECK(trisap_contacts_get(nullptr, 0, 1) == TRISAP_NO_CONTACT && trisap_contacts_count(nullptr) == 0);
+        // Lost ones by their place, also between pairs that had no number, or come twice.
+        CHECK_OK(trisap_contacts_open(words.data(), 4 * words.size(), &made));
+        const trisap::Pair lost[] = {{0, 2}, {1, 3}, {1, 3}, {2, 3}, {0, 1}};
+        std::uint32_t told[5] = {};
+        CHECK_OK(trisap_contacts_update(made, lost, 5, told, nullptr, 0, nullptr, nullptr));
+        CHECK(told[0] == TRISAP_NO_CONTACT && told[1] == 1 && told[2] == TRISAP_NO_CONTACT && told[3] == TRISAP_NO_CONTACT);
+        CHECK(told[4] == 0 && trisap_contacts_count(made) == 0);
     }
     CHECK(arena.taken > 0 && arena.held == 0);
 }

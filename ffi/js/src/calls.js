@@ -7,7 +7,7 @@ import { Memory } from "./memory.js";
 
 /** Numbers of `trisap_status`. */
 export const STATUS = {
-  OK: 0, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17,
+  OK: 0, CAPACITY_TOO_LARGE: 9, BAD_MARGIN: 10, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17,
   BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24, NO_MARGINS: 25, SLOT_TAKEN: 26,
 };
 /** Floats of a box. */
@@ -209,6 +209,10 @@ export class Calls {
     const detail = this.world === undefined ? 0n : BigInt.asUintN(64, this.calls.trisap_world_error_detail(this.world));
     const text = this.memory.text(this.calls.trisap_status_text(status));
     switch (status) {
+      case STATUS.CAPACITY_TOO_LARGE:
+        throw new errors.InvalidArgumentError("objects", "need more memory, or their pairs do, than a module can have");
+      case STATUS.BAD_MARGIN:
+        throw new errors.InvalidArgumentError("margins", "are finite, and their bounds in order");
       case STATUS.BAD_BOX:
         throw new errors.BadBoxError(id === null ? `${place}, box ${detail}` : `${place} of object ${id}`, {
           index: id === null ? Number(detail) : null,

@@ -98,17 +98,13 @@ test("configurations", async () => {
   const bad = [
     [{}, "objects"], [{ objects: -1 }, "objects"], [{ objects: 1.5 }, "objects"], [{ objects: 1, event: true }, "event"],
     [{ objects: 1, mode: "loose" }, "mode"], [{ objects: 1, events: 1 }, "events"], [{ objects: 1, marginMin: -1 }, "marginMin"],
-    [{ objects: 1, grows: 2 }, "grows"], [undefined, "config"],
+    [{ objects: 1, grows: 2 }, "grows"], [undefined, "config"], [{ objects: 2 ** 28 }, "objects"],
+    [{ objects: 1, marginMin: 2, marginMax: 1 }, "margins"],
   ];
   for (const [config, field] of bad) {
     const error = await createWorld(config).catch((error) => error);
     assert.ok(error instanceof trisap.InvalidArgumentError, `${JSON.stringify(config)}: ${error}`);
     assert.equal(error.field, field);
-  }
-  for (const config of [{ objects: 1, marginMin: 2, marginMax: 1 }, { objects: 2 ** 28 }]) {
-    const error = await createWorld(config).catch((error) => error);
-    assert.ok(error instanceof trisap.TrisapError, `${JSON.stringify(config)}: ${error}`);
-    assert.match(error.message, /^config: /);
   }
 });
 

@@ -13,7 +13,7 @@ for (const simd of [false, true]) {
       const next = random(count);
       const edge = Math.cbrt(count);
       const world = await createWorld({ objects: count, events: true, pairs: 40 * count }, { simd });
-      assert.equal(world.variant, variant);
+      assert.deepEqual([world.variant, world.instructionSet], [variant, variant]);
       world.insertMany(scatter(count, next, edge));
       let [before, all] = [[], 0];
       for (let step = 0; step < steps; step++) {
