@@ -1,6 +1,6 @@
 //! Ids of objects: a slot and its generation.
 
-use bytemuck::Pod;
+use crate::parallel::shared::Word;
 use core::fmt;
 use core::num::NonZeroU64;
 
@@ -58,16 +58,9 @@ impl fmt::Display for Id {
     }
 }
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for u16 {}
-    impl Sealed for u32 {}
-}
-
 /// The width of slots in a world. `u16` halves their memory in worlds of up to 65,534 objects.
-pub trait Index:
-    sealed::Sealed + Pod + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static
-{
+// `Word` cannot be named by others: no other type is an index.
+pub trait Index: Word + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static {
     /// The index that no object has.
     const NONE: Self;
     /// The home of a large object, which is in no leaf.

@@ -8,6 +8,8 @@
 
 mod broad_phase;
 mod memory;
+#[cfg(feature = "model")]
+pub mod model;
 mod offer;
 mod once;
 mod owned;

@@ -18,7 +18,6 @@ pub mod queries;
 pub mod recordings;
 pub mod scenes;
 pub mod sequence;
-pub mod workers;
 pub mod worlds;
 
 /// The first lines of Rust that somebody sees.

@@ -196,19 +196,19 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1503),
+    ("", 1496),
     ("geometry", 1089),
     ("lists", 59),
-    ("memory", 1823),
+    ("memory", 1828),
     ("objects", 655),
     ("pairs", 525),
-    ("parallel", 496),
+    ("parallel", 543),
     ("query", 1343),
     ("simd", 2219),
     ("snapshot", 593),
-    ("step", 674),
+    ("step", 675),
     ("sweep", 1357),
-    ("tree", 2146),
+    ("tree", 2255),
     ("validate", 414),
     ("world", 1694),
 ];

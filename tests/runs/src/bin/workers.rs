@@ -2,11 +2,10 @@
 //! time, so caches are those of one processor, and memory is not shared. Brownian cubes, all moving, with events.
 //! `cargo run --release -p trisap-runs --bin workers [OBJECTS]... [--wake MICROSECONDS] [--jobs]`
 
-use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
+use trisap::model::{Course, Job, Workers, nanoseconds};
 use trisap_core::{Boxes, Capacity, Config, Kernels, Stage};
 use trisap_tests::scenes::Brownian;
-use trisap_tests::workers::{Course, Job, Workers};
 use trisap_tests::worlds::Slab;
 
 /// Steps that are measured; the first ones make planes and lists.
@@ -85,7 +84,7 @@ fn measure(size: usize, workers: u32, wake: u64) -> Result<Vec<Course>, Box<dyn 
     world.set_kernels(Kernels::detect());
     let mut scene = Brownian::new(size, 1);
     world.insert_many(Boxes::new(scene.boxes()))?;
-    let executor = Workers::new(workers, wake, thread_time);
+    let executor = Workers::new(workers, wake, nanoseconds);
     let mut courses = Vec::new();
     for step in 0..FIRST + STEPS {
         let boxes = Boxes::new(scene.advance());
@@ -96,12 +95,6 @@ fn measure(size: usize, workers: u32, wake: u64) -> Result<Vec<Course>, Box<dyn 
         }
     }
     Ok(courses)
-}
-
-/// Nanoseconds of this thread.
-fn thread_time() -> u64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,0 +1,202 @@
+//! A model of many workers on one thread: what a step would take with as many as one likes, whatever the machine has.
+//!
+//! Each call of a job is a coroutine with a stack of its own. One runs at a time, and each time that it claims a block, the call
+//! that is the least far in its own time goes on. So blocks go to the workers that would get them if all ran at once. Times are
+//! read from a clock of the caller's. All workers share the caches of one processor, and none has to share memory with another.
+//!
+//! ```
+//! use trisap::{Aabb, Capacity, Config, OwnedWorld, model};
+//!
+//! let mut owned = OwnedWorld::new(&Config::new(Capacity::for_objects(5000)).with_workers(8))?;
+//! let mut world = owned.world();
+//! for k in 0..5000u16 {
+//!     world.insert(Aabb::from_center([f32::from(k); 3], [1.0; 3]))?;
+//! }
+//! let workers = model::Workers::new(8, 2_000, model::nanoseconds);
+//! world.on(&workers).step()?;
+//! let course = workers.course();
+//! assert!(course.jobs.len() > 1 && course.length() > course.serial.iter().sum());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use cpu_time::ThreadTime;
+use generator::Gn;
+use std::cell::{Cell, RefCell};
+use std::hint::black_box;
+use trisap_core::{Executor, Stage, before_claims};
+
+/// A clock that only counts while the calling thread runs.
+pub type Clock = fn() -> u64;
+
+/// What one job cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// The stage that it was in.
+    pub stage: Stage,
+    /// How many workers it was offered to.
+    pub width: u32,
+    /// How often they claimed.
+    pub claims: u64,
+    /// The sum of all workers' time.
+    pub work: u64,
+    /// The time until the last worker had ended.
+    pub span: u64,
+}
+
+/// What a step cost.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Course {
+    /// The time outside all jobs, by stage.
+    pub serial: [u64; 6],
+    /// All jobs, in order.
+    pub jobs: Vec<Job>,
+}
+
+impl Course {
+    /// How long a step would take.
+    #[must_use]
+    pub fn length(&self) -> u64 {
+        self.serial.iter().sum::<u64>() + self.jobs.iter().map(|job| job.span).sum::<u64>()
+    }
+
+    /// How long a stage would take.
+    #[must_use]
+    pub fn of(&self, stage: Stage) -> u64 {
+        self.serial[stage as usize] + self.jobs_of(stage).map(|job| job.span).sum::<u64>()
+    }
+
+    /// The jobs of a stage.
+    pub fn jobs_of(&self, stage: Stage) -> impl Iterator<Item = &Job> {
+        self.jobs.iter().filter(move |job| job.stage == stage)
+    }
+}
+
+/// An executor that models many workers.
+pub struct Workers {
+    count: u32,
+    /// How much later than the caller the other workers begin.
+    wake: u64,
+    clock: Clock,
+    /// What it takes to ask the clock, which is in each time.
+    asking: u64,
+    now: RefCell<(Stage, u64, Course)>,
+}
+
+impl Workers {
+    /// So many workers. All but the caller begin a while after a job has been offered.
+    #[must_use]
+    pub fn new(count: u32, wake: u64, clock: Clock) -> Self {
+        static CALL: fn() = claim;
+        before_claims(&CALL);
+        let mut asked: Vec<u64> = (0..1000).map(|_| clock()).collect();
+        asked = asked.windows(2).map(|two| two[1] - two[0]).collect();
+        asked.sort_unstable();
+        let now = RefCell::new((Stage::Intake, clock(), Course::default()));
+        Self { count, wake, clock, asking: asked[asked.len() / 2], now }
+    }
+
+    /// A step begins. Without this, the time since the last one counts as its own.
+    pub fn begin(&self) {
+        *self.now.borrow_mut() = (Stage::Intake, (self.clock)(), Course::default());
+    }
+
+    /// What the step cost that ended last.
+    #[must_use]
+    pub fn course(&self) -> Course {
+        self.now.borrow().2.clone()
+    }
+
+    /// The caller's time since the last call was its own.
+    fn note_serial(&self) {
+        let (stage, since, course) = &mut *self.now.borrow_mut();
+        let now = (self.clock)();
+        course.serial[*stage as usize] += (now - *since).saturating_sub(self.asking);
+        *since = now;
+    }
+}
+
+impl Executor for Workers {
+    fn workers(&self) -> u32 {
+        self.count
+    }
+
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        self.note_serial();
+        let begin = || {
+            Gn::<()>::new_opt(STACK, || {
+                touch_stack();
+                pause();
+                job();
+            })
+        };
+        let mut calls: Vec<_> = (0..width).map(|_| begin()).collect();
+        let mut times = vec![self.wake; calls.len()];
+        times[0] = 0;
+        for call in &mut calls {
+            call.resume();
+        }
+        let (mut claims, mut work) = (0, 0);
+        COUNTS.set(true);
+        while let Some(next) = (0..calls.len()).filter(|at| !calls[*at].is_done()).min_by_key(|at| times[*at])
+        {
+            let since = (self.clock)();
+            calls[next].resume();
+            let time = ((self.clock)() - since).saturating_sub(self.asking);
+            times[next] += time;
+            work += time;
+            claims += u64::from(!calls[next].is_done());
+        }
+        COUNTS.set(false);
+        let span = times.iter().copied().max().unwrap_or_default();
+        drop(calls);
+        let (stage, since, course) = &mut *self.now.borrow_mut();
+        course.jobs.push(Job { stage: *stage, width, claims, work, span });
+        *since = (self.clock)();
+    }
+
+    fn enter(&self, stage: Stage) {
+        self.note_serial();
+        self.now.borrow_mut().0 = stage;
+    }
+}
+
+/// Of a call of a job, in words. It needs less than 16 KiB; more where nothing is optimised.
+const STACK: usize = 0x4000;
+
+/// The pages that a call will need are there before its time is taken.
+#[inline(never)]
+fn touch_stack() {
+    black_box(&mut [0u8; 16 << 10]);
+}
+
+thread_local! {
+    /// Whether this thread is in one of the calls of a job.
+    static COUNTS: Cell<bool> = const { Cell::new(false) };
+    static CLAIMED: Cell<u64> = const { Cell::new(0) };
+}
+
+/// A clock that repeats: each block that this thread has claimed counts as one.
+#[must_use]
+pub fn blocks() -> u64 {
+    CLAIMED.get()
+}
+
+/// A clock of the time that this thread has had a processor.
+#[must_use]
+pub fn nanoseconds() -> u64 {
+    ThreadTime::now().as_duration().as_nanos() as u64
+}
+
+fn claim() {
+    CLAIMED.set(CLAIMED.get() + 1);
+    if COUNTS.get() {
+        pause();
+    }
+}
+
+/// Ends the turn of the call that this is in.
+// Where blocks are claimed no scope of the generator is at hand.
+#[expect(deprecated)]
+fn pause() {
+    generator::yield_with(());
+}
