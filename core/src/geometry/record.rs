@@ -1,5 +1,6 @@
 //! Records: boxes in 16 bits a side, on the grid of their leaf (paper, section IV).
 
+use super::aabb::{Aabb, narrowed, widened};
 use super::key::value;
 use bytemuck::{Pod, Zeroable};
 
@@ -51,6 +52,23 @@ impl Frame {
             GRID_MAX / (high - low).max(floor).min(f32::MAX)
         };
         Self::new(origin, [scale(0), scale(1), scale(2)])
+    }
+
+    /// The part of a box that holds whatever has its record within `bounds`. Steps are rounded, so one more
+    /// on each side; the first and the last one also hold what is beyond the grid.
+    pub(crate) fn part(&self, of: &Aabb, bounds: &Record) -> Aabb {
+        let mut part = *of;
+        for k in 0..3 {
+            let at = |steps: f64| widened(self.origin[k]) + steps / widened(self.scale[k]);
+            let (low, high) = (bounds.lanes[k], !bounds.lanes[3 + k]);
+            if low > 0 {
+                part.min[k] = part.min[k].max(narrowed(at(f64::from(low) - 1.0)));
+            }
+            if high < u16::MAX {
+                part.max[k] = part.max[k].min(-narrowed(-at(f64::from(high) + 2.0)));
+            }
+        }
+        part
     }
 }
 

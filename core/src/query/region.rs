@@ -10,7 +10,7 @@ use crate::id::{Id, Index};
 use crate::simd::kernels::run;
 use crate::simd::{Simd, limit};
 use crate::tree::visit::Probe;
-use crate::tree::{first_of_eight, leaf_of};
+use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -327,8 +327,13 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
         let (region, mut mask) = parts_near(simd, parts, whole, &self.within.bounds);
         let touching = limit(&region);
         while mask != 0 {
-            let leaf = (whole << parts.state.tree.sub_levels()) + mask.trailing_zeros() as usize;
+            let part = mask.trailing_zeros() as usize;
+            let leaf = (whole << parts.state.tree.sub_levels()) + part;
             mask &= mask - 1;
+            let side = if side == Side::Across { self.side_of_part(whole, part) } else { side };
+            if side == Side::Outside {
+                continue;
+            }
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
                 let mut mask = simd.touching(eight, touching) & first_of_eight(left);
                 while mask != 0 {
@@ -361,6 +366,22 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
 }
 
 impl<I: Index> InRegion<'_, '_, I> {
+    /// How the members of a sub-leaf lie to the volume.
+    fn side_of_part(&self, whole: usize, part: usize) -> Side {
+        let (tree, sub_levels) = (&self.world.parts.tree, self.world.parts.state.tree.sub_levels());
+        let bounds = sub_leaves_of(tree.bounds, sub_levels, whole);
+        // A ball is tested in no more time than a sub-leaf.
+        let (Some(volume), Some(bounds)) =
+            (self.within.volume.filter(|_| self.within.bounds == KeyBox::ALL), bounds)
+        else {
+            return Side::Across;
+        };
+        let (frame, around) = (tree.frames.get(whole).unwrap_or(&Frame::NONE), tree.nodes().around(whole));
+        let members = frame.part(&around.to_aabb(), &bounds.at(part));
+        // It may be empty.
+        if members.is_valid() { volume.side(&members) } else { Side::Outside }
+    }
+
     fn found(&mut self, slot: usize) -> ControlFlow<()> {
         self.world.id_of(slot).map_or(ControlFlow::Continue(()), &mut self.visit)
     }

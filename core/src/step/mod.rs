@@ -62,12 +62,15 @@ pub(crate) fn find_without_surplus<I: Index>(
 }
 
 /// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all
-/// leaves where that takes less.
+/// leaves where that takes less. Leaves are divided as in steps of a calm world.
 pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let few = parts.moved.count() <= parts.state.objects.live / LEAVERS_SHARE;
-    let filled = parts.state.tree.filled;
+    let (filled, moved) = (parts.state.tree.filled, parts.moved.count());
+    let few = moved <= parts.state.objects.live / LEAVERS_SHARE;
+    let mut path = Path::Movers;
     if filled == 0 || !few || incremental::relocate(parts, context).is_none() {
         full::arrange(parts, balance::needs_planes(parts.state), None, context);
         parts.state.tree.filled = if filled == 1 { 1 } else { 2 };
+        path = Path::Full;
     }
+    policy::subdivide_when_calm(parts, path, moved, context);
 }

@@ -70,8 +70,9 @@ impl<I: Index> World<'_, I> {
     }
 
     fn renew_tree(&mut self, context: StepContext<'_>) -> Result<(), Error> {
-        let (filled, dirty) = (self.parts.state.tree.filled, self.parts.state.objects.dirty);
-        if context.is_small() || filled != 0 && dirty == 0 {
+        let state = &self.parts.state;
+        let is_divided = state.tree.subdivided > state.tree.count;
+        if context.is_small() || state.tree.filled != 0 && state.objects.dirty == 0 && is_divided {
             return Ok(());
         }
         let refresh = |parts: &mut Parts<'_, I>, context: StepContext<'_>, _| step::refresh(parts, context);

@@ -86,8 +86,9 @@ impl<'m, I: Index> World<'m, I> {
 
     /// Brings the tree up to date for queries without a look for pairs: a world that is only asked needs no
     /// step. Pairs and events stay as they are, also in the next step. Without this, queries look one by one
-    /// at the objects that have changed since the last step, and at all before the first. Does nothing in
-    /// worlds without a tree. O(objects that have changed), or O(n) where these are many.
+    /// at the objects that have changed since the last step, and at all before the first. Each call divides
+    /// some leaves for queries, as a calm step does, until all are divided. Does nothing in worlds without a
+    /// tree. O(objects that have changed + n/64), or O(n) where these are many.
     ///
     /// ```
     /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, layout};
