@@ -15,6 +15,8 @@ export const BOX = 6;
 const BOX_BYTES = 4 * BOX;
 const KIND_AABB = 0;
 const KIND_SPHERE = 1;
+/** What a module for pairs alone cannot do. */
+const BEYOND_PAIRS = ["events", "filters", "values", "marginPerExtent", "marginMin", "marginMax"];
 const FILTER = { group: 0xffff_ffff, mask: 0xffff_ffff, objectClass: 0 };
 
 // Where the structs of a call stand, from the start of their part of memory on.
@@ -47,6 +49,12 @@ export class Calls {
     this.stats = structs + STATS;
     this.out = structs + OUT;
     this.#given = config;
+    if (!Object.hasOwn(calls, "trisap_world_save")) {
+      const field = BEYOND_PAIRS.find((field) => (config[field] ?? false) !== false);
+      if (field !== undefined) {
+        throw new errors.InvalidArgumentError(field, "is not in the module with pairs alone");
+      }
+    }
     const [bytes, room] = this.#configure(objects, {});
     // Where there can be no such world, the call below says why.
     this.memory.lay(this.memory.boxes, bytes === 0 ? 0 : objects, bytes, room);

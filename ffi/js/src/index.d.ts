@@ -53,6 +53,11 @@ export interface Config {
 export interface Options {
   /** The module with 128-bit vectors, or the one without. By default what this host can run. */
   simd?: boolean;
+  /**
+   * A smaller module, for pairs alone: no events, filters, values, margins, queries, snapshots, disabled objects or shifts. They are
+   * refused. Hosts without vectors get the complete one, and so do programs with the module inlined. By default false.
+   */
+  pairsOnly?: boolean;
   /** The module, if it does not stand where the package has put it. */
   wasm?: WasmSource | PromiseLike<WasmSource>;
 }
@@ -124,7 +129,7 @@ export class World {
   /** What the world was made for, the defaults included. Margins are there if it has any. */
   readonly config: Readonly<Config & Required<Omit<Config, "marginPerExtent" | "marginMin" | "marginMax">>>;
   /** Which module it runs in. */
-  readonly variant: "simd128" | "scalar" | "given";
+  readonly variant: "simd128" | "scalar" | "pairs" | "given";
   /** The instructions that its kernels use. */
   readonly instructionSet: string;
   /** Bytes of its memory. */

@@ -19,11 +19,11 @@ const compiled = new Map();
  * The module for this host, or the one asked for.
  * @param {(variant: string) => Promise<WebAssembly.Module>} read how this host gets at the files of the package
  */
-export async function moduleFor(read, { simd = hasVectors(), wasm } = {}) {
+export async function moduleFor(read, { simd = hasVectors(), wasm, pairsOnly = false } = {}) {
   if (wasm !== undefined) {
     return { module: await compile(await wasm), variant: "given" };
   }
-  const variant = simd ? "simd128" : "scalar";
+  const variant = !simd ? "scalar" : pairsOnly ? "pairs" : "simd128";
   if (!compiled.has(variant)) {
     compiled.set(variant, read(variant));
   }

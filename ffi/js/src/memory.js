@@ -3,7 +3,7 @@
 // From the bottom: the stack and the constants of the module; structs that calls take and give; the boxes; the world; room
 // for what a call takes or answers. All of it is set aside when the world is made: memory that grows takes all views of it away.
 
-import { OutOfMemoryError, TrisapError } from "./errors.js";
+import { ModuleError, OutOfMemoryError, TrisapError } from "./errors.js";
 
 /** The version of the C ABI whose structs this package knows. */
 const ABI_VERSION = 6;
@@ -11,16 +11,22 @@ const PAGE = 65536;
 /** What the structs of a call take at most. */
 const STRUCTS = 1024;
 const NO_MEMORY = 0xffff_ffff;
+/** Calls that a module lacks. */
+const ABSENT = new Proxy({}, {
+  get(_, name) {
+    throw new ModuleError(`${String(name)} is not in the module with pairs alone: make the world without pairsOnly`);
+  },
+});
 
 export class Memory {
   #view = null;
 
   constructor(instance) {
-    this.calls = instance.exports;
+    this.calls = Object.assign(Object.create(ABSENT), instance.exports);
     if (this.calls.trisap_abi_version() !== ABI_VERSION) {
       throw new TrisapError(`the module has ABI version ${this.calls.trisap_abi_version()}, not ${ABI_VERSION}`);
     }
-    this.structs = align(this.calls.__heap_base?.value ?? this.buffer.byteLength, 64);
+    this.structs = align(instance.exports.__heap_base?.value ?? this.buffer.byteLength, 64);
     /** Where the boxes, the world and the room of calls begin, and how many bytes that room has. */
     this.boxes = this.structs + STRUCTS;
     this.world = 0;

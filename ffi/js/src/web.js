@@ -8,6 +8,7 @@ import { World } from "./world.js";
 const files = {
   scalar: () => new URL("../wasm/trisap.wasm", import.meta.url),
   simd128: () => new URL("../wasm/trisap-simd128.wasm", import.meta.url),
+  pairs: () => new URL("../wasm/trisap-pairs.wasm", import.meta.url),
 };
 
 /** The module for this host. */
@@ -20,7 +21,7 @@ export async function createWorld(config, options) {
 
 /** The pairs of boxes that are there once. */
 export async function pairs(boxes, { between, ...options } = {}) {
-  return find(await moduleFor(read, options), boxes, between);
+  return find(await moduleFor(read, { ...options, pairsOnly: false }), boxes, between);
 }
 
 export { Contacts } from "./contacts.js";

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFile } from "node:fs/promises";
-import { BadSnapshotError, createWorld, hasVectors, ObjectsFullError, StaleIdError } from "trisap";
+import { BadSnapshotError, createWorld, hasVectors, ObjectsFullError, pairs, StaleIdError } from "trisap";
 import { bruteForce, random, scatter, texts, without } from "./brute.js";
 
 test("views are in the memory of the world, not copies", async () => {
@@ -229,4 +229,37 @@ test("sorted results are the same after another past and in other room", async (
     assert.deepEqual(one, other);
     assert.ok(one[0].length > 200);
   }
+});
+
+test("a module with pairs alone has the same pairs, and refuses the rest", async () => {
+  const [small, whole] = await Promise.all([true, false].map((pairsOnly) => createWorld({ objects: 8, grows: true }, { pairsOnly })));
+  assert.equal(small.variant, hasVectors() ? "pairs" : "scalar");
+  const [next, worlds] = [random(5), [small, whole]];
+  let boxes = scatter(2000, next, 3);
+  const ids = worlds.map((world) => world.insertMany(boxes));
+  for (let frame = 0; frame < 8; frame++) {
+    boxes = boxes.map((x, i) => x + (i % 30 < 6 * (frame % 4) ? 0.25 : 0));
+    worlds.forEach((world, i) => {
+      world.boxes.set(boxes);
+      world.remove(ids[i][frame]);
+      world.setResting([ids[i][100 + frame]]);
+    });
+    assert.deepEqual(texts(small.step().pairs), texts(whole.step().pairs));
+    assert.deepEqual(texts(small.awakePairs()), texts(whole.awakePairs()));
+    assert.ok(small.pairs.length > 1000);
+  }
+  const kept = small.copy();
+  small.remove(ids[0][500]);
+  small.step();
+  small.restore(kept);
+  assert.deepEqual(texts(small.pairs), texts(whole.pairs));
+  if (small.variant === "pairs") {
+    for (const [field, value] of [["events", true], ["filters", true], ["values", true], ["marginMin", 0]]) {
+      await assert.rejects(createWorld({ objects: 8, [field]: value }, { pairsOnly: true }), { name: "InvalidArgumentError", field });
+    }
+    assert.throws(() => small.firstHit({ origin: [0, 0, 0], direction: [1, 0, 0] }), { name: "ModuleError" });
+    assert.throws(() => small.save(), { name: "ModuleError" });
+  }
+  // What needs the complete module takes it.
+  assert.deepEqual([...(await pairs([0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2], { pairsOnly: true }))], [0, 1]);
 });
