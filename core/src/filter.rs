@@ -46,9 +46,10 @@ impl Default for Filter {
 
 /// A rule of the caller: whether the objects in two slots, the lower one first, make a pair.
 ///
-/// Any worker may ask it at any time in the step, only about boxes that overlap with what is around them: margins and
-/// [predicted boxes](crate::Config::predicted). It has to answer the same until one of the objects is
-/// [refiltered](crate::World::refilter), as pairs at rest are not asked about again. Panics: see [`World::step`](crate::World::step).
+/// Any worker may ask it at any time in the step, only about boxes that overlap with what is around them:
+/// margins and [predicted boxes](crate::Config::predicted). It has to answer the same until one of the
+/// objects is [refiltered](crate::World::refilter), as pairs at rest are not asked about again. Panics: see
+/// [`World::step`](crate::World::step).
 #[doc(alias("pair_filter", "filter_contact_pair"))]
 pub type Rule<'r> = dyn Fn(u32, u32) -> bool + Sync + 'r;
 

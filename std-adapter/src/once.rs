@@ -194,7 +194,8 @@ impl<'s> ScratchOn<'s> {
         let objects = u32::try_from(objects).unwrap_or(u32::MAX);
         let pairs = objects.saturating_mul(PAIRS_PER_OBJECT).max(self.scratch.most);
         let capacity = Capacity::for_objects(objects).with_leaf_refs(objects).with_pairs(pairs);
-        Config::new(capacity).with_workers(self.executor.workers().clamp(1, 32))
+        let config = Config::new(capacity).without_predicted_boxes();
+        config.with_workers(self.executor.workers().clamp(1, 32))
     }
 
     /// The pairs of boxes, each side with its class.

@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1496),
-    ("geometry", 1107),
+    ("", 1497),
+    ("geometry", 1109),
     ("lists", 59),
-    ("memory", 1828),
+    ("memory", 1835),
     ("objects", 655),
     ("pairs", 525),
     ("parallel", 543),
-    ("query", 1364),
-    ("simd", 2219),
-    ("snapshot", 593),
-    ("step", 678),
-    ("sweep", 1357),
-    ("tree", 2255),
-    ("validate", 414),
-    ("world", 1696),
+    ("query", 1367),
+    ("simd", 2223),
+    ("snapshot", 594),
+    ("step", 679),
+    ("sweep", 1358),
+    ("tree", 2256),
+    ("validate", 415),
+    ("world", 1697),
 ];
 
 #[test]

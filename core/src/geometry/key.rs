@@ -177,8 +177,9 @@ impl KeyBox {
         fat
     }
 
-    /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`], each with a little
-    /// around it, at least `margin`: a share of its smallest side. A motion beyond that predicts nothing.
+    /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`], each with a
+    /// little around it, at least `margin`: a share of its smallest side. A motion beyond that predicts
+    /// nothing.
     pub(crate) fn predicted(&self, old: &Self, margin: f32) -> Self {
         let [keys, old] = [*self, *old].map(bytemuck::cast::<KeyBox, [i32; 6]>);
         let mut smallest = f32::MAX;

@@ -210,8 +210,9 @@ impl Line {
         Self { direction, distance, back, first, last, inverse }
     }
 
-    /// From where to where a line is inside a box, given its sides as they are met; between zero and `far`. It is
-    /// outside if the first number is above the second. A larger box is met no later and left no earlier.
+    /// From where to where a line is inside a box, given its sides as they are met; between zero and `far`.
+    /// It is outside if the first number is above the second. A larger box is met no later and left no
+    /// earlier.
     #[inline(always)]
     pub(crate) fn span(&self, [entry, exit]: [[[f32; 4]; 2]; 2], far: f64) -> (f64, f64) {
         let (mut come, mut leave) = ([0.0; 4], [far; 4]);

@@ -1,5 +1,6 @@
-//! The table of all arrays of a world. A line here and the use of the array is all that a new one needs: its bytes, its
-//! place in the slab, what it is in a new world, copies, snapshots and the figure in `ARCHITECTURE.md` follow.
+//! The table of all arrays of a world. A line here and the use of the array is all that a new one needs: its
+//! bytes, its place in the slab, what it is in a new world, copies, snapshots and the figure in
+//! `ARCHITECTURE.md` follow.
 
 /// Calls another macro with the table. A line has the name of an array, its type, its items and how many
 /// there are; and then what is in it where nothing has been written: `new` the value that all items have in a
@@ -23,11 +24,13 @@ macro_rules! sections {
             /// With events, and in an exact world with margins and a tree: the swept box, the reported box or
             /// the filter has changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
-            /// With events: `before` may be out of date, since the slot changed before the last complete step.
+            /// With events: `before` may be out of date, since the slot changed before the last complete
+            /// step.
             outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(EVENTS && s.config.events))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
             active: &'m mut [u32] = [u32; bits::words(if_so(TREE, s.tree))], new 0;
-            /// Without a tree: slots by ascending minimum on the swept axis, and scratch. Worlds with a tree use all as scratch.
+            /// Without a tree: slots by ascending minimum on the swept axis, and scratch. Worlds with a tree
+            /// use all as scratch.
             order: [&'m mut [I]; 3] = [I; 3 * s.objects], used state.lists.listed as usize;
             /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
             home: &'m mut [I] = [I; if_so(TREE, s.tree)], new I::NONE;
@@ -95,7 +98,8 @@ macro_rules! sections {
                 parents: &'m mut [u32] = [u32; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf of a full step: its node.
                 tops: &'m mut [u32] = [u32; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
-                /// By leaf, while it is divided: the planes between its sub-leaves, numbered as in a heap from one on.
+                /// By leaf, while it is divided: the planes between its sub-leaves, numbered as in a heap
+                /// from one on.
                 planes: &'m mut [i32] = [i32; if_so(TREE, s.leaves)], used s.leaves;
                 /// By leaf.
                 cells: &'m mut [Cell] = [Cell; if_so(TREE, s.leaves)], used s.leaves;
@@ -109,7 +113,8 @@ macro_rules! sections {
                 /// By node: a box around its members. There is no node zero.
                 boxes: &'m mut [KeyBox] = [KeyBox; 2 * if_so(TREE, s.whole_leaves)], new KeyBox::NOTHING;
                 /// In a fill: a row of counts for each block of slots, see
-                /// [`histogram_row`](crate::memory::limits::histogram_row). Then: where the movers of each leaf end.
+                /// [`histogram_row`](crate::memory::limits::histogram_row). Then: where the movers of each
+                /// leaf end.
                 histogram: &'m mut [u32] = [u32; s.histogram()], used 0;
             }
 
@@ -117,9 +122,10 @@ macro_rules! sections {
             output: OutputParts ['m, I] {
                 /// The overlaps of swept boxes: see `PairState::swept`.
                 pairs: &'m mut [Pair<I>] = [Pair<I>; s.pairs], used state.pairs.swept as usize;
-                /// With events: the pairs of the last complete step, in a step with few movers without the parked ones.
-                /// After a step the lost pairs come first. This buffer and `pairs` change places, so nothing is copied:
-                /// see [`PairState::swapped`](super::state::PairState::swapped).
+                /// With events: the pairs of the last complete step, in a step with few movers without the
+                /// parked ones. After a step the lost pairs come first. This buffer and `pairs` change
+                /// places, so nothing is copied: see
+                /// [`PairState::swapped`](super::state::PairState::swapped).
                 previous: &'m mut [Pair<I>] = [Pair<I>; if_so(EVENTS, s.previous)], used state.pairs.previous as usize;
                 /// With workers: chunks of pairs in the order in which they were found.
                 staged: &'m mut [Pair<I>] = [Pair<I>; if_so(TREE, s.staged.saturating_mul(CHUNK))], used 0;

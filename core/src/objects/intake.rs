@@ -29,7 +29,7 @@ pub(crate) struct Intake {
 }
 
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
-/// those whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the
+/// objects whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the
 /// slots of the objects that have left their leaves to the front of the second of the sorted lists.
 pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
@@ -78,7 +78,7 @@ pub(crate) fn ingest<I: Index>(
 
 /// Takes in the first slots of a world with a tree, in blocks of so many. The slots that have left their
 /// leaves stand at the start of each block in the second of the sorted lists.
-// Its frame does not stand below those of the sweep.
+// Its stack frame does not stand below the sweep's.
 #[inline(never)]
 fn ingest_blocks<I: Index>(
     parts: &mut Parts<'_, I>,
@@ -157,8 +157,8 @@ fn take_in_words<S: Simd, I: Index>(
     intake
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for those that rest. Returns the bits of
-/// those whose swept boxes are others now.
+/// Takes in the boxes of the slots of a word of the bit sets, but for resting ones. Returns the bits of
+/// slots whose swept boxes are others now.
 #[inline(always)]
 fn take_in<S: Simd, const EVENTS: bool>(
     simd: S,
@@ -244,8 +244,8 @@ struct Fours<'f, 'b, 'o> {
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live
-/// and do not rest. Returns the bits of the slots that are done with, of those among them that have other
-/// boxes now, and of those that stay in their fat boxes.
+/// and do not rest. Returns the bits of the slots that are done with, of slots among them that have other
+/// boxes now, and of slots that stay in their fat boxes.
 #[inline(always)]
 fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
     simd: S,

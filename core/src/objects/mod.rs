@@ -118,7 +118,7 @@ impl Objects<'_> {
     }
 
     /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
-    /// boxes. Returns the others: those have moved.
+    /// boxes. Returns the slots that have moved.
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) -> u32 {
         let moved = changed & !contained;
         let reported = if self.mode == Mode::Exact { changed } else { moved };

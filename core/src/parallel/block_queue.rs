@@ -115,7 +115,7 @@ pub fn before_claims(call: &'static fn()) {
 const SHARES: usize = 8;
 
 /// A queue of parts, each claimed once, in as many shares as there are workers. Each worker claims the parts
-/// of one share first, in ascending order, and then those that are left in other shares. So a worker mostly
+/// of one share first, in ascending order, and then blocks that are left in other shares. So a worker mostly
 /// gets the same parts in each stage and step, and has them in its cache.
 pub(crate) struct BlockQueue<P> {
     parts: P,

@@ -96,7 +96,7 @@ pub trait Executor {
 pub enum Stage {
     /// Takes in the caller's boxes.
     Intake,
-    /// Makes planes, for all leaves or for those that are out of balance, or sorts the lists.
+    /// Makes planes, for all leaves or for leaves that are out of balance, or sorts the lists.
     Build,
     /// Brings the boxes of moved objects to their leaves.
     Fill,

@@ -1,7 +1,7 @@
 //! Slices that several workers fill at positions that depend on the data.
 //!
-//! Loads and stores are relaxed atomics: plain moves on every target. So a race would give a wrong result, which tests
-//! see, but never undefined behaviour.
+//! Loads and stores are relaxed atomics: plain moves on every target. So a race would give a wrong result,
+//! which tests see, but never undefined behaviour.
 
 use crate::access::note_fault;
 use bytemuck::Pod;

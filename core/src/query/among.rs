@@ -54,8 +54,8 @@ impl<'m, I: Index> World<'m, I> {
 }
 
 impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
-    /// Writes the answers of `ask` that may answer to `out`, in order. Returns how many there are. The visitor
-    /// always says `on`.
+    /// Writes the answers of `ask` that may answer to `out`, in order. Returns how many there are. The
+    /// visitor always says `on`.
     pub(super) fn collect<T: Copy, On: Copy>(
         &self,
         out: &mut [Option<T>],
@@ -125,8 +125,9 @@ impl<I: Index> World<'_, I> {
         self.among(|_| true).nearest_many(points, executor, out)
     }
 
-    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the objects of
-    /// each end and the next ones begin. The rest of `out` is `None`. Returns how many there are in all.
+    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the
+    /// objects of each end and the next ones begin. The rest of `out` is `None`. Returns how many there are
+    /// in all.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `ends` is shorter than `regions`. Nothing is written.

@@ -267,8 +267,9 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     }
 }
 
-/// The sub-leaves that a cast meets, nearer ones first. A number each: the time, and the number of the sub-leaf in
-/// the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above all others.
+/// The sub-leaves that a cast meets, nearer ones first. A number each: the time, and the number of the
+/// sub-leaf in the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above
+/// all others.
 struct Met {
     numbers: [u32; EIGHT],
     /// The least number that was not taken yet.

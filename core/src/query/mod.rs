@@ -38,7 +38,7 @@ impl<I: Index> World<'_, I> {
         self.parts.state.tree.filled != 0
     }
 
-    /// The large objects in the tree, without those that have changed.
+    /// The large objects in the tree that have not changed.
     pub(crate) fn large_in_tree(&self) -> impl Iterator<Item = usize> + '_ {
         let tree = &self.parts.state.tree;
         let large = Large::new(tree, self.parts.tree.straddlers).list;

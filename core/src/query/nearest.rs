@@ -46,10 +46,11 @@ use core::ops::ControlFlow;
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// Visits the objects whose boxes are at most so far from a point, each once, nearer leaves before farther ones.
-    /// The visitor returns how far to look on: infinity to refuse an object, its distance to see only what is not
-    /// farther, less than zero to stop. For a nearest that only the caller knows: by the distance of a shape, by
-    /// what was visited before. Where boxes decide, [`nearest`](Self::nearest), [`among`](Self::among) are shorter.
+    /// Visits the objects whose boxes are at most so far from a point, each once, nearer leaves before
+    /// farther ones. The visitor returns how far to look on: infinity to refuse an object, its distance to
+    /// see only what is not farther, less than zero to stop. For a nearest that only the caller knows: by the
+    /// distance of a shape, by what was visited before. Where boxes decide, [`nearest`](Self::nearest),
+    /// [`among`](Self::among) are shorter.
     ///
     /// # Errors
     /// [`Error::BadQuery`]: the point is not finite, or the distance NaN or negative; it may be infinite.

@@ -169,7 +169,7 @@ pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
 impl<I: Index> World<'_, I> {
     /// Visits the objects whose boxes overlap a region, each once, until the visitor breaks. Same calls, same
     /// order. O(log n + answers + movers since the last step), or O(n) before there is a tree. A visitor that
-    /// panics leaves the world as it was, as do those of [`visit_hits`](Self::visit_hits) and
+    /// panics leaves the world as it was, as do visitors of [`visit_hits`](Self::visit_hits) and
     /// [`visit_nearest`](Self::visit_nearest) and conditions of [`among`](Self::among): queries only look.
     ///
     /// # Errors

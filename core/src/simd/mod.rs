@@ -175,13 +175,14 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn row(self, axis: Self::Axis, record: &Record) -> Row;
 
     /// Prepares a comparison of rows with a record: on each of the two other axes the high bytes of its
-    /// complemented maximum and of its minimum. They are at most those of a row that it touches there.
+    /// complemented maximum and of its minimum. They are at most the same bytes of a row that it touches
+    /// there.
     fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
 
     /// Which of the first `count` rows, at most all, have no byte below the query's: bit `i` for row `i`.
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
-    /// Tests the record at `base >> 16` against four others: those at `base & 0xffff` plus the lowest four
+    /// Tests the record at `base >> 16` against four others, at `base & 0xffff` plus the lowest four
     /// bits of a mask. Writes the pairs that touch and share no mark to the start of `pairs`, in
     /// order, and returns how many there are. What is behind them means nothing. `None` if only the keys can
     /// decide one of the four, or if there are no four.
@@ -209,8 +210,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     }
 
     /// Tests candidates, which are pairs of positions: `high << 16 | low`. Writes the pairs that certainly
-    /// touch and share no mark to the start of `pairs`, in order, and the candidates that only the keys can decide to
-    /// the start of `candidates`. What is behind them means nothing. `pairs` has a place for each candidate.
+    /// touch and share no mark to the start of `pairs`, in order, and the candidates that only the keys can
+    /// decide to the start of `candidates`. What is behind them means nothing. `pairs` has a place for each
+    /// candidate.
     #[inline(always)]
     fn test_candidates<I: Index>(
         self,
@@ -308,7 +310,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
         sides
     }
 
-    /// When a cast enters each of some records, and which it may touch: bit `i` for record `i`. Others have NaN.
+    /// When a cast enters each of some records, and which it may touch: bit `i` for record `i`. Others have
+    /// NaN.
     #[inline(always)]
     fn met(self, records: &[Record; EIGHT], crossing: &Crossing) -> ([f32; EIGHT], u32) {
         let (mut times, mut mask) = ([f32::NAN; EIGHT], 0);

@@ -1,4 +1,4 @@
-//! Saves a world to plain bytes and loads it: for files, for those who join late, and for more room.
+//! Saves a world to plain bytes and loads it: for files, for players who join late, and for more room.
 //!
 //! A snapshot has what cannot be derived: the configuration, the objects, and the last result with what the
 //! next events are compared with. It has no tree and no record: the next step makes these anew. What is not
@@ -23,7 +23,7 @@ type Header = [u64; 3];
 /// The version; it also tells the byte order.
 const MAGIC: u64 = 0x7472_6973_6170_000d;
 
-/// Snapshots: plain bytes, for files, for those who join late, and to go back.
+/// Snapshots: plain bytes, for files, for players who join late, and to go back.
 ///
 /// ```
 /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
@@ -78,13 +78,13 @@ impl<I: Index> World<'_, I> {
     /// read each other's snapshots. O(bytes).
     ///
     /// The next step finds all pairs anew, and tells as events what has changed since the result that was
-    /// saved. The order of pairs and the kinds of later steps may differ from those of the world that was
+    /// saved. The order of pairs and the kinds of later steps may differ from the world's that was
     /// saved; worlds that load the same snapshot go on alike, byte for byte, if their configurations are the
     /// same. Until that step queries look at all objects.
     ///
     /// The checksum notices damage, not intent. Forged bytes with a right checksum are refused, or they are a
-    /// world: each object and each pair of it can be, and the pairs of every step are those of its boxes. The
-    /// saved result and what the events of the first step compare with are as the bytes say.
+    /// world: each object and each pair of it can be, and the pairs of every step are the overlaps of its
+    /// boxes. The saved result and what the events of the first step compare with are as the bytes say.
     ///
     /// # Errors
     /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
@@ -114,9 +114,10 @@ impl<I: Index> World<'_, I> {
     /// Moves the world to other memory and another configuration, smaller ones if all fits. `slab`: as for
     /// [`new_in`](Self::new_in); what was in it is gone. This world stays as it is. O(bytes of the new slab).
     ///
-    /// Everything goes on: ids, boxes, margins, filters, values, rest, the last result, so the next step tells
-    /// what is found and lost since. After [`Error::PairsFull`] it can move to where there is room for the
-    /// pairs; a step there tells events as if there had always been room. The next step finds all pairs anew.
+    /// Everything goes on: ids, boxes, margins, filters, values, rest, the last result, so the next step
+    /// tells what is found and lost since. After [`Error::PairsFull`] it can move to where there is room for
+    /// the pairs; a step there tells events as if there had always been room. The next step finds all pairs
+    /// anew.
     ///
     /// Capacities, workers, the margin of new objects and all choices about speed may change. The mode,
     /// events, filters, values and whether there are margins may not.

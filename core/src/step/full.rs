@@ -1,4 +1,4 @@
-//! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for those of
+//! Steps in which many objects have moved: fill all leaves and sweep them, for all pairs, or for pairs of
 //! moved objects if it pays to keep the others.
 
 use crate::access::Access;

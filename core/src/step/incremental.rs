@@ -48,7 +48,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
 }
 
 /// Takes movers that can meet nobody out of the lists. Returns how many are left, and with how many others in
-/// their leaves those that went are not compared.
+/// their leaves objects that went are not compared.
 fn leave_out<I: Index>(parts: &mut Parts<'_, I>, movers: usize) -> (usize, u64) {
     let [list, _, homes] = &mut parts.order;
     let (mut kept, mut spared) = (0, 0);

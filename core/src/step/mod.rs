@@ -40,8 +40,9 @@ pub(crate) fn find<I: Index>(
     }
 }
 
-/// Finds the overlaps of the boxes as given, after an exact world had no room for those of fat boxes: without
-/// surplus they may fit. Fat boxes are left unused for a while; in a world without a tree for this step.
+/// Finds the overlaps of the boxes as given, after an exact world had no room for overlaps of fat boxes:
+/// without surplus they may fit. Fat boxes are left unused for a while; in a world without a tree for this
+/// step.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,

@@ -101,7 +101,7 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
 
 /// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
 /// has them tried later. All as counts tell. Returns whether other boxes are swept now than objects were
-/// placed by. Boxes with margins that the caller has fixed stay, and those of fat worlds.
+/// placed by. Boxes with margins that the caller has fixed stay, and boxes of fat worlds.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
     let many = u64::from(moved) * MANY_SHARE > live;

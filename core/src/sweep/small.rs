@@ -15,9 +15,9 @@ pub(crate) struct Found {
     pub(crate) candidates: usize,
 }
 
-/// Writes the pairs of overlapping boxes that fit, behind those `found` before: of a list, or of two lists if
-/// the second one has objects. Lists have slots by ascending minimum on the first of two axes; the second one
-/// is tested first. O(n + candidates); candidates are at most n²/2.
+/// Writes the pairs of overlapping boxes that fit, behind the pairs `found` before: of a list, or of two
+/// lists if the second one has objects. Lists have slots by ascending minimum on the first of two axes; the
+/// second one is tested first. O(n + candidates); candidates are at most n²/2.
 pub(crate) fn sweep<I: Index>(
     lists: [&[I]; 2],
     boxes: &[KeyBox],
@@ -26,7 +26,8 @@ pub(crate) fn sweep<I: Index>(
     pairs: &mut [Pair<I>],
     found: &mut Found,
 ) {
-    // A small build has three copies, not six. They test y last: in most scenes few boxes are apart in height.
+    // A small build has three copies, not six. They test y last: in most scenes few boxes are apart in
+    // height.
     match axes {
         [0, 1] if TREE => sweep_along::<I, 0, 1, 2>(lists, boxes, pair_filter, pairs, found),
         [0, _] => sweep_along::<I, 0, 2, 1>(lists, boxes, pair_filter, pairs, found),

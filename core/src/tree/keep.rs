@@ -1,7 +1,8 @@
 //! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought
 //! the other objects' to their records, and the leavers are moved.
 //!
-//! Cells, frames and axes stay too: those of the step that filled all leaves last. No frame loses a pair.
+//! Cells, frames and axes stay too, as the step that filled all leaves last has left them. No frame loses a
+//! pair.
 
 use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::relocate_all;

@@ -21,7 +21,7 @@ pub(crate) fn refit_some<I: Index>(parts: &mut Parts<'_, I>, movers: usize) {
     }
 }
 
-/// Makes the boxes of one whole leaf tight: its own, its sub-leaves' and those of the nodes above.
+/// Makes the boxes of one whole leaf tight: its own, its sub-leaves' and its nodes'.
 fn refit<I: Index>(parts: &mut Parts<'_, I>, whole: usize) {
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;

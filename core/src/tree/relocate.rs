@@ -34,8 +34,8 @@ pub(crate) fn relocate_all<I: Index>(
     (fits && !special) || finish(parts, count, context)
 }
 
-/// Finds the leaf of each mover, for the third of the sorted lists; the large objects, or nothing. Its leaf of
-/// before goes to the first one. Returns whether some are or were not in leaves.
+/// Finds the leaf of each mover, for the third of the sorted lists; the large objects, or nothing. Its leaf
+/// of before goes to the first one. Returns whether some are or were not in leaves.
 fn find_leaves<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepContext<'_>) -> bool {
     let (boxes, homes, tree, state) = (parts.boxes.swept(), &*parts.home, &parts.tree, &*parts.state);
     let [before, movers, leaves] = &mut parts.order;

@@ -78,7 +78,8 @@ fn shape<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The box of each node is valid and holds those below it, since nothing looks below a box that is not met.
+/// The box of each node is valid and holds the boxes below it, since nothing looks below a box that is not
+/// met.
 fn nodes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let nodes = parts.tree.nodes();
     check(nodes.boxes.at(0) == KeyBox::NOTHING, "there is a node zero", 0)?;

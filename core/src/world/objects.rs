@@ -40,7 +40,7 @@ impl<'m, I: Index> World<'m, I> {
     /// ascending order until an object is removed. O(1).
     ///
     /// # Errors
-    /// [`Error::ObjectsFull`], or those of [`Object::check`]: [`Error::BadBox`] for a box alone.
+    /// [`Error::ObjectsFull`], or what [`Object::check`] gives: [`Error::BadBox`] for a box alone.
     #[doc(alias("create_proxy", "add"))]
     pub fn insert(&mut self, object: impl Into<Object>) -> Result<Id, Error> {
         let object = object.into();
@@ -53,7 +53,8 @@ impl<'m, I: Index> World<'m, I> {
     /// generation is this world's. O(free slots), and O(slots below) where it is the highest so far.
     ///
     /// # Errors
-    /// [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot; those of [`Object::check`].
+    /// [`Error::SlotTaken`]; [`Error::ObjectsFull`] where there is no such slot; what [`Object::check`]
+    /// gives.
     pub fn insert_at(&mut self, slot: u32, object: impl Into<Object>) -> Result<Id, Error> {
         let object = object.into();
         let bounds = object.bounds(self.parts.config())?;

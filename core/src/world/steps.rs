@@ -64,7 +64,7 @@ impl<'m, I: Index> World<'m, I> {
 
     /// As [`step`](Self::step), after giving every object the box at its slot in `bounds`, the caller's own
     /// array: one pass, no copy. Boxes at slots without an object do not matter. Objects beyond the end of
-    /// the array keep their boxes, and so do those whose new box is refused (see [`Step::rejected`]).
+    /// the array keep their boxes, and so do objects whose new box is refused (see [`Step::rejected`]).
     ///
     /// # Errors
     /// [`Error::PairsFull`]. It does not tell about refused boxes; another step over the same array does.
@@ -235,7 +235,7 @@ impl<I: Index> World<'_, I> {
     /// and their past are: as a solver needs that takes contacts in order and has to agree with another
     /// machine. After [`Error::PairsFull`](crate::Error::PairsFull) nothing is done.
     ///
-    /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as those at
+    /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as pairs at
     /// rest are no longer set aside.
     ///
     /// ```

@@ -144,7 +144,7 @@ pub(crate) struct PairState {
     /// `persistent`.
     pub(crate) parked: u32,
     pub(crate) surplus_parked: u32,
-    /// In a step that keeps pairs: where these end at the front of the pair buffer, and where those of the
+    /// In a step that keeps pairs: where these end at the front of the pair buffer, and where pairs of the
     /// last result do among them. Surplus is between.
     pub(crate) kept: u32,
     pub(crate) kept_result: u32,
@@ -167,7 +167,7 @@ impl PairState {
         start..start + self.reported as usize
     }
 
-    /// How many pairs of the step before stand in the other buffer: those that are lost; if the last step had
+    /// How many pairs of the step before stand in the other buffer: the lost ones; if the last step had
     /// no room for its pairs, all that are not parked.
     pub(crate) const fn previous(&self) -> u64 {
         if self.complete != 0 { self.lost } else { self.previous }

@@ -178,7 +178,8 @@ pub(crate) trait Halves: Vectors {
     fn kept64(self, a: Self::Vector, mask: u32, to: &mut [[u8; 16]; 2]);
 }
 
-/// For each mask of four lanes, of so many parts together, the places of the parts of those that it keeps.
+/// For each mask of four lanes, of so many parts together, the places of the parts of the lanes that it
+/// keeps.
 pub(crate) const fn kept<const PARTS: usize>() -> [[u8; PARTS]; 16] {
     let mut table = [[0; PARTS]; 16];
     let mut mask = 0;
