@@ -7,8 +7,9 @@ import { Memory } from "./memory.js";
 
 /** Numbers of `trisap_status`. */
 export const STATUS = {
-  OK: 0, CAPACITY_TOO_LARGE: 9, BAD_MARGIN: 10, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14, CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17,
-  BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24, NO_MARGINS: 25, SLOT_TAKEN: 26,
+  OK: 0, MEMORY_TOO_SMALL: 6, CAPACITY_TOO_LARGE: 9, BAD_MARGIN: 10, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14,
+  CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17, BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24,
+  NO_MARGINS: 25, SLOT_TAKEN: 26,
 };
 /** Floats of a box. */
 export const BOX = 6;
@@ -28,9 +29,7 @@ const ANSWER = 384;
 const STATS = 512;
 const OUT = 640;
 
-// Fields of `trisap_boxes` and `trisap_config` on a machine with pointers of four bytes.
-const BOXES_FIRST = 8;
-const BOXES_COUNT = 16;
+/** A field of `trisap_config`. */
 const CONFIG_PAIRS = 12;
 
 export class Calls {
@@ -132,11 +131,7 @@ export class Calls {
 
   /** The view of boxes for a call. */
   boxes(first, count) {
-    const at = this.memory.structs + BOXES;
-    this.calls.trisap_default_boxes(at, first, 0);
-    this.memory.view.setUint32(at + BOXES_FIRST, first, true);
-    this.memory.view.setUint32(at + BOXES_COUNT, count, true);
-    return at;
+    return this.memory.boxesAt(this.memory.structs + BOXES, first, count);
   }
 
   /** Writes one box for a call. */

@@ -11,6 +11,9 @@ const PAGE = 65536;
 /** What the structs of a call take at most. */
 const STRUCTS = 1024;
 const NO_MEMORY = 0xffff_ffff;
+// Fields of `trisap_boxes` on a machine with pointers of four bytes.
+const BOXES_FIRST = 8;
+const BOXES_COUNT = 16;
 /** Calls that a module lacks. */
 const ABSENT = new Proxy({}, {
   get(_, name) {
@@ -58,6 +61,14 @@ export class Memory {
     const room = align(world + worldBytes, 16);
     this.#reach(room + roomBytes);
     Object.assign(this, { boxes: from, world, room, roomBytes });
+  }
+
+  /** Writes a view of boxes for a call to an address. */
+  boxesAt(at, first, count) {
+    this.calls.trisap_default_boxes(at, first, 0);
+    this.view.setUint32(at + BOXES_FIRST, first, true);
+    this.view.setUint32(at + BOXES_COUNT, count, true);
+    return at;
   }
 
   /** The text at an address, which ends with a zero. */

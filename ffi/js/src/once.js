@@ -1,17 +1,14 @@
 // Pairs of boxes that are there once: no world to keep, no room to guess.
 
-import { BOX } from "./calls.js";
+import { BOX, STATUS } from "./calls.js";
 import { BadBoxError, InvalidArgumentError, OutOfMemoryError, TrisapError } from "./errors.js";
 import { Memory } from "./memory.js";
 
-const STATUS = { OK: 0, MEMORY_TOO_SMALL: 6, BAD_BOX: 12 };
 // Where the structs of the call stand, and what is in them on a machine with pointers of four bytes.
 const SECOND = 64;
 const BYTES = 128;
 const PAIRS = 132;
 const COUNT = 136;
-const BOXES_FIRST = 8;
-const BOXES_COUNT = 16;
 
 /** The pairs of boxes, or of a box of each side, in an instance of the module that goes afterwards. */
 export async function find({ module }, boxes, others) {
@@ -28,14 +25,8 @@ export async function find({ module }, boxes, others) {
   memory.lay(from, all, 0, 0);
   new Float32Array(memory.buffer, from, boxes.length).set(boxes);
   new Float32Array(memory.buffer, from + 4 * boxes.length, others?.length ?? 0).set(others ?? []);
-  const view = (at, first, count) => {
-    calls.trisap_default_boxes(at, first, 0);
-    memory.view.setUint32(at + BOXES_FIRST, first, true);
-    memory.view.setUint32(at + BOXES_COUNT, count, true);
-    return at;
-  };
-  const a = view(structs, from, counts[0]);
-  const b = others === undefined ? 0 : view(structs + SECOND, from + 4 * boxes.length, counts[1]);
+  const a = memory.boxesAt(structs, from, counts[0]);
+  const b = others === undefined ? 0 : memory.boxesAt(structs + SECOND, from + 4 * boxes.length, counts[1]);
   let world = 0;
   for (;;) {
     const status = calls.trisap_pairs(a, b, 0, world, structs + BYTES, structs + PAIRS, structs + COUNT);
