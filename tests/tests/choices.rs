@@ -159,13 +159,17 @@ const MARGIN: f32 = 0.2;
 
 /// Boxes that go on in directions of their own, by so much of their side in each frame, and shiver a little.
 fn drift(by: f32, steps: usize) -> Vec<Vec<Aabb>> {
+    going(by, 0.001, steps)
+}
+
+fn going(by: f32, shiver: f32, steps: usize) -> Vec<Vec<Aabb>> {
     let mut rng = Rng::new(5);
     let mut boxes = scenes::uniform(COUNT, 4);
     let ways: Vec<_> = boxes.iter().map(|_| rng.in_ball()).collect();
     let mut frames = vec![boxes.clone()];
     for _ in 0..steps {
         for (aabb, way) in boxes.iter_mut().zip(&ways) {
-            let shiver = rng.point(-0.001, 0.001);
+            let shiver = rng.point(-shiver, shiver);
             *aabb = shifted(aabb, [0, 1, 2].map(|k| by * way[k] + shiver[k]));
         }
         frames.push(boxes.clone());
@@ -194,11 +198,21 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
     }
 }
 
+/// Their boxes are several times as large, and most steps are quiet all the same.
+#[test]
+fn predicted_boxes_hold_what_goes_on_far() {
+    let config = Config::new(ample(COUNT, 20 * COUNT));
+    for config in [config, config.with_events()] {
+        let steps = quiet(&on_every_setup(config, &drift(0.2, 24), &Jobs::USUAL));
+        assert!(steps >= 16, "{steps} quiet steps of 24");
+    }
+}
+
 #[test]
 fn predicted_boxes_are_left_unused_where_all_move_far() {
     let config = Config::new(ample(COUNT, 20 * COUNT));
     for config in [config, config.with_events()] {
-        let outcomes = on_every_setup(config, &drift(0.7, 20), &Jobs::USUAL);
+        let outcomes = on_every_setup(config, &going(0.0, 0.7, 20), &Jobs::USUAL);
         let used = outcomes.iter().filter(|outcome| outcome.stats.surplus > 0).count();
         assert!(used <= if config.events { 1 } else { 2 }, "in use in {used} steps");
     }

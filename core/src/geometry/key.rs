@@ -164,47 +164,61 @@ impl KeyBox {
     /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where
     /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
-        let mut fat = *self;
-        if length < SHORTEST {
-            return fat;
-        }
-        for k in 0..3 {
-            let low = value(self.min[k]) - length;
-            let high = value(self.max[k]) + length;
-            fat.min[k] = key(low.max(f32::MIN)).min(self.min[k]);
-            fat.max[k] = key(high.min(f32::MAX)).max(self.max[k]);
-        }
+        let [fat] = Self::swept(&[*self], &[*self], [[0.0, flushed(length)]]);
         fat
     }
 
-    /// A box that holds this one and, if it goes on as it came from `old`, the next [`AHEAD`], each with a
-    /// little around it, at least `margin`: a share of its smallest side. A motion beyond that predicts
-    /// nothing.
-    pub(crate) fn predicted(&self, old: &Self, margin: f32) -> Self {
-        let [keys, old] = [*self, *old].map(bytemuck::cast::<KeyBox, [i32; 6]>);
-        let mut smallest = f32::MAX;
-        for k in 0..3 {
-            let side = length(self.min[k], self.max[k]);
-            // False for NaN. A flat box has the size of its other sides.
-            if side > 0.0 && side < smallest {
-                smallest = side;
-            }
+    /// Boxes that hold each of some boxes and, if it goes on as it came from an old one, the next [`AHEAD`],
+    /// each with a little around it, at least a margin: a share of its smallest side. A motion beyond that
+    /// predicts nothing.
+    #[inline(always)]
+    pub(crate) fn predicted<const N: usize>(
+        now: &[Self; N],
+        old: &[Self; N],
+        margins: [f32; N],
+    ) -> [Self; N] {
+        let mut reach = [[0.0; 2]; N];
+        for ((reach, now), margin) in reach.iter_mut().zip(now).zip(margins) {
+            let smallest = now.smallest_extent();
+            let size = if smallest < f32::MAX { smallest } else { 0.0 };
+            *reach = [size, flushed(margin.max(size * AROUND))];
         }
-        let size = if smallest < f32::MAX { smallest } else { 0.0 };
-        let around = flushed(margin.max(size * AROUND));
-        let mut swept = keys;
-        for side in 0..6 {
-            let step = value(keys[side]) - value(old[side]);
-            let step = if step.abs() >= SHORTEST && step.abs() <= size { step * AHEAD } else { 0.0 };
-            let by = if side < 3 { step.min(0.0) - around } else { step.max(0.0) + around };
-            if by != 0.0 {
-                let to = value(keys[side]) + by;
-                let to = key(if side < 3 { to.max(f32::MIN) } else { to.min(f32::MAX) });
-                // Infinite sides stay, and so does one that rounding would move inwards.
-                swept[side] = if side < 3 { to.min(keys[side]) } else { to.max(keys[side]) };
-            }
+        Self::swept(now, old, reach)
+    }
+
+    /// The same with so much around each, where a side that has gone further predicts nothing. All sides are
+    /// alike and there are no branches, for the sake of vectors.
+    #[inline(always)]
+    fn swept<const N: usize>(now: &[Self; N], old: &[Self; N], reach: [[f32; 2]; N]) -> [Self; N] {
+        let mut swept = *now;
+        let (most, around) = (reach.map(|[most, _]| [most; 6]), reach.map(|[_, around]| [around; 6]));
+        let inwards = [[-1, -1, -1, 0, 0, 0]; N];
+        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut swept);
+        let old: &[i32] = bytemuck::cast_slice(old);
+        let (most, around) = (most.as_flattened(), around.as_flattened());
+        for ((((side, old), most), around), sign) in
+            sides.iter_mut().zip(old).zip(most).zip(around).zip(inwards.as_flattened())
+        {
+            // Minima with the other sign, so that outwards is up.
+            let turned = |key: i32| (key ^ sign).wrapping_sub(*sign);
+            let now = value(turned(*side));
+            let step = now - value(turned(*old));
+            let step = if (step >= SHORTEST) & (step <= *most) { step * AHEAD } else { 0.0 };
+            let to = now + (step + around);
+            // Infinite sides stay, and so does one that rounding would move inwards.
+            let to = key(if to < f32::MAX { to } else { f32::MAX }).max(turned(*side));
+            *side = turned(to);
         }
-        bytemuck::cast(swept)
+        swept
+    }
+
+    /// The smallest side that is not flat, as a flat box has the size of its other sides. The largest float
+    /// if there is none.
+    #[inline(always)]
+    pub(crate) fn smallest_extent(&self) -> f32 {
+        let sides = [0, 1, 2].map(|k| length(self.min[k], self.max[k]));
+        // False for NaN.
+        sides.into_iter().fold(f32::MAX, |least, side| if side > 0.0 && side < least { side } else { least })
     }
 
     /// The largest side; infinite if the box is unbounded.

@@ -211,7 +211,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
                     before.put(at % 32, fat.reported(*mode, at, &old));
                 }
                 if fat.exist() {
-                    contained |= u32::from(fat.follow(simd, at, old, &bounds)) << (at % 32);
+                    contained |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
                 }
                 *old = bounds;
                 changed |= 1 << 31;
@@ -295,10 +295,11 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
         if quiet.is_some() {
             fat.motions.moved_inside_margin |= others != 0;
             contained |= others << first;
+        } else if FAT && fat.renew_four(word + first, old, &new, others) {
         } else if FAT && fat.exist() {
             for bit in bits::of_word(others) {
                 let (old, new) = (KeyBox::of(old, bit), KeyBox::of(&new, bit));
-                contained |= u32::from(fat.follow(simd, word + first + bit, old, new)) << (first + bit);
+                contained |= u32::from(fat.follow(word + first + bit, old, new)) << (first + bit);
             }
         }
         *old = new;

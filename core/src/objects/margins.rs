@@ -4,12 +4,11 @@
 //! All are made anew at once when some objects have left theirs, so that most steps are quiet. Where they do
 //! not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::config::{FAT, Margin, Mode, TREE};
-use crate::geometry::key::{KeyBox, length};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
-use crate::simd::Simd;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
@@ -54,8 +53,8 @@ impl FatBoxes<'_> {
 
     /// Gives an object another box. Returns whether it stays in its fat box.
     #[inline(always)]
-    pub(crate) fn follow<S: Simd>(&mut self, simd: S, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let contained = simd.contains(KeyBox::of(self.boxes, at), bounds);
+    pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        let contained = KeyBox::of(self.boxes, at).contains(bounds);
         self.motions.outran += u32::from(!contained);
         if contained && !self.renews {
             self.motions.moved_inside_margin = true;
@@ -63,6 +62,31 @@ impl FatBoxes<'_> {
         }
         self.boxes.put(at, Self::made(TREE && self.predicted, self.margin(at), old, bounds));
         false
+    }
+
+    /// The same for those of four objects whose bit is set, where all get predicted boxes. Returns whether it
+    /// has done so.
+    #[inline(always)]
+    pub(crate) fn renew_four(
+        &mut self,
+        at: usize,
+        old: &[KeyBox; 4],
+        new: &[KeyBox; 4],
+        others: u32,
+    ) -> bool {
+        let four = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut::<4>());
+        let Some(fat) = four.filter(|_| TREE && self.predicted && self.renews) else { return false };
+        let margins = self.margins.get(at..).and_then(|margins| margins.first_chunk());
+        let next = KeyBox::predicted(new, old, margins.copied().unwrap_or_default());
+        for (bit, (fat, new)) in fat.iter().zip(new).enumerate() {
+            self.motions.outran += others >> bit & u32::from(!fat.contains(new));
+        }
+        if others == 0b1111 {
+            *fat = next;
+        } else {
+            bits::of_word(others).for_each(|bit| fat.put(bit, *KeyBox::of(&next, bit)));
+        }
+        true
     }
 
     /// Forgets a fat box that has become far too wide for a box, which is to get one around it then.
@@ -74,8 +98,13 @@ impl FatBoxes<'_> {
     }
 
     /// The fat box of an object that has come from an old box.
+    #[inline(always)]
     pub(crate) fn made(predicts: bool, margin: f32, old: &KeyBox, bounds: &KeyBox) -> KeyBox {
-        if predicts { bounds.predicted(old, margin) } else { bounds.grown(margin) }
+        if !predicts {
+            return bounds.grown(margin);
+        }
+        let [fat] = KeyBox::predicted(&[*bounds], &[*old], [margin]);
+        fat
     }
 }
 
@@ -88,6 +117,7 @@ pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
         }
     }
     parts.boxes.tight = true;
+    parts.state.tree.unweighed = 1;
 }
 
 /// Uses fat boxes again. An object has another one than its box from its next box on. O(slots).
@@ -97,6 +127,8 @@ pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
         *fat = if now.is_empty() { KeyBox::EMPTY } else { *now };
     }
     parts.boxes.tight = false;
+    // What planes are worth is told by steps of such boxes alone, from the next one on.
+    parts.state.tree.unweighed = 2;
 }
 
 /// A fat box so many times as wide as the box and its margin is far too wide. No predicted one is at first.
@@ -107,15 +139,7 @@ const FLATTEST: f32 = 8.0;
 
 /// The length of a margin for a box (erratum E2). An unbounded box counts as size zero.
 pub(crate) fn margin_length(margin: &Margin, bounds: &KeyBox) -> f32 {
-    let largest = bounds.largest_extent();
-    let mut smallest = f32::MAX;
-    for k in 0..3 {
-        let side = length(bounds.min[k], bounds.max[k]);
-        // The size of a flat box is that on its other axes.
-        if side > 0.0 && side < smallest {
-            smallest = side;
-        }
-    }
+    let (largest, smallest) = (bounds.largest_extent(), bounds.smallest_extent());
     let size = if largest > f32::MAX { 0.0 } else { largest.min(FLATTEST * smallest) };
     (margin.per_extent * size).max(margin.min).min(margin.max)
 }

@@ -12,7 +12,6 @@ use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
 use crate::memory::state::ObjectState;
 use crate::objects::margins::{FatBoxes, Motions};
-use crate::simd::scalar::Scalar;
 
 /// The arrays of some consecutive slots. Positions count from the first of them.
 pub(crate) struct Objects<'o> {
@@ -112,7 +111,7 @@ impl Objects<'_> {
             self.keep(at);
             self.now.put(at, bounds);
             self.fat.forget_wide(at, &bounds);
-            let contained = self.fat.exist() && self.fat.follow(Scalar, at, &old, &bounds);
+            let contained = self.fat.exist() && self.fat.follow(at, &old, &bounds);
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
     }

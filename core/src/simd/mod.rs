@@ -107,13 +107,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
         None
     }
 
-    /// As [`KeyBox::contains`].
-    #[inline(always)]
-    fn contains(self, held: &KeyBox, inner: &KeyBox) -> bool {
-        let (held, inner) = (self.keys(held), self.keys(inner));
-        self.above(held, inner) & MINIMA | self.above(inner, held) & MAXIMA == 0
-    }
-
     /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 

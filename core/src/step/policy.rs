@@ -4,7 +4,7 @@
 use crate::access::Access;
 use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY, Mode};
 use crate::geometry::boxes::Boxes;
-use crate::geometry::key::{KeyBox, length};
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::TRIAL;
 use crate::memory::slab::{BoxParts, Parts};
@@ -46,12 +46,10 @@ const LEAST_AGE: u32 = 3;
 const SAMPLE: usize = 64;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
-/// Fat boxes do not pay if half of them are so many times as large as the boxes.
-const MOST_GROWTH: f32 = 2.0;
 /// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
 const CROWD: u64 = 8;
-/// Steps without them after that: the first time, and at most. In the [last ones](TRIAL) some are tried.
-const PAUSES: [u8; 2] = [16, 64];
+/// Steps without them after that. In the [last ones](TRIAL) some are tried.
+const PAUSE: u8 = 64;
 
 /// What a step costs beyond a quiet one, if so many objects have left their fat boxes.
 fn upkeep(state: &State, moved: u64) -> u64 {
@@ -95,7 +93,7 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
         !held.is_empty() && new.is_some_and(|new| !held.contains(&new))
     });
     if is_due(&parts.state.step, age, upkeep(parts.state, moved)) {
-        (parts.state.step.renews, parts.state.step.margins_after) = (1, 0);
+        parts.state.step.renews = 1;
     }
 }
 
@@ -126,7 +124,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     }
     (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
     step.renews = step.renews.saturating_sub(1);
-    if !is_known || !crowded && (moved == 0 || new && (has_margin || !many || !are_swollen(parts))) {
+    if !is_known || !crowded && (moved == 0 || new) {
         return false;
     }
     let step = &mut parts.state.step;
@@ -137,7 +135,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
         return true;
     }
     if crowded || is_due(step, step.age, cost) {
-        (step.renews, step.margins_after) = (1, 0);
+        step.renews = 1;
     }
     step.spent = step.spent.saturating_add(cost as u16);
     false
@@ -167,43 +165,22 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
         false
     });
     let cost = upkeep(parts.state, left);
-    let swollen = steps == 1 && parts.config().margin.is_none() && are_swollen(parts);
     let step = &mut parts.state.step;
     step.margins_in -= 1;
     if steps >= 2 && pays(step, u32::from(steps) - 2, cost) {
         (step.margins_in, step.renews) = (0, 1);
         margins::use_again(parts);
-    } else if step.margins_in == 0 || swollen {
-        lengthen_pause(step);
+    } else if step.margins_in == 0 {
+        step.margins_in = PAUSE;
     } else {
         step.spent += cost as u16;
     }
 }
 
-/// Whether most fat boxes are so much larger than the boxes that they cost more than they spare.
-fn are_swollen<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let BoxParts { now, fat, tight, .. } = &parts.boxes;
-    let slots = if *tight { parts.state.step.age } else { parts.state.objects.slots };
-    let swollen = estimate(slots as usize, |&slot| {
-        let growth = |k: usize| {
-            let [side, fat] = [now.at(slot), fat.at(slot)].map(|of| length(of.min[k], of.max[k]));
-            // Not of flat and unbounded ones.
-            if side > 0.0 && fat < f32::MAX { fat / side } else { 1.0 }
-        };
-        growth(0) * growth(1) * growth(2) > MOST_GROWTH
-    });
-    2 * swollen > u64::from(slots)
-}
-
 /// Leaves fat boxes unused for some steps.
 pub(crate) fn pause<I: Index>(parts: &mut Parts<'_, I>) {
-    lengthen_pause(&mut parts.state.step);
+    parts.state.step.margins_in = PAUSE;
     margins::leave_unused(parts);
-}
-
-fn lengthen_pause(StepState { margins_in, margins_after, .. }: &mut StepState) {
-    *margins_after = margins_after.saturating_mul(2).clamp(PAUSES[0], PAUSES[1]);
-    *margins_in = *margins_after;
 }
 
 /// The path for a number of moved objects, and why.
@@ -294,15 +271,14 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     context: StepContext<'_>,
 ) {
     let (few, due) = match parts.config().forced.of(FINE_LEAVES) {
-        None => (are_few(parts.state, moved), CALM),
+        // Nor are there few that move while many do inside their fat boxes: a full step comes next.
+        None => (are_few(parts.state, moved.max(parts.changed.count())), CALM),
         Some(true) => (true, 1),
         Some(false) => return,
     };
     // Leaves of which a full step comes next are not divided.
     let calm = few && matches!(path, Path::Unchanged | Path::Movers) && parts.state.step.renews == 0;
-    // Nor while all that moves stays in its fat box: many leave theirs in one of the next steps.
-    let waits = moved == 0 && parts.state.objects.moved_inside_margin != 0;
-    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm || waits {
+    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm {
         return;
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);

@@ -138,7 +138,7 @@ pub(crate) fn weigh(state: &mut State, in_vain: u64, copies: u64) {
     let (tree, live) = (&mut state.tree, u64::from(state.objects.live));
     if tree.unweighed != 0 {
         (tree.baseline_work, tree.baseline_copies) = (in_vain, copies);
-        (tree.heavy, tree.unweighed) = (0, 0);
+        (tree.heavy, tree.unweighed) = (0, tree.unweighed - 1);
         return;
     }
     let is_heavy = in_vain > HEAVY.saturating_mul(tree.baseline_work).saturating_add(live)

@@ -50,7 +50,7 @@ impl State {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
             pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
-            step: StepState { calm: 0, kept: 0, margins_in: 0, margins_after: 0, ..self.step },
+            step: StepState { calm: 0, kept: 0, margins_in: 0, ..self.step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             stepping: 0,

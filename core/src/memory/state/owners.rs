@@ -89,7 +89,7 @@ pub(crate) struct TreeState {
     pub(crate) heavy: u8,
     /// The depth of the tree of large objects.
     pub(crate) large_depth: u8,
-    /// Whether no full step has been weighed since the whole tree was made.
+    /// Full steps that are weighed anew, after the whole tree was made or other boxes are swept.
     pub(crate) unweighed: u8,
 }
 
@@ -195,8 +195,7 @@ pub(crate) struct StepState {
     pub(crate) calm: u8,
     /// Steps until fat boxes are used again; zero where they are.
     pub(crate) margins_in: u8,
-    /// How many it will be the next time.
-    pub(crate) margins_after: u8,
+    pub(crate) unused: u8,
     /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have
     /// kept them since all were filled.
     pub(crate) kept: u8,

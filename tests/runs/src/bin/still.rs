@@ -54,7 +54,7 @@ fn recorded() -> Vec<Case> {
     let all = engine.into_iter().chain(recordings::all()).map(|recording| {
         let count = recording.frames.len();
         // Where there are few, there and back: there all turn at once.
-        let take = if count < 20 { FRAMES + WARM } else { count };
+        let take = if count < 30 + WARM { FRAMES + WARM } else { count };
         let frames = (0..count).chain((0..count).rev()).cycle().take(take);
         over(recording.name.clone(), frames.map(|frame| recording.boxes(frame)).collect())
     });
@@ -282,7 +282,7 @@ fn main() {
     cases.extend([8000, 128_000].map(|count| synthetic(Kind::Brownian, Objects::Cubes, count)));
     cases.extend([1000, 8000].map(|count| synthetic(Kind::FreeFall, Objects::Cubes, count)));
     cases.push(synthetic(Kind::Gravity, Objects::Assorted, 8000));
-    cases.extend([0.0, 0.001, 0.01, 0.03, 0.1].map(speed));
+    cases.extend([0.0, 0.001, 0.01, 0.03, 0.1, 0.3, 0.9].map(speed));
     cases.extend(by_id);
     cases.extend([others(10), others(60), window(false), window(true), spawn(false), spawn(true)]);
     println!(
