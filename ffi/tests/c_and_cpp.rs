@@ -145,6 +145,17 @@ fn cpp17_and_cpp20() {
     }
 }
 
+/// A pool of a library, shared by several worlds.
+#[test]
+fn jobs_of_tbb() {
+    if !Path::new("/usr/include/oneapi/tbb").exists() {
+        skip("libtbb-dev is not installed: no world shares tasks with oneTBB");
+        return;
+    }
+    let program = Program::cpp("-std=c++17", "jobs.cpp", "jobs_tbb").with(["-O2", "-DWITH_TBB"]);
+    succeed(&mut program.with(STATIC).with(["-ltbb"]).build());
+}
+
 #[test]
 fn recorded_pairs_are_those_of_brute_force() {
     // Brute force takes its time under the sanitizers: a few frames there, all of them without.

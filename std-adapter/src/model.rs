@@ -91,13 +91,8 @@ impl Workers {
         let mut asked: Vec<u64> = (0..1000).map(|_| clock()).collect();
         asked = asked.windows(2).map(|two| two[1] - two[0]).collect();
         asked.sort_unstable();
-        let now = RefCell::new((Stage::Intake, clock(), Course::default()));
+        let now = RefCell::new((Stage::Done, clock(), Course::default()));
         Self { count, wake, clock, asking: asked[asked.len() / 2], now }
-    }
-
-    /// A step begins. Without this, the time since the last one counts as its own.
-    pub fn begin(&self) {
-        *self.now.borrow_mut() = (Stage::Intake, (self.clock)(), Course::default());
     }
 
     /// What the step cost that ended last.
@@ -156,7 +151,10 @@ impl Executor for Workers {
 
     fn enter(&self, stage: Stage) {
         self.note_serial();
-        self.now.borrow_mut().0 = stage;
+        let (last, _, course) = &mut *self.now.borrow_mut();
+        if std::mem::replace(last, stage) == Stage::Done {
+            *course = Course::default();
+        }
     }
 }
 

@@ -15,6 +15,9 @@
 #include <thread>
 #include <trisap.hpp>
 #include <utility>
+#ifdef WITH_TBB
+#include <trisap_jobs/tbb.hpp>
+#endif
 
 enum { OBJECTS = 6000, STEPS = 6 };
 
@@ -272,8 +275,35 @@ static void readers() {
     CHECK_OK(world.validate());
 }
 
+#ifdef WITH_TBB
+/// One arena, for a world of the calling thread and for several worlds in tasks of their own.
+static void tasks_of_tbb(const std::vector<unsigned char> &expected) {
+    for (int workers : {2, 4, 8}) {
+        oneapi::tbb::task_arena arena(workers);
+        const auto play_once = [&arena] {
+            auto jobs = trisap::jobs_of(arena);
+            const trisap_jobs c = jobs.c();
+            return play(&c);
+        };
+        CHECK(play_once() == expected);
+        std::vector<std::vector<unsigned char>> seen(5);
+        arena.execute([&] {
+            oneapi::tbb::task_group worlds;
+            for (std::vector<unsigned char> &bytes : seen) {
+                worlds.run([&bytes, &play_once] { bytes = play_once(); });
+            }
+            worlds.wait();
+        });
+        CHECK(std::all_of(seen.begin(), seen.end(), [&](const auto &bytes) { return bytes == expected; }));
+    }
+}
+#endif
+
 int main() {
     const std::vector<unsigned char> expected = play(nullptr);
+#ifdef WITH_TBB
+    tasks_of_tbb(expected);
+#endif
     CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
 
     std::atomic<int> calls = 0;

@@ -1,5 +1,5 @@
 //! Steps are cut into blocks for many workers: gates by counts, in a model of workers that run in turns. What a step would take is
-//! printed by `cargo run --release -p trisap-runs --bin workers`.
+//! printed by `trisap run --workers-model`.
 
 use trisap::model::{Course, Job, Workers, blocks};
 use trisap_core::{Boxes, Capacity, Config, Kernels, Serial, Stage, World};
@@ -24,7 +24,6 @@ fn step(count: usize, workers: u32) -> Course {
         scene.advance();
         let [alone, together] = &mut worlds;
         alone.on(&Serial).step_over(Boxes::new(scene.boxes())).expect("room for all");
-        executor.begin();
         together.on(&executor).step_over(Boxes::new(scene.boxes())).expect("room for all");
         assert!(alone.pairs() == together.pairs(), "other pairs");
         assert!(alone.found() == together.found() && alone.lost() == together.lost(), "other events");

@@ -109,6 +109,12 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Print what a step would take with 1 to 32 workers, by stage: a model, beside two threads of this machine.
+    #[arg(long, conflicts_with_all = ["check", "json", "dump_svg", "threads"])]
+    pub(crate) workers_model: bool,
+    /// With it, also the jobs of a step and its serial parts, in microseconds.
+    #[arg(long, requires = "workers_model")]
+    pub(crate) jobs: bool,
     /// Draw a frame, counted from 0, cut through its middle across its thinnest axis: the leaves and planes of the tree, and
     /// the boxes.
     #[arg(long, num_args = 2, value_names = ["FRAME", "FILE.svg"])]

@@ -22,6 +22,7 @@ mod stopwatch;
 mod summary;
 mod tally;
 mod view;
+mod workers;
 
 use clap::Parser;
 use std::io;

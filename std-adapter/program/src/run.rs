@@ -11,6 +11,7 @@ use crate::source::Source;
 use crate::stopwatch::StageTimes;
 use crate::summary::{Bytes, Check, Counts, Settings, Summary, Times, after_first};
 use crate::tally::Tally;
+use crate::workers;
 use anyhow::{Context, Result};
 use std::io::stdout;
 use std::time::Duration;
@@ -22,6 +23,11 @@ const FAT_MARGIN: f32 = 0.1;
 pub(crate) fn run(args: &RunArgs) -> Result<Outcome> {
     let engine = Engine::new(&args.engine)?;
     let mut source = Source::of(&args.scene, args.frames)?;
+    if args.workers_model {
+        let config = config(args, source.objects());
+        workers::print(&mut source, config, &args.engine, args.jobs)?;
+        return Ok(Outcome::Good);
+    }
     let dump = args.dump_svg.as_deref().map(|values| Dump::new(values, source.frames())).transpose()?;
     let config = config(args, source.objects());
     let (mode, events) = (config.mode, config.events);

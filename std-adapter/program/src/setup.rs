@@ -3,6 +3,7 @@
 use crate::args::EngineArgs;
 use anyhow::{Context, Result, anyhow};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use trisap::model::{Workers, nanoseconds};
 use trisap::{Executor, Kernels, Rayon, Serial};
 
 /// What to step with.
@@ -10,7 +11,12 @@ pub(crate) struct Engine {
     pub(crate) kernels: Kernels,
     pub(crate) threads: u32,
     pool: Option<ThreadPool>,
+    /// Modelled workers, in place of threads.
+    pub(crate) model: Option<Workers>,
 }
+
+/// Nanoseconds after a job is on offer until other workers than the caller begin, in models.
+pub(crate) const WAKE: u64 = 2_000;
 
 impl Engine {
     pub(crate) fn new(args: &EngineArgs) -> Result<Self> {
@@ -22,14 +28,21 @@ impl Engine {
                 Some(pool.context("cannot start threads")?)
             }
         };
-        Ok(Self { kernels: kernels(&args.kernels)?, threads: args.threads, pool })
+        Ok(Self { kernels: kernels(&args.kernels)?, threads: args.threads, pool, model: None })
+    }
+
+    /// A model of so many workers.
+    pub(crate) fn modelled(args: &EngineArgs, workers: u32) -> Result<Self> {
+        let model = Some(Workers::new(workers, WAKE, nanoseconds));
+        Ok(Self { kernels: kernels(&args.kernels)?, threads: workers, pool: None, model })
     }
 
     /// Calls `f` with an executor of as many workers as threads were asked for.
     pub(crate) fn with_executor<T>(&self, f: impl FnOnce(&dyn Executor) -> T) -> T {
-        match &self.pool {
-            None => f(&Serial),
-            Some(pool) => f(&Rayon::in_pool(pool)),
+        match (&self.model, &self.pool) {
+            (Some(model), _) => f(model),
+            (None, None) => f(&Serial),
+            (None, Some(pool)) => f(&Rayon::in_pool(pool)),
         }
     }
 }

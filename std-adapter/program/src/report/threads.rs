@@ -2,12 +2,16 @@
 
 use super::clip::Clip;
 use super::lab::{Lab, exact};
-use super::result::{Bars, Section, Table, Value, Verdict, milliseconds};
+use super::result::{Axis, Bars, Figure, Section, Series, Table, Value, Verdict, milliseconds};
+use crate::args::EngineArgs;
 use crate::figures::median;
 use crate::setup::fits_u16;
+use crate::source::Source;
 use crate::stopwatch::{StageTime, Stopwatch};
+use crate::workers;
 use anyhow::{Context, Result};
 use std::time::{Duration, Instant};
+use trisap::model::Course;
 use trisap::scene::{Kind, Objects};
 use trisap::{Boxes, Config, Executor, Index, OwnedWorld, Rayon, Serial, Stage};
 
@@ -67,9 +71,9 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
         ],
         rows: Vec::new(),
     };
-    let mut bars = Vec::new();
-    lab.expect(2 * lab.plan.shared_sizes.len());
-    for &count in &lab.plan.shared_sizes {
+    let (mut bars, mut lines) = (Vec::new(), Vec::new());
+    lab.expect(3 * lab.plan.shared_sizes.len());
+    for (colour, &count) in lab.plan.shared_sizes.iter().enumerate() {
         let setup = lab.setup(Kind::Brownian, Objects::Cubes, count);
         let clip = Clip::synthetic(setup, 2, lab.plan.frames);
         for events in [false, true] {
@@ -95,7 +99,17 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
                 bars.push((format!("{count} boxes{with}"), step.speed_up()));
             }
         }
+        lab.next(format!("modelled workers, {count} boxes"));
+        let points = model(&clip)?;
+        lines.push(Series { name: format!("{count} boxes"), points, reference: false, colour });
     }
+    section.figures.push(Figure {
+        title: "A model, not a measurement: speed-up of a step with events by more workers".into(),
+        note: "workers take turns on one thread, with the caches of one and all memory to themselves; higher is better",
+        x: Axis::linear("workers (number)"),
+        y: Axis::linear("speed-up (times)"),
+        series: lines,
+    });
     section.bars.push(Bars {
         title: "Speed-up of a step by a second thread".into(),
         unit: "times",
@@ -105,6 +119,19 @@ pub(super) fn threads(lab: &Lab) -> Result<Section> {
     });
     section.tables.push(measured);
     Ok(section)
+}
+
+/// How many times as fast a step would be with so many workers.
+fn model(clip: &Clip) -> Result<Vec<(f64, f64)>> {
+    let mut source = Source::of_frames("modelled", clip.frames.clone());
+    let (mut config, args) = (exact(clip).with_events(), EngineArgs::default());
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for count in workers::COUNTS {
+        let courses = workers::courses(&mut source, &mut config, &args, count)?;
+        points.push((f64::from(count), workers::milliseconds(&courses, Course::length)));
+    }
+    let alone = points[0].1;
+    Ok(points.into_iter().map(|(count, step)| (count, alone / step)).collect())
 }
 
 /// Plays the clip forwards and backwards in three worlds, frame by frame in turn.
