@@ -19,7 +19,7 @@ cargo clippy --workspace --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 cargo check -p trisap-core --features glam
 # Each capability alone, and none.
-for feature in "" large events margins filters values; do
+for feature in "" large lists events margins filters values; do
     cargo clippy -p trisap-core --no-default-features --features "$feature" -- -D warnings
     cargo clippy -p trisap-ffi --no-default-features --features "std $feature" -- -D warnings
 done

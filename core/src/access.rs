@@ -13,7 +13,7 @@ use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
 static FAULTS: AtomicU32 = AtomicU32::new(0);
 /// The addresses of the last slices. A world's own is overwritten only if others break at the same time.
 static SLICES: [AtomicUsize; SLICES_KEPT] = [const { AtomicUsize::new(0) }; SLICES_KEPT];
-const SLICES_KEPT: usize = if cfg!(feature = "large") { 128 } else { 4 };
+const SLICES_KEPT: usize = if cfg!(feature = "large") { 128 } else { 1 };
 
 /// Notes an index out of range of a slice.
 #[cold]
@@ -50,9 +50,11 @@ impl Watch {
     pub(crate) fn sees_fault(&mut self) -> bool {
         let count = FAULTS.load(Relaxed);
         let new = count.wrapping_sub(core::mem::replace(&mut self.known, count));
-        let slices = (1..=new.min(SLICES_KEPT as u32)).map(|back| count.wrapping_sub(back) as usize);
-        let mut slices = slices.filter_map(|number| SLICES.get(number % SLICES_KEPT));
-        slices.any(|slice| self.slab.contains(&slice.load(Relaxed)))
+        // Of more than are kept one may have been its own. A small program has one world, or few.
+        let some_are_lost = !cfg!(feature = "large") && new as usize > SLICES_KEPT;
+        let is_own = |slice: &AtomicUsize| self.slab.contains(&slice.load(Relaxed));
+        let mut last = (1..=new).map(|back| count.wrapping_sub(back) as usize % SLICES_KEPT);
+        some_are_lost || last.any(|number| SLICES.get(number).is_some_and(is_own))
     }
 }
 

@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 
 // What a build has beside pairs and lean worlds. `Sizes::of` refuses a configuration that asks for more.
 pub(crate) const TREE: bool = cfg!(feature = "large");
+pub(crate) const LISTS: bool = cfg!(feature = "lists");
 pub(crate) const EVENTS: bool = cfg!(feature = "events");
 pub(crate) const MARGINS: bool = cfg!(feature = "margins");
 pub(crate) const FAT: bool = MARGINS || TREE;

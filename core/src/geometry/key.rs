@@ -114,8 +114,7 @@ impl KeyBox {
     /// Whether all keys are the same. With `==` it would be a call.
     #[inline(always)]
     pub(crate) fn is_same(&self, other: &Self) -> bool {
-        let differs = |k: usize| (self.min[k] ^ other.min[k]) | (self.max[k] ^ other.max[k]);
-        differs(0) | differs(1) | differs(2) == 0
+        on_all_axes(|k| self.min[k] == other.min[k] && self.max[k] == other.max[k])
     }
 
     /// Whether it is the box of a free slot.

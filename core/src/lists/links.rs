@@ -10,6 +10,8 @@ use crate::memory::slab::Parts;
 
 /// Objects that each object may overtake, on average, before it is cheaper to sort over long distances first.
 const INVERSIONS_PER_OBJECT: usize = 4;
+/// The distances of the passes. All but the first one are for lists that are far from being in order.
+const GAPS: [u8; 6] = [1, 57, 23, 10, 4, 1];
 
 /// Makes the list hold exactly the living objects, by slot. O(slots).
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
@@ -28,12 +30,19 @@ pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
 /// O(n^1.3) for as many as lists have.
 #[inline(never)]
 pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
-    let low = |slot: I| boxes.get(slot.at()).map_or(0, |bounds| bounds.min[axis % 3]);
+    let axis = axis.min(2);
+    let low = |slot: I| KeyBox::of(boxes, slot.at()).min[axis];
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
-    for gap in [1, 57, 23, 10, 4, 1] {
-        for index in gap..order.len() {
+    for gap in GAPS.iter().map(|gap| usize::from(*gap)) {
+        let mut most = i32::MIN;
+        for index in 0..order.len() {
             let slot = order.at(index);
             let (this, mut to) = (low(slot), index);
+            if gap == 1 && most < this {
+                // In order already, as most are.
+                most = this;
+                continue;
+            }
             while to >= gap {
                 let other = order.at(to - gap);
                 if (low(other), other) < (this, slot) {

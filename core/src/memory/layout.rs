@@ -1,8 +1,8 @@
 //! Computes how many items of each kind a world has.
 
-use super::limits::{CHUNK, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row};
+use super::limits::{CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row};
 use super::scratch;
-use crate::config::{Config, EVENTS, FILTERS, MARGINS, Mode, TREE, VALUES};
+use crate::config::{Config, EVENTS, FILTERS, LISTS, MARGINS, Mode, TREE, VALUES};
 use crate::error::{Error, Field};
 use crate::id::Index;
 use crate::simd::{CACHE_LINE, EIGHT};
@@ -52,6 +52,8 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects in the tree: all, or none in a world without a tree.
     pub(crate) tree: usize,
+    /// Objects in each of the lists, sorted or scratch: all, or none in a world that tests every two boxes.
+    pub(crate) lists: usize,
     pub(crate) straddlers: usize,
     pub(crate) leaves: usize,
     /// Leaves of a full step: half as many again as new planes make. The others are their sub-leaves.
@@ -71,6 +73,11 @@ pub(crate) const fn is_small(config: &Config) -> bool {
     !TREE || config.capacity.objects as usize <= config.forced.leaf_target() / 8 || config.lean
 }
 
+/// Whether a world without a tree tests every two boxes, and keeps no list.
+const fn is_tiny(config: &Config) -> bool {
+    is_small(config) && (!LISTS || config.capacity.objects as usize <= FEW)
+}
+
 /// Whether objects have a fat box.
 pub(crate) const fn has_fat(config: &Config) -> bool {
     MARGINS && config.margin.is_some()
@@ -87,12 +94,12 @@ impl Sizes {
     /// Those of [`World::new_in`](crate::World::new_in) that are due to the configuration.
     pub(crate) const fn of<I: Index>(config: &Config) -> Result<Self, Error> {
         let capacity = &config.capacity;
-        let most_objects = if config.lean {
+        let most_objects = if config.lean && LISTS {
             SMALL as u32
-        } else if TREE {
-            I::MAX_OBJECTS
-        } else {
+        } else if config.lean || !TREE {
             TINY as u32
+        } else {
+            I::MAX_OBJECTS
         };
         let (field, most) = if config.workers == 0 || config.workers > 32 {
             (Field::Workers, 32)
@@ -130,6 +137,7 @@ impl Sizes {
             objects,
             fat: if_so(has_fat(config), objects),
             tree,
+            lists: if_so(!is_tiny(config), objects),
             straddlers: if_so(tree > 0, capacity.leaf_refs as usize),
             leaves: whole_leaves << SUB_LEVELS,
             whole_leaves,
@@ -151,6 +159,11 @@ impl Sizes {
     /// Whether the world has no tree.
     pub(crate) const fn is_small(&self) -> bool {
         !TREE || self.bucket == 0
+    }
+
+    /// Whether every two boxes are tested.
+    pub(crate) const fn is_tiny(&self) -> bool {
+        !TREE && !LISTS || self.lists == 0
     }
 
     /// One item for each object of a world that has some.

@@ -8,6 +8,8 @@ use crate::config::{Forced, SMALL_LEAVES};
 
 /// Worlds for up to this many objects are lean: they have no tree and no scratch memory.
 pub(crate) const TINY: usize = LEAF_TARGET / 8;
+/// Worlds for up to this many objects test every two boxes. Without the feature `lists` all lean ones do.
+pub(crate) const FEW: usize = 32;
 /// The most objects of a lean world.
 pub(crate) const SMALL: usize = 256;
 /// The usual [`Forced::leaf_target`].

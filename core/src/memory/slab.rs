@@ -93,10 +93,12 @@ impl<'m> Section<'m, u32> for SlotSet<'m> {
 }
 
 macro_rules! clear {
-    (new $section:expr, $value:expr) => {
-        $section.fill($value);
+    (new $section:expr, $value:expr, $zero:expr) => {
+        if !$zero || bytemuck::bytes_of(&$value).iter().any(|byte| *byte != 0) {
+            $section.fill($value);
+        }
     };
-    (used $section:expr, $count:expr) => {};
+    (used $section:expr, $count:expr, $zero:expr) => {};
 }
 
 macro_rules! copy {
@@ -170,10 +172,11 @@ macro_rules! slab {
                 Ok(parts)
             }
 
-            /// Empties the world. What is never read before it is written stays as it was.
-            pub(crate) fn clear(&mut self) {
-                $(clear!($how self.$name, $what);)*
-                $($(clear!($ghow self.$group.$gname, $gwhat);)*)*
+            /// Empties the world, if all is zero that was there before or not. What is never read before it
+            /// is written stays as it was.
+            pub(crate) fn clear(&mut self, zero: bool) {
+                $(clear!($how self.$name, $what, zero);)*
+                $($(clear!($ghow self.$group.$gname, $gwhat, zero);)*)*
             }
 
             /// Becomes a copy of a world of the same capacity and kind.
@@ -226,11 +229,15 @@ impl<'m, I: Index> Parts<'m, I> {
     pub(crate) fn init(slab: &'m mut [u8], config: &Config) -> Result<Self, Error> {
         let sizes = Sizes::of::<I>(config)?;
         let slab = front(slab, sizes.bytes)?;
+        if !TREE {
+            // Few bytes; and nearly all arrays of a new lean world are zero, so this is less code.
+            slab.fill(0);
+        }
         // Only the state decides how a slab is carved.
         let state = State::new(config, size_of::<I>());
         slab.span_mut(0, size_of::<State>()).copy_in(bytemuck::bytes_of(&state));
         let mut parts = Self::carve(slab, sizes)?;
-        parts.clear();
+        parts.clear(!TREE);
         Ok(parts)
     }
 

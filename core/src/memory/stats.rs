@@ -9,7 +9,8 @@ pub enum Path {
     /// Nothing has moved: the pairs stay.
     #[default]
     Unchanged,
-    /// A world for few objects, or a lean one: its boxes were swept along a sorted list.
+    /// A world for few objects, or a lean one: every two boxes were tested, or, in one for more than 32
+    /// objects, those that overlap along a sorted list.
     Lists,
     /// Few have moved: each mover was tested against the leaves that it reaches, and the other pairs stay.
     Movers,

@@ -10,7 +10,7 @@
 //! object of a parked surplus pair is active either.
 
 use crate::access::Access;
-use crate::config::{EVENTS, TREE};
+use crate::config::{EVENTS, FAT, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
@@ -56,6 +56,9 @@ pub(super) fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
 
 /// With events: sets aside the kept pairs of the result from a position on, too.
 pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
+    if !FAT {
+        return;
+    }
     let PairState { kept_result, previous, .. } = &mut parts.state.pairs;
     let pairs = parts.output.pairs.get(from..*kept_result as usize).unwrap_or_default();
     if let Some(to) = parts.output.previous.get_mut(*previous as usize..) {
@@ -68,7 +71,7 @@ pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
 /// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the
 /// two buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
-    if parts.state.pairs.complete == 0 {
+    if EVENTS && parts.state.pairs.complete == 0 {
         set_aside(parts, parts.state.pairs.parked as usize);
     }
     let Parts { state, output, .. } = parts;

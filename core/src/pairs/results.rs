@@ -27,7 +27,10 @@ pub(crate) fn sort_out<I: Index>(
     parts.state.pairs.swept = swept as u64;
     let events = EVENTS && parts.sizes.previous > 0;
     let (has_surplus, mode) = (parts.has_surplus(), parts.mode());
-    let PairState { parked, kept, kept_result, surplus_parked, .. } = parts.state.pairs;
+    // Without fat boxes a step that keeps pairs has nothing to sort out.
+    let none = PairState::default();
+    let PairState { parked, kept, kept_result, surplus_parked, .. } =
+        if FAT { parts.state.pairs } else { none };
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
     if FAT && mode == Mode::Exact && parts.state.objects.moved_inside_margin != 0 {
@@ -72,6 +75,10 @@ pub(crate) fn sort_out<I: Index>(
     } else {
         parts.state.pairs.found = 0;
     }
+    parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
+    if !FAT {
+        return;
+    }
     // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying,
     // persisting, coming, found, all others.
     let pairs = pairs.span_mut(staying - parked, kept + result - staying);
@@ -80,7 +87,6 @@ pub(crate) fn sort_out<I: Index>(
     exchange(pairs.span_mut(coming, others + persisting), others);
     exchange(pairs.span_mut(0, coming + persisting), coming);
     exchange(pairs.span_mut(coming + persisting, others + result - persisting), others);
-    parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
 }
 
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have

@@ -103,7 +103,7 @@ impl<I: Index> World<'_, I> {
         let stored = Stored::<I>::cut(state, sections).ok_or(Error::BadSnapshot)?;
         check::all(&stored).map_err(|_| Error::BadSnapshot)?;
         check_room(&state, &self.parts.sizes)?;
-        self.parts.clear();
+        self.parts.clear(false);
         stored.put(&mut self.parts);
         Ok(())
     }

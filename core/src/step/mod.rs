@@ -7,6 +7,7 @@ mod incremental;
 mod lists;
 pub(crate) mod policy;
 
+use crate::config::FAT;
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Progress, Reason, Route};
@@ -25,7 +26,8 @@ pub(crate) fn find<I: Index>(
 ) -> (Route, Progress) {
     parts.state.pairs.unkept = 0;
     match route.path {
-        Path::Unchanged => {
+        // Without fat boxes nothing is left to do.
+        Path::Unchanged if FAT => {
             let (pairs, leaves) = (persistent::persistent(parts, context), parts.state.leaves());
             (route, Progress { pairs, leaves, ..Progress::default() })
         }
@@ -34,7 +36,7 @@ pub(crate) fn find<I: Index>(
             Some(progress) => (route, progress),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), None, context),
         },
-        Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
+        Path::Unchanged | Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
             full::full(parts, route, settled, context)
         }
     }

@@ -149,20 +149,6 @@ impl<'g, I: Index> Kinds<'g, I> {
         [part(0), part(1), part(2), part(3), lone]
     }
 
-    /// Brings the objects of a list to another one by their side, in order. Returns the first two sides.
-    pub(crate) fn divide<'l>(&self, list: &[I], sides: &[u8; CODES], to: &'l mut [I]) -> [&'l [I]; 2] {
-        let (mut at, mut ends) = (0, [0; 3]);
-        for (side, end) in (0..).zip(&mut ends) {
-            for slot in list.iter().filter(|slot| sides.at(self.code(slot.at())) == side) {
-                to.put(at, *slot);
-                at += 1;
-            }
-            *end = at;
-        }
-        let [first, both, _] = ends;
-        [to.span(0, first), to.span(first, both - first)]
-    }
-
     /// What to do in a leaf with so many records of each part.
     pub(crate) fn plan(&self, counts: &Counts) -> Plan {
         let Self { mut meets, moved_alone, .. } = *self;

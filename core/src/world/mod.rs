@@ -21,7 +21,7 @@ pub use steps::{Step, Stepper};
 pub use view::{LeafView, PlaneView};
 
 use crate::access::Access;
-use crate::config::SHARING;
+use crate::config::{EVENTS, FAT, SHARING, TREE};
 use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
@@ -58,7 +58,9 @@ pub struct World<'m, I: Index = u32> {
 impl<I: Index> World<'_, I> {
     fn advance(&mut self, bounds: Option<Boxes<'_>>, context: StepContext<'_>) -> Result<Step<'_, I>, Error> {
         let find = |parts: &mut Parts<'_, I>, context: StepContext<'_>, shared| {
-            parts.settled.move_to(&mut parts.moved);
+            if TREE {
+                parts.settled.move_to(&mut parts.moved);
+            }
             parts.state.objects.dirty = 1;
             let (rejected, settled) = Self::take_in(parts, bounds, context);
             (rejected, Self::find(parts, settled, shared, context))
@@ -110,7 +112,7 @@ impl<I: Index> World<'_, I> {
     #[cfg(feature = "validate")]
     #[doc(hidden)]
     pub fn break_index(&self) {
-        crate::access::note_fault(self.parts.order[2].as_ptr().addr());
+        crate::access::note_fault(self.parts.generations.as_ptr().addr());
     }
 
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
@@ -143,7 +145,7 @@ impl<I: Index> World<'_, I> {
         }
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
-        if route.path == Path::Unchanged && parts.state.objects.moved_inside_margin == 0 {
+        if route.path == Path::Unchanged && (!FAT || parts.state.objects.moved_inside_margin == 0) {
             Self::keep(parts, shared);
             return None;
         }
@@ -200,7 +202,9 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.pairs.complete = 1;
         parts.state.tree.known = parts.state.objects.slots;
-        parts.changed.move_to(&mut parts.outdated);
+        if EVENTS || TREE {
+            parts.changed.move_to(&mut parts.outdated);
+        }
         parts.moved.clear();
         parts.state.objects.moved_inside_margin = 0;
         parts.state.objects.outran = 0;

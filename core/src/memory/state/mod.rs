@@ -9,7 +9,7 @@ pub(crate) use setup::Setup;
 use super::layout::has_fat;
 use super::scratch::Work;
 use super::stats::{Route, Stats};
-use crate::config::{Config, MOVERS_ONLY};
+use crate::config::{Config, MOVERS_ONLY, TREE};
 use crate::memory::limits::TRIAL;
 use bytemuck::{Pod, Zeroable};
 
@@ -39,7 +39,7 @@ impl State {
 
     /// The leaves now; without a tree, as the last step had them.
     pub(crate) const fn leaves(&self) -> u32 {
-        if self.tree.filled != 0 { self.tree.count << self.tree.sub_levels() } else { self.step.leaves }
+        if TREE && self.tree.filled != 0 { self.tree.count << self.tree.sub_levels() } else { self.step.leaves }
     }
 
     /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus,
