@@ -61,7 +61,7 @@
 /// Nothing had moved: the pairs stayed.
 #define TRISAP_PATH_UNCHANGED 0
 
-/// A world without a tree: its boxes were swept along a sorted list.
+/// A world without a tree: every two boxes were tested, or from 33 objects on those along a sorted list.
 #define TRISAP_PATH_LISTS 1
 
 /// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.

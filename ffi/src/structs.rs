@@ -221,7 +221,7 @@ pub struct trisap_result {
 
 /// Nothing had moved: the pairs stayed.
 pub const TRISAP_PATH_UNCHANGED: u32 = 0;
-/// A world without a tree: its boxes were swept along a sorted list.
+/// A world without a tree: every two boxes were tested, or from 33 objects on those along a sorted list.
 pub const TRISAP_PATH_LISTS: u32 = 1;
 /// Few had moved: each mover was tested against the leaves that it reaches, the other pairs stayed.
 pub const TRISAP_PATH_MOVERS: u32 = 2;

@@ -18,7 +18,7 @@ for target in "${targets[@]}"; do alone+=("$(text $target "")"); done
 echo "| capability | Cortex-M4 | Cortex-M0 |"
 echo "|---|--:|--:|"
 printf '| pairs alone | %d | %d |\n' "${alone[@]}"
-for feature in events margins filters values rest shifts queries; do
+for feature in lists events margins filters values rest shifts queries; do
     row=()
     for at in 0 1; do row+=($(($(text "${targets[at]}" $feature) - ${alone[at]}))); done
     printf '| %s | +%d | +%d |\n' $feature "${row[@]}"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the firmware for three bare-metal targets, runs it in QEMU, compares it with the host and proves what is said
-# of its binaries. From anywhere; needs the packages below, and installs them where it may.
+# of its binaries. From anywhere; needs the packages below, and installs them where it may. With `--write` it puts the
+# tables that it prints into the README instead of comparing them.
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -59,7 +60,6 @@ echo "the host's hash of all pairs: $expected"
 
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     programs=(--bin replay --bin calls --bin around)
-    [ $target != thumbv7em-none-eabihf ] || programs+=(--bin measure)
     build $target "${programs[@]}"
     release=$boards/$target/release
 
@@ -78,15 +78,25 @@ done
 for target in thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imac-unknown-none-elf; do
     "$tools/inspect" "$boards/$target/release/replay" --sizes sizes.txt
 done
+# The tables of the README.
+tables=$CARGO_TARGET_DIR/tables.txt
+"$tools/bytes" | tee "$tables"
+printf '\n| board | calls | stack |\n|---|---|--:|\n' >>"$tables"
 # The text and the stack of `calls` are those of the exact path; `around` has the rest.
 stack() {
-    local binary=$1 limit=$2
+    local binary=$1 what=$2 limit=$3
+    shift 3
     run "$binary" "" >"$CARGO_TARGET_DIR/stack.txt"
-    "$tools/inspect" "$binary" --sizes sizes.txt --stack "$limit" --measured "$CARGO_TARGET_DIR/stack.txt"
+    "$tools/inspect" "$binary" "$@" --stack "$limit" --measured "$CARGO_TARGET_DIR/stack.txt" >"$CARGO_TARGET_DIR/said.txt" ||
+        { cat "$CARGO_TARGET_DIR/said.txt" && exit 1; }
+    grep -v '^stack of' "$CARGO_TARGET_DIR/said.txt" || true
+    awk -v what="$what" '/^stack of/ && $6 > most { most = $6 } END { printf "| %s | %d |\n", what, most }' \
+        "$CARGO_TARGET_DIR/said.txt" | tee -a "$tables"
 }
-for target in thumbv7em-none-eabihf thumbv6m-none-eabi; do
-    stack "$boards/$target/release/calls" 2432
-    stack "$boards/$target/release/around" 3200
+for board in "thumbv7em-none-eabihf Cortex-M4" "thumbv6m-none-eabi Cortex-M0"; do
+    read -r target name <<<"$board"
+    stack "$boards/$target/release/calls" "$name | exact path" 2432 --sizes sizes.txt
+    stack "$boards/$target/release/around" "$name | around it" 3200 --sizes sizes.txt
 done
 "$tools/inspect" "$boards/riscv32imac-unknown-none-elf/release/around"
 # Nor does the tree panic, which is in no program for so few objects but by this feature; nor do filters, which need it, and
@@ -94,8 +104,7 @@ done
 build thumbv7em-none-eabihf --bin calls --bin around --features large
 large=$boards/thumbv7em-none-eabihf/release
 "$tools/inspect" "$large/calls"
-run "$large/around" "" >"$CARGO_TARGET_DIR/stack.txt"
-"$tools/inspect" "$large/around" --stack 10752 --measured "$CARGO_TARGET_DIR/stack.txt"
+stack "$large/around" "Cortex-M4 | all, with the feature \`large\`" 10752
 # Fixed point takes no soft-float; a margin does, which shows that the search finds it.
 calls=$boards/thumbv6m-none-eabi/release/calls
 "$tools/inspect" "$calls" --integers from_fixed
@@ -104,8 +113,18 @@ calls=$boards/thumbv6m-none-eabi/release/calls
 build thumbv7em-none-eabihf --bin replay --features panic
 [ "$(failure "$tools/inspect" "$boards/thumbv7em-none-eabihf/release/replay")" = 1 ]
 # The table of instructions. Without an exact clock there are no figures.
+build thumbv7em-none-eabihf --bin measure --features filters
 [ "$(failure run "$boards/thumbv7em-none-eabihf/release/measure" "")" = 1 ]
-run "$boards/thumbv7em-none-eabihf/release/measure" "" -icount shift=0
+echo | tee -a "$tables"
+run "$boards/thumbv7em-none-eabihf/release/measure" "" -icount shift=0 | tee -a "$tables"
+# The table of flash.
+echo | tee -a "$tables"
+./flash.sh | tee -a "$tables"
 # What others begin with.
 start/run.sh
+printf '\n| program | text |\n|---|--:|\n| in C, on a Cortex-M4, with events | %d |\n' \
+    "$(size -A "$CARGO_TARGET_DIR/start/start-in-c" | awk '$1 == ".text" { print $2 }')" | tee -a "$tables"
+# The README has these tables; and the comparison can fail.
+"$tools/table" README.md "$@" <"$tables"
+[ "$(sed 's/^| pairs alone | ./&9/' "$tables" | failure "$tools/table" README.md)" = 1 ]
 echo "the firmware runs, and holds what is said of it"

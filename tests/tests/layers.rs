@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1497),
-    ("geometry", 1123),
-    ("lists", 59),
-    ("memory", 1834),
-    ("objects", 679),
-    ("pairs", 544),
+    ("", 1500),
+    ("geometry", 1122),
+    ("lists", 67),
+    ("memory", 1861),
+    ("objects", 678),
+    ("pairs", 553),
     ("parallel", 560),
     ("query", 1367),
     ("simd", 2216),
     ("snapshot", 594),
-    ("step", 655),
-    ("sweep", 1358),
+    ("step", 626),
+    ("sweep", 1364),
     ("tree", 2256),
     ("validate", 415),
-    ("world", 1697),
+    ("world", 1701),
 ];
 
 #[test]

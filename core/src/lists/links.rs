@@ -10,8 +10,6 @@ use crate::memory::slab::Parts;
 
 /// Objects that each object may overtake, on average, before it is cheaper to sort over long distances first.
 const INVERSIONS_PER_OBJECT: usize = 4;
-/// The distances of the passes. All but the first one are for lists that are far from being in order.
-const GAPS: [u8; 6] = [1, 57, 23, 10, 4, 1];
 
 /// Makes the list hold exactly the living objects, by slot. O(slots).
 pub(crate) fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
@@ -33,7 +31,8 @@ pub(crate) fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
     let axis = axis.min(2);
     let low = |slot: I| KeyBox::of(boxes, slot.at()).min[axis];
     let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
-    for gap in GAPS.iter().map(|gap| usize::from(*gap)) {
+    for gap in [1_u8, 57, 23, 10, 4, 1] {
+        let gap = usize::from(gap);
         let mut most = i32::MIN;
         for index in 0..order.len() {
             let slot = order.at(index);

@@ -193,28 +193,28 @@ fn take_in<S: Simd, const EVENTS: bool>(
         }
         (skipped, four_changed, contained) = (skipped | taken, others, stay);
     }
+    let mut bit = 1u32;
     for (at, old) in (word * 32..).zip(now) {
-        let item = items;
+        let (item, this) = (items, bit);
         items = bounds.items_after(1, items);
-        let skips = skipped & 1 != 0 || old.is_empty();
-        (changed, skipped) = (changed >> 1, skipped >> 1);
-        if skips {
+        bit <<= 1;
+        if skipped & this != 0 || old.is_empty() {
             continue;
         }
         match bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
             Some(bounds) if bounds.is_same(old) => {}
             Some(bounds) => {
-                if EVENTS && kept >> (at % 32) & 1 == 0 {
+                if EVENTS && kept & this == 0 {
                     // Number by number: a copy from one slice to another would be a call.
                     let ([a, b, c], [d, e, f]) = (old.min, old.max);
                     let old = KeyBox { min: [a, b, c], max: [d, e, f] };
                     before.put(at % 32, fat.reported(*mode, at, &old));
                 }
                 if fat.exist() {
-                    contained |= u32::from(fat.follow(at, old, &bounds)) << (at % 32);
+                    contained |= if fat.follow(at, old, &bounds) { this } else { 0 };
                 }
                 *old = bounds;
-                changed |= 1 << 31;
+                changed |= this;
             }
             None => {
                 if intake.rejected == 0 {
@@ -224,8 +224,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
             }
         }
     }
-    let changed = changed.checked_shr(unused as u32).unwrap_or_default() | four_changed;
-    objects.note(word, changed, contained)
+    objects.note(word, changed | four_changed, contained)
 }
 
 /// The boxes of the slots of a word, to be taken in four at a time.
