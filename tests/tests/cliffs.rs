@@ -69,6 +69,11 @@ fn fresh(boxes: &[Aabb]) -> (Stats, u64) {
     counted(&world)
 }
 
+/// With predicted boxes, as by default, and without.
+fn both(config: Config) -> [Config; 2] {
+    [config, config.without_predicted_boxes()]
+}
+
 /// Cubes on a plane, about two edges apart.
 fn layer(count: usize, seed: u64) -> Vec<Aabb> {
     let mut rng = Rng::new(seed);
@@ -322,9 +327,14 @@ fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
         boxes.sort_by(|a, b| a.min[0].total_cmp(&b.min[0]));
         boxes
     };
-    let config = Config::new(ample(8000, 80_000)).without_predicted_boxes();
-    let mut slab = Slab::new::<u32>(&config);
-    let mut checked = Checked::<u32>::new(slab.world(&config));
+    for config in both(Config::new(ample(8000, 80_000))) {
+        grows(&config, &boxes);
+    }
+}
+
+fn grows(config: &Config, boxes: &[Aabb]) {
+    let mut slab = Slab::new::<u32>(config);
+    let mut checked = Checked::<u32>::new(slab.world(config));
     let mut count = 400;
     checked.insert_many(&boxes[..count]);
     checked.step(SETUP);
@@ -339,14 +349,20 @@ fn a_world_that_grows_from_a_corner_is_as_a_fresh_one() {
         let mut wobbling = all;
         wobbling.iter_mut().step_by(2).for_each(|b| *b = shifted(b, [1e-3; 3]));
         checked.step_over(&wobbling, SETUP);
-        checked.step_over(&boxes, SETUP);
+        checked.step_over(boxes, SETUP);
     }
-    assert_near("grown", &counted(checked.world()), &fresh(&boxes));
+    assert_near("grown", &counted(checked.world()), &fresh(boxes));
 }
 
 /// A window over a plain of chunks walks on: in each frame a column of chunks goes behind it and one comes ahead. Every step is
 /// as one of a world that was made for these boxes, of the same kind, and none is much dearer than others.
 fn walks(chunk: usize, frames: usize, shifts: bool, looks: usize) {
+    for predicted in [true, false] {
+        walks_with(predicted, chunk, frames, shifts, looks);
+    }
+}
+
+fn walks_with(predicted: bool, chunk: usize, frames: usize, shifts: bool, looks: usize) {
     const COLUMNS: usize = 32;
     let mut rng = Rng::new(1);
     let mut column = |x: f32| -> Vec<Aabb> {
@@ -358,7 +374,7 @@ fn walks(chunk: usize, frames: usize, shifts: bool, looks: usize) {
             .collect()
     };
     let count = COLUMNS * COLUMNS * chunk;
-    let config = Config::new(ample(count, 4 * count)).without_predicted_boxes();
+    let config = both(Config::new(ample(count, 4 * count)))[usize::from(!predicted)];
     let mut slab = Slab::new::<u32>(&config);
     let mut world = slab.world::<u32>(&config);
     let mut insert = |world: &mut World<'_, u32>, x: f32| -> Vec<Id> {
@@ -477,10 +493,15 @@ fn trees_that_have_grown_too_deep_are_made_anew() {
 /// Another object is large in each of many steps with few movers: none is taken for large afterwards.
 #[test]
 fn objects_that_were_large_for_a_while_leave_no_trace() {
+    for config in both(Config::new(ample(2000, 80_000)).with_events()) {
+        objects_that_were_large_for_a_while(&config);
+    }
+}
+
+fn objects_that_were_large_for_a_while(config: &Config) {
     let boxes = uniform(2000, 13);
-    let config = Config::new(ample(2000, 80_000)).without_predicted_boxes().with_events();
-    let mut slab = Slab::new::<u32>(&config);
-    let mut checked = Checked::<u32>::new(slab.world(&config));
+    let mut slab = Slab::new::<u32>(config);
+    let mut checked = Checked::<u32>::new(slab.world(config));
     let ids = checked.insert_many(&boxes);
     checked.step(SETUP);
     let mut was_large = 0;
@@ -503,10 +524,15 @@ fn objects_that_were_large_for_a_while_leave_no_trace() {
 /// A thousand steps of a few movers alone leave the tree as it was.
 #[test]
 fn few_movers_for_long_leave_no_trace() {
+    for config in both(Config::new(ample(2000, 20_000))) {
+        few_movers_for_long(&config);
+    }
+}
+
+fn few_movers_for_long(config: &Config) {
     let boxes = uniform(2000, 17);
-    let config = Config::new(ample(2000, 20_000)).without_predicted_boxes();
-    let mut slab = Slab::new::<u32>(&config);
-    let mut world = slab.world::<u32>(&config);
+    let mut slab = Slab::new::<u32>(config);
+    let mut world = slab.world::<u32>(config);
     let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
     let mut rng = Rng::new(19);
     let mut after = Vec::new();
