@@ -1,4 +1,5 @@
-//! trisap as one side of a race: every box handed over in every frame, exact pairs.
+//! trisap as one side of a race: every box handed over in every frame, exact pairs; beside a peer that tells a superset,
+//! fat ones.
 
 use crate::{
     options::Options,
@@ -7,7 +8,7 @@ use crate::{
 };
 use rayon::ThreadPoolBuilder;
 use trisap::{
-    Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, Margin, OwnedWorld, Rayon, Serial,
+    Aabb, Boxes, Capacity, Config, Executor, Id, Index, Kernels, Margin, Mode, OwnedWorld, Rayon, Serial,
 };
 
 /// The level asked for, or the best of this CPU; the names of those there are where there is none such.
@@ -21,6 +22,9 @@ pub(crate) fn kernels(options: &Options) -> Result<Kernels, String> {
     }
 }
 
+/// The margin of fat worlds, a share of the extent: peers have about as much.
+const FAT: f32 = 0.1;
+
 /// A world with the boxes of the first frame, which has not stepped yet, in the narrowest indices that fit; `pairs`: the
 /// most there will be.
 pub(crate) fn ours(
@@ -28,11 +32,12 @@ pub(crate) fn ours(
     pairs: u64,
     options: &Options,
     events: bool,
+    fat: bool,
 ) -> Result<Box<dyn Peer>, String> {
     if setting.boxes.len() <= u16::MAX_OBJECTS as usize {
-        Ok(Box::new(Ours::<u16>::new(setting, pairs, options, events)?))
+        Ok(Box::new(Ours::<u16>::new(setting, pairs, options, events, fat)?))
     } else {
-        Ok(Box::new(Ours::<u32>::new(setting, pairs, options, events)?))
+        Ok(Box::new(Ours::<u32>::new(setting, pairs, options, events, fat)?))
     }
 }
 
@@ -54,7 +59,13 @@ fn aabb(b: &Padded) -> Aabb {
 }
 
 impl<I: Index> Ours<I> {
-    fn new(setting: &Setting, pairs: u64, options: &Options, events: bool) -> Result<Self, String> {
+    fn new(
+        setting: &Setting,
+        pairs: u64,
+        options: &Options,
+        events: bool,
+        fat: bool,
+    ) -> Result<Self, String> {
         let boxes = setting.boxes;
         let capacity = Capacity::for_objects(boxes.len() as u32);
         // Room as `trisap run` has it: fat boxes overlap more often than boxes.
@@ -63,7 +74,10 @@ impl<I: Index> Ours<I> {
         if events {
             config = config.with_events();
         }
-        if let Some(share) = options.margin {
+        if fat {
+            config = config.with_mode(Mode::Fat);
+        }
+        if let Some(share) = options.margin.or(fat.then_some(FAT)) {
             // The surplus needs room as well.
             config.capacity = capacity.with_pairs(capacity.pairs.saturating_mul(2));
             config = config.with_margin(Margin::share(share));

@@ -144,26 +144,33 @@ impl Report {
         let raced = |row: &&Row| row.outcomes.iter().any(|outcome| !matches!(outcome, Outcome::LeftOut(_)));
         let rows: Vec<&Row> = self.rows.iter().filter(raced).collect();
         let mut text = format!(
-            "Peer's median over trisap's; trisap kernels: {}, threads: {}, {}. ⊇: a superset of the pairs.\n\n\
-             | scene | objects | pairs | trisap, ms |",
+            "Peer's median over trisap's; trisap kernels: {}, threads: {}, {}. ⊇: a superset of the pairs, \
+             beside one of trisap.\n\n\
+             | scene | objects | pairs | trisap, ms | trisap ⊇, ms |",
             self.kernels, self.threads, self.clock
         );
         rows.iter().for_each(|row| _ = write!(text, " {}{} |", row.name, if row.fat { " ⊇" } else { "" }));
-        text += "\n|---|---:|---:|---:|";
+        text += "\n|---|---:|---:|---:|---:|";
         text += &"---:|".repeat(rows.len());
         for (at, scene) in self.scenes.iter().enumerate() {
             _ = write!(text, "\n| {} | {} | {} |", scene.name, scene.objects, scene.pairs);
             let outcomes = || rows.iter().filter_map(|row| row.outcomes.get(at));
-            // Of all races in which trisap told pairs, as most peers do.
-            let mut ours = Vec::new();
-            for outcome in outcomes() {
-                if let Outcome::Raced(race) = outcome
-                    && !race.events
-                {
-                    ours.extend_from_slice(&race.ours);
+            for fat in [false, true] {
+                // Of all races in which trisap told pairs, as most peers do.
+                let mut ours = Vec::new();
+                for row in rows.iter().filter(|row| row.fat == fat) {
+                    if let Some(Outcome::Raced(race)) = row.outcomes.get(at)
+                        && !race.events
+                    {
+                        ours.extend_from_slice(&race.ours);
+                    }
                 }
+                _ = if ours.is_empty() {
+                    write!(text, " |")
+                } else {
+                    write!(text, " {:.3} |", median(&ours))
+                };
             }
-            _ = if ours.is_empty() { write!(text, " |") } else { write!(text, " {:.3} |", median(&ours)) };
             for outcome in outcomes() {
                 _ = match outcome {
                     Outcome::Raced(race) if race.ratio() < 0.95 => write!(text, " {:.2} |", race.ratio()),

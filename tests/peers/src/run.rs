@@ -92,8 +92,8 @@ fn race(
     let mut boxes = recording.frame(0).to_vec();
     let setting = Setting { boxes: &boxes, movers, threads: options.threads };
     let of_peer = if setting.is_crowd() && entry.crowd == Crowd::OfMovers { of_movers } else { all };
-    let mut ours = match ours(&setting, most, options, events) {
-        Ok(ours) => Runner::new(ours, false, options.clock),
+    let mut ours = match ours(&setting, most, options, events, entry.fat) {
+        Ok(ours) => Runner::new(ours, entry.fat, options.clock),
         Err(reason) => return Outcome::Wrong(reason),
     };
     let mut peer = Runner::new(start(&setting), entry.fat, options.clock);
