@@ -196,13 +196,13 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1500),
+    ("", 1525),
     ("geometry", 1122),
     ("lists", 67),
     ("memory", 1861),
     ("objects", 678),
     ("pairs", 553),
-    ("parallel", 560),
+    ("parallel", 537),
     ("query", 1367),
     ("simd", 2216),
     ("snapshot", 594),

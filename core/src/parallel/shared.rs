@@ -4,35 +4,12 @@
 //! which tests see, but never undefined behaviour.
 
 use crate::access::note_fault;
+use crate::id::Word;
 use bytemuck::Pod;
 use core::marker::PhantomData;
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering, Ordering::Relaxed};
+use core::sync::atomic::Ordering::Relaxed;
 
-/// A number that the target loads and stores in one piece.
-pub trait Word: Pod {
-    /// The atomic of its size and alignment.
-    type Atomic: Sync;
-    /// Loads it.
-    const LOAD: fn(&Self::Atomic, Ordering) -> Self;
-    /// Stores it.
-    const STORE: fn(&Self::Atomic, Self, Ordering);
-}
-
-macro_rules! word {
-    ($plain:ty, $atomic:ty) => {
-        impl Word for $plain {
-            type Atomic = $atomic;
-            const LOAD: fn(&$atomic, Ordering) -> Self = <$atomic>::load;
-            const STORE: fn(&$atomic, Self, Ordering) = <$atomic>::store;
-        }
-    };
-}
-word!(u16, AtomicU16);
-word!(u32, AtomicU32);
-#[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
-word!(u64, core::sync::atomic::AtomicU64);
-
-// The widest such number. On other targets its atomic may need a wider alignment than the number.
+// The widest number that the target loads and stores in one piece. On other targets its atomic may need a wider alignment than the number.
 #[cfg(not(all(target_has_atomic = "64", target_pointer_width = "64")))]
 use core::primitive::u32 as Widest;
 #[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
