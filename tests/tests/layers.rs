@@ -197,7 +197,7 @@ fn no_file_is_too_long() {
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1525),
-    ("geometry", 1122),
+    ("geometry", 1126),
     ("lists", 67),
     ("memory", 1861),
     ("objects", 678),

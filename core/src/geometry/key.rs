@@ -215,9 +215,13 @@ impl KeyBox {
     /// if there is none.
     #[inline(always)]
     pub(crate) fn smallest_extent(&self) -> f32 {
-        let sides = [0, 1, 2].map(|k| length(self.min[k], self.max[k]));
-        // False for NaN.
-        sides.into_iter().fold(f32::MAX, |least, side| if side > 0.0 && side < least { side } else { least })
+        let lesser = |least: f32, k: usize| {
+            let side = length(self.min[k], self.max[k]);
+            // False for NaN.
+            if side > 0.0 && side < least { side } else { least }
+        };
+        // Written out: a loop that is compiled for size has a check of its index.
+        lesser(lesser(lesser(f32::MAX, 0), 1), 2)
     }
 
     /// The largest side; infinite if the box is unbounded.

@@ -175,7 +175,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
     let before = before.get_mut(word * 32..end).unwrap_or_default();
     let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to
-    // compare a box; and shifted in, since it has few registers.
+    // compare a box.
     let (mut changed, mut contained, unused) = (0u32, 0u32, 32 - now.len());
     let mut items = bounds.items_from(first + word * 32);
     let (mut skipped, mut four_changed) = (resting.get(word).copied().unwrap_or_default(), 0);
