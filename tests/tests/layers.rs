@@ -10,7 +10,7 @@ use std::path::Path;
 const LAYERS: [&[&str]; 13] = [
     &["access", "config", "error", "filter", "id", "sort"],
     &["contacts", "geometry"],
-    &["simd"],
+    &["object", "simd"],
     &["parallel"],
     &["memory"],
     &["lists"],
