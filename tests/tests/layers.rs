@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("query", 1367),
     ("simd", 2216),
     ("snapshot", 594),
-    ("step", 626),
+    ("step", 633),
     ("sweep", 1364),
     ("tree", 2256),
     ("validate", 415),

@@ -46,6 +46,8 @@ const LEAST_AGE: u32 = 3;
 const SAMPLE: usize = 64;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
+/// Nor where half of the predicted ones are so many times as wide as the boxes.
+const WIDE: f32 = 4.0;
 /// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
 const CROWD: u64 = 8;
 /// Steps without them after that. In the [last ones](TRIAL) some are tried.
@@ -159,20 +161,25 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
         let margin = margins.get(slot).copied().unwrap_or_default();
         match steps {
             0 => fat.put(slot, now),
-            1 => fat.put(slot, FatBoxes::made(predicted, margin, &old, &now)),
+            1 => {
+                let made = FatBoxes::made(predicted, margin, &old, &now);
+                fat.put(slot, made);
+                return made.largest_extent() > WIDE * now.largest_extent();
+            }
             _ => return !now.is_empty() && !old.contains(&now),
         }
         false
     });
-    let cost = upkeep(parts.state, left);
+    let (cost, has_margin) = (upkeep(parts.state, left), parts.config().margin.is_some());
+    let wide = steps == 1 && !has_margin && 2 * left > u64::from(parts.state.step.age);
     let step = &mut parts.state.step;
     step.margins_in -= 1;
     if steps >= 2 && pays(step, u32::from(steps) - 2, cost) {
         (step.margins_in, step.renews) = (0, 1);
         margins::use_again(parts);
-    } else if step.margins_in == 0 {
+    } else if step.margins_in == 0 || wide {
         step.margins_in = PAUSE;
-    } else {
+    } else if steps > 1 {
         step.spent += cost as u16;
     }
 }
