@@ -3,7 +3,6 @@
 use bytemuck::Pod;
 use core::fmt;
 use core::num::NonZeroU64;
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 /// Names one object while it lives: a slot and the generation of that slot.
 ///
@@ -59,33 +58,16 @@ impl fmt::Display for Id {
     }
 }
 
-/// A number that the target loads and stores in one piece.
-pub trait Word: Pod {
-    /// The atomic of its size and alignment.
-    type Atomic: Sync;
-    /// Loads it.
-    const LOAD: fn(&Self::Atomic, Ordering) -> Self;
-    /// Stores it.
-    const STORE: fn(&Self::Atomic, Self, Ordering);
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for u16 {}
+    impl Sealed for u32 {}
 }
-
-macro_rules! word {
-    ($plain:ty, $atomic:ty) => {
-        impl Word for $plain {
-            type Atomic = $atomic;
-            const LOAD: fn(&$atomic, Ordering) -> Self = <$atomic>::load;
-            const STORE: fn(&$atomic, Self, Ordering) = <$atomic>::store;
-        }
-    };
-}
-word!(u16, AtomicU16);
-word!(u32, AtomicU32);
-#[cfg(all(target_has_atomic = "64", target_pointer_width = "64"))]
-word!(u64, core::sync::atomic::AtomicU64);
 
 /// The width of slots in a world. `u16` halves their memory in worlds of up to 65,534 objects.
-// `Word` cannot be named by others: no other type is an index.
-pub trait Index: Word + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static {
+pub trait Index:
+    sealed::Sealed + Pod + Default + Ord + Send + Sync + fmt::Debug + core::hash::Hash + 'static
+{
     /// The index that no object has.
     const NONE: Self;
     /// The home of a large object, which is in no leaf.

@@ -196,19 +196,19 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1525),
+    ("", 1507),
     ("geometry", 1126),
     ("lists", 67),
-    ("memory", 1861),
+    ("memory", 1856),
     ("objects", 678),
-    ("pairs", 553),
-    ("parallel", 537),
+    ("pairs", 534),
+    ("parallel", 496),
     ("query", 1367),
     ("simd", 2216),
     ("snapshot", 594),
-    ("step", 633),
+    ("step", 632),
     ("sweep", 1364),
-    ("tree", 2256),
+    ("tree", 2147),
     ("validate", 415),
     ("world", 1701),
 ];

@@ -43,11 +43,6 @@ impl Cell {
         self.from.max
     }
 
-    /// Whether a box that is at home here is a large object.
-    pub(crate) fn is_exceeded_by(&self, bounds: &KeyBox) -> bool {
-        (0..3).any(|k| bounds.max[k] >= self.far()[k])
-    }
-
     /// Where members lie that touch no other cell. Infinite at the rim, since keys beyond are not numbers.
     pub(crate) fn inside(&self) -> KeyBox {
         KeyBox {

@@ -28,43 +28,24 @@ pub(crate) fn is_clear_of<I: Index>(set: &[u32], pair: &Pair<I>) -> bool {
     !(bits::test(set, pair[0].at()) | bits::test(set, pair[1].at()))
 }
 
-/// Brings the pairs that pass a test to the front and returns how many there are.
+/// Brings the pairs that pass a test to the front and returns how many there are. Workers divide blocks; then
+/// pairs on the wrong side of the border change places.
 pub(crate) fn partition<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
-    partition_both(context, (pairs, test), (&mut [], test))[0]
-}
-
-/// The same in two lists. Workers divide blocks; then pairs on the wrong side of the border change places.
-pub(crate) fn partition_both<I: Index>(
-    context: StepContext<'_>,
-    (first, first_test): (&mut [Pair<I>], Test<'_, I>),
-    (second, second_test): (&mut [Pair<I>], Test<'_, I>),
-) -> [usize; 2] {
-    let to_front = |pairs: &mut [Pair<I>], test| run!(context.kernels, |simd| to_front(simd, pairs, test));
+    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
     if context.is_small() {
-        return [to_front(first, first_test), to_front(second, second_test)];
+        return to_front(pairs);
     }
-    let len = |pairs: &[Pair<I>]| pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
-    let lens = [len(first), len(second)];
-    let [mut in_first, mut in_second] = [[0; PAIR_BLOCKS]; 2];
-    context.each_of_both(
-        ((Chunks::new(&mut *first, lens[0]), Chunks::new(&mut in_first, 1)), |(pairs, front)| {
-            front.fill(to_front(pairs, first_test));
-        }),
-        ((Chunks::new(&mut *second, lens[1]), Chunks::new(&mut in_second, 1)), |(pairs, front)| {
-            front.fill(to_front(pairs, second_test));
-        }),
-    );
-    [join(first, lens[0], &in_first), join(second, lens[1], &in_second)]
-}
-
-/// Joins the fronts of blocks of some length. Returns how long it is.
-fn join<I: Index>(pairs: &mut [Pair<I>], len: usize, fronts: &[usize]) -> usize {
-    let border = fronts.iter().sum();
+    let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let blocks = pairs.len().div_ceil(len);
+    let mut fronts = [0; PAIR_BLOCKS];
+    context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
+        front.fill(to_front(pairs));
+    });
+    let border = fronts.iter().sum();
     let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
     let late = ends().flat_map(|(start, end)| start.max(border)..end);
     let early = ends().flat_map(|(start, end)| end..(start + len).min(border));

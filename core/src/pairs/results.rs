@@ -10,7 +10,7 @@ use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
 use crate::pairs::partition::Test::{ClearOf, Ended, Holds, Overlap};
-use crate::pairs::partition::{is_clear_of, partition, partition_both};
+use crate::pairs::partition::{is_clear_of, partition};
 use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
@@ -52,23 +52,23 @@ pub(crate) fn sort_out<I: Index>(
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
-        let asked = &*parts.filters.changed.words;
-        let asks = FILTERS && parts.filters.changed.count() > 0;
+        persisting = partition(context, new, Overlap(before));
         // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not
         // have overlapped then.
-        let if_new = if asks || parts.state.objects.has_inserted != 0 { before } else { &[] };
-        let ended = Ended { now, before: if_new };
-        let mut lost;
+        let asked = &*parts.filters.changed.words;
+        let asks = FILTERS && parts.filters.changed.count() > 0;
+        let mut known = 0..0;
         if asks {
-            persisting = partition(context, new, Overlap(before));
-            let known = stay_known(context, new.span_mut(0, persisting), previous, asked);
+            known = stay_known(context, new.span_mut(0, persisting), previous, asked);
             persisting = known.end;
-            lost = partition(context, previous, ended);
+        }
+        let before = if asks || parts.state.objects.has_inserted != 0 { before } else { &[] };
+        let mut lost = partition(context, previous, Ended { now, before });
+        if asks {
+            // Or if the filters no longer let it through.
             let known = new.span(known.start, known.len());
             let dropped = |pair: &Pair<I>| !is_clear_of(asked, pair) && known.binary_search(pair).is_err();
             lost += partition(context, previous.span_mut(lost, previous.len() - lost), Holds(&dropped));
-        } else {
-            [persisting, lost] = partition_both(context, (new, Overlap(before)), (previous, ended));
         }
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;

@@ -23,23 +23,6 @@ impl StepContext<'_> {
         each(self.executor, self.workers, parts, work);
     }
 
-    /// The same with two kinds of parts in one job, the first ones first.
-    pub(crate) fn each_of_both<A: Parted, B: Parted>(
-        self,
-        (first, on_first): (A, impl Fn(A::Part) + Sync),
-        (second, on_second): (B, impl Fn(B::Part) + Sync),
-    ) {
-        let (first, second) = (BlockQueue::new(first), BlockQueue::new(second));
-        executor::run(self.executor, self.workers, first.count() + second.count(), &|| {
-            while let Some((_, part)) = first.claim() {
-                on_first(part);
-            }
-            while let Some((_, part)) = second.claim() {
-                on_second(part);
-            }
-        });
-    }
-
     pub(crate) const fn is_small(&self) -> bool {
         !cfg!(feature = "large") || self.small
     }

@@ -18,7 +18,7 @@ use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::sweep_movers;
 use crate::tree::large;
 use crate::tree::refit::refit_some;
-use crate::tree::relocate::{enclose_movers, order_movers, relocate_all};
+use crate::tree::relocate::{order_movers, relocate_all};
 
 /// Moves the records of moved objects and tests them. `None` if a leaf had no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
@@ -78,7 +78,6 @@ pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<
     if !relocate_all(parts, moved, context) {
         return None;
     }
-    enclose_movers(parts, moved);
     large::arrange_if_due(parts);
     refit_some(parts, moved);
     Some(moved)
