@@ -28,7 +28,7 @@ pub(crate) fn note_fault(slice: usize) {
         FAULTS.store(count.wrapping_add(1), Relaxed);
         count
     };
-    if let Some(last) = SLICES.get(count as usize % SLICES_KEPT) {
+    if let Some(last) = SLICES.get(count as usize % SLICES.len()) {
         last.store(slice, Relaxed);
     }
 }
@@ -53,7 +53,7 @@ impl Watch {
         // Of more than are kept one may have been its own. A small program has one world, or few.
         let some_are_lost = !cfg!(feature = "large") && new as usize > SLICES_KEPT;
         let is_own = |slice: &AtomicUsize| self.slab.contains(&slice.load(Relaxed));
-        let mut last = (1..=new).map(|back| count.wrapping_sub(back) as usize % SLICES_KEPT);
+        let mut last = (1..=new).map(|back| count.wrapping_sub(back) as usize % SLICES.len());
         some_are_lost || last.any(|number| SLICES.get(number).is_some_and(is_own))
     }
 }
