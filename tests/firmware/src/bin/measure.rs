@@ -46,7 +46,8 @@ const fn config(objects: usize, pairs: usize) -> Config {
 }
 
 const MARGIN: Margin = Margin::length(0.01);
-const MOST: Config = config(LARGEST, LARGEST * (LARGEST - 1) / 2).with_events().with_margin(MARGIN).with_filters();
+const MOST: Config =
+    config(LARGEST, LARGEST * (LARGEST - 1) / 2).with_events().with_margin(MARGIN).with_filters();
 const BYTES: usize = layout::<u16>(&MOST).unwrap().bytes;
 
 /// The memory of all measurements, one after another.
