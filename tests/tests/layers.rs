@@ -200,17 +200,17 @@ const BUDGETS: [(&str, usize); 15] = [
     ("geometry", 1126),
     ("lists", 67),
     ("memory", 1856),
-    ("objects", 678),
+    ("objects", 555),
     ("pairs", 534),
     ("parallel", 496),
     ("query", 1367),
     ("simd", 2216),
     ("snapshot", 594),
-    ("step", 632),
+    ("step", 624),
     ("sweep", 1364),
-    ("tree", 2147),
+    ("tree", 2215),
     ("validate", 415),
-    ("world", 1701),
+    ("world", 1693),
 ];
 
 #[test]

@@ -9,10 +9,8 @@ use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::Objects;
 use crate::objects::margins::{FatBoxes, Motions};
-use crate::objects::settle::Records;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::parallel::shared::Shared;
 use crate::simd::kernels::{Kernels, run};
 use crate::simd::{Simd, call};
 
@@ -24,37 +22,23 @@ pub(crate) struct Intake {
     pub(crate) rejected: u32,
     /// The lowest slot among them.
     pub(crate) first_rejected: u32,
-    /// Objects that have left their leaf, where boxes were brought to the records.
-    pub(crate) left: u32,
 }
 
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
-/// objects whose new box is refused. With `settle`, boxes come to the records of the tree as well, and the
-/// slots of the objects that have left their leaves to the front of the second of the sorted lists.
+/// objects whose new box is refused.
 pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
-    settle: bool,
     context: StepContext<'_>,
 ) -> Intake {
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
         let mut objects = parts.objects();
         objects.now = core::mem::take(&mut objects.now).span_mut(0, slots);
-        return ingest_block(context.kernels, 0, bounds, objects, None::<&mut Records<'_, '_, I>>);
+        return ingest_block(context.kernels, 0, bounds, objects);
     }
-    // What has changed before.
-    let pending = if settle { parts.moved.list(parts.order[0]) } else { 0 };
-    let len = block_len(slots);
-    let found = ingest_blocks(parts, bounds, (slots, len), settle, context);
     let mut sum = Intake::default();
-    let [pending_list, left, _] = &mut parts.order;
-    let mut end = 0;
-    for (block, intake) in found.iter().enumerate() {
-        for index in 0..intake.left as usize {
-            left.put(end, left.at(block * len + index));
-            end += 1;
-        }
+    for intake in ingest_blocks(parts, bounds, slots, context) {
         sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
         sum.motions.outran += intake.motions.outran;
         if sum.rejected == 0 {
@@ -62,103 +46,66 @@ pub(crate) fn ingest<I: Index>(
         }
         sum.rejected += intake.rejected;
     }
-    if settle {
-        parts.state.lists.stale = 1;
-        for slot in pending_list.span(0, pending) {
-            // Where so many have left that there is no room, the list is not read.
-            if let Some(to) = left.get_mut(end) {
-                *to = *slot;
-            }
-            end += 1;
-        }
-        sum.left = end as u32;
-    }
     sum
 }
 
-/// Takes in the first slots of a world with a tree, in blocks of so many. The slots that have left their
-/// leaves stand at the start of each block in the second of the sorted lists.
+/// Takes in the first slots of a world with a tree, in blocks.
 // Its stack frame does not stand below the sweep's.
 #[inline(never)]
 fn ingest_blocks<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
-    (slots, len): (usize, usize),
-    settle: bool,
+    slots: usize,
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
+    let len = block_len(slots);
     let (mode, (predicted, renews)) = (parts.mode(), parts.fat_boxes());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
-    let (homes, places) = (&*parts.home, &*parts.place);
-    let leaves = if settle { parts.state.tree.count as usize } else { 0 };
-    let (cells, frames) = (parts.tree.cells.span(0, leaves), parts.tree.frames.span(0, leaves));
-    let leaves = parts.tree.leaves.span(0, leaves);
-    let records = Shared::new(parts.tree.records);
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
         Chunks::new(parts.boxes.now.span_mut(0, slots), len),
-        (Chunks::optional(fat, len), Chunks::optional(parts.boxes.before, len)),
+        Chunks::optional(fat, len),
+        Chunks::optional(parts.boxes.before, len),
         (parts.moved.blocks(len), parts.changed.blocks(len)),
-        Chunks::new(parts.order[1].span_mut(0, slots), len),
         Chunks::new(&mut found, 1),
     );
-    context.each(blocks, |block, (now, (fat, before), (moved, changed), left, found)| {
+    context.each(blocks, |block, (now, fat, before, (moved, changed), found)| {
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
         let objects = Objects { now, cut: &mut [], fat, moved, changed, before, resting, mode };
-        let (homes, places) = (homes.span(first, left.len()), places.span(first, left.len()));
-        let mut records = Records { first, homes, places, cells, frames, leaves, records, left, noted: 0 };
-        found.fill(ingest_block(context.kernels, first, bounds, objects, settle.then_some(&mut records)));
+        found.fill(ingest_block(context.kernels, first, bounds, objects));
     });
     found
 }
 
 /// Takes in the boxes of some consecutive slots.
-fn ingest_block<I: Index>(
-    kernels: Kernels,
-    first: usize,
-    bounds: &Boxes<'_>,
-    objects: Objects<'_>,
-    records: Option<&mut Records<'_, '_, I>>,
-) -> Intake {
-    run!(kernels, |simd| take_in_words(simd, first, bounds, objects, records))
+fn ingest_block(kernels: Kernels, first: usize, bounds: &Boxes<'_>, objects: Objects<'_>) -> Intake {
+    run!(kernels, |simd| take_in_words(simd, first, bounds, objects))
 }
 
 #[inline(always)]
-fn take_in_words<S: Simd, I: Index>(
-    simd: S,
-    first: usize,
-    bounds: &Boxes<'_>,
-    mut objects: Objects<'_>,
-    mut records: Option<&mut Records<'_, '_, I>>,
-) -> Intake {
+fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects: Objects<'_>) -> Intake {
     let mut intake = Intake::default();
     for word in 0..objects.now.len().div_ceil(32) {
         if objects.resting.get(word) == Some(&u32::MAX) {
             continue;
         }
-        let moved = if !HAS_EVENTS || objects.before.is_empty() {
-            take_in::<S, false>(simd, first, bounds, &mut objects, word, &mut intake)
+        if !HAS_EVENTS || objects.before.is_empty() {
+            take_in::<S, false>(simd, first, bounds, &mut objects, word, &mut intake);
         } else {
-            take_in::<S, true>(simd, first, bounds, &mut objects, word, &mut intake)
-        };
-        if let Some(records) = &mut records {
-            let swept = if objects.fat.exist() { &*objects.fat.boxes } else { &*objects.now };
-            records.settle(simd, word, moved, swept.get(word * 32..).unwrap_or_default());
+            take_in::<S, true>(simd, first, bounds, &mut objects, word, &mut intake);
         }
     }
     intake.motions = objects.fat.motions;
-    intake.left = records.map_or(0, |records| records.noted);
     intake
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for resting ones. Returns the bits of
-/// slots whose swept boxes are others now.
+/// Takes in the boxes of the slots of a word of the bit sets, but for resting ones.
 #[inline(always)]
 fn take_in<S: Simd, const EVENTS: bool>(
     simd: S,
@@ -167,7 +114,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
     objects: &mut Objects<'_>,
     word: usize,
     intake: &mut Intake,
-) -> u32 {
+) {
     let Objects { now, fat, changed: kept, before, resting, mode, .. } = objects;
     let end = now.len().min(word * 32 + 32);
     let now = now.get_mut(word * 32..end).unwrap_or_default();

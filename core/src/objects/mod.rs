@@ -2,7 +2,6 @@
 
 pub(crate) mod intake;
 pub(crate) mod margins;
-pub(crate) mod settle;
 
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, Mode};
@@ -117,13 +116,12 @@ impl Objects<'_> {
     }
 
     /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
-    /// boxes. Returns the slots that have moved.
-    pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) -> u32 {
+    /// boxes.
+    pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
         let moved = changed & !contained;
         let reported = if self.mode == Mode::Exact { changed } else { moved };
         self.moved.add(word, moved);
         self.changed.add(word, reported);
-        moved
     }
 
     /// Makes the fat box anew around the box, as after a move.

@@ -14,16 +14,15 @@ use crate::simd::kernels::run;
 use crate::sweep::Collector;
 use crate::sweep::kinds::Kinds;
 use crate::sweep::leaves::{TreeView, sweep_leaf};
+use crate::tree::keep::{LEAVERS_SHARE, keep};
 use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
-use crate::tree::{assign, balance, keep};
+use crate::tree::{assign, balance};
 
-/// Fills all leaves and sweeps them. `settled`: how many objects left their leaf, if the intake has brought
-/// the other boxes to their records.
+/// Fills all leaves and sweeps them.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
-    settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     let anew = route.path == Path::Rebuilt;
@@ -33,26 +32,20 @@ pub(super) fn full<I: Index>(
         persistent::start_over(parts);
         None
     };
-    let (left, arranged) = arrange(parts, anew, settled, context);
+    let arranged = arrange(parts, anew, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.tree.count;
     let (pairs, work) = sweep(parts, kept, leaves as usize, context);
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
-    keep::plan(parts.state, left);
     let rebalanced = if anew { parts.state.objects.live } else { arranged.rebalanced };
     (route, Progress { pairs, work, leaves, rebalanced, ..arranged })
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
-/// tree. Returns how many objects had left their leaf, if all leaves were filled, and what it has done.
-pub(super) fn arrange<I: Index>(
-    parts: &mut Parts<'_, I>,
-    anew: bool,
-    settled: Option<u32>,
-    context: StepContext<'_>,
-) -> (Option<u32>, Progress) {
+/// tree. Returns what it has done.
+pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: StepContext<'_>) -> Progress {
     let executor = context.executor;
     let was_filled = parts.state.tree.filled != 0;
     executor.enter(Stage::Build);
@@ -63,22 +56,22 @@ pub(super) fn arrange<I: Index>(
         plant(&mut parts.tree, &mut parts.state.tree);
     }
     executor.enter(Stage::Fill);
-    let settled = settled.filter(|_| !anew && !was_subdivided && !refined);
-    let leaves_stay = settled.is_some_and(|settled| keep::settle(parts, settled, context));
-    let (mut left, mut coarse, mut rebalanced) = (None, None, 0);
-    if !leaves_stay {
-        let counted = assign::count(parts, context);
+    let (mut coarse, mut rebalanced) = (None, 0);
+    if anew || was_subdivided || refined || !keep(parts, context) {
+        let (mut bounds_scan, left) = assign::count(parts, context);
         executor.enter(Stage::Build);
         rebalanced = balance::balance(parts);
         executor.enter(Stage::Fill);
-        let bounds_scan = if rebalanced > 0 { assign::count(parts, context).0 } else { counted.0 };
+        if rebalanced > 0 {
+            bounds_scan = assign::count(parts, context).0;
+        }
         assign::fill(parts, &bounds_scan, context);
         coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
-        // If no leaves were filled before, all objects count as having left theirs.
-        left = Some(if was_filled { counted.1 } else { u32::MAX });
+        let few = was_filled && left <= parts.state.objects.live / LEAVERS_SHARE;
+        parts.state.step.kept = u8::from(few);
     }
     balance::review(parts);
-    (left, Progress { coarse, rebalanced, ..Progress::default() })
+    Progress { coarse, rebalanced, ..Progress::default() }
 }
 
 /// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for pairs of moved objects. Returns

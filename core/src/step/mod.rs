@@ -21,7 +21,6 @@ use crate::tree::keep::LEAVERS_SHARE;
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
-    settled: Option<u32>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
     parts.state.pairs.unkept = 0;
@@ -34,10 +33,10 @@ pub(crate) fn find<I: Index>(
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
             Some(progress) => (route, progress),
-            None => full::full(parts, policy::anew(parts, Reason::NoRoom), None, context),
+            None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Unchanged | Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
-            full::full(parts, route, settled, context)
+            full::full(parts, route, context)
         }
     }
 }
@@ -56,7 +55,7 @@ pub(crate) fn find_without_surplus<I: Index>(
         policy::pause(parts);
     }
     let route = policy::choose(parts, parts.state.objects.live);
-    let (route, progress) = find(parts, route, None, context);
+    let (route, progress) = find(parts, route, context);
     if is_small {
         parts.boxes.tight = false;
         parts.state.pairs.unkept = 1;
@@ -71,7 +70,7 @@ pub(crate) fn refresh<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
     let few = moved <= parts.state.objects.live / LEAVERS_SHARE;
     let mut path = Path::Movers;
     if filled == 0 || !few || incremental::relocate(parts, context).is_none() {
-        full::arrange(parts, balance::needs_planes(parts.state), None, context);
+        full::arrange(parts, balance::needs_planes(parts.state), context);
         parts.state.tree.filled = if filled == 1 { 1 } else { 2 };
         path = Path::Full;
     }

@@ -1,16 +1,22 @@
-//! Keeps the leaves as they are where few objects leave theirs: the pass that takes in the boxes has brought
-//! the other objects' to their records, and the leavers are moved.
+//! Keeps the leaves as they are where few objects leave theirs: all other records are written where they
+//! stand, and the leavers are moved.
 //!
 //! Cells, frames and axes stay too, as the step that filled all leaves last has left them. No frame loses a
 //! pair.
 
 use super::enclose::{enclose, list_straddlers, number_straddlers};
 use super::relocate::relocate_all;
-use super::{are_few, large};
+use super::{Cell, Frame, Leaf, Record, are_few, large};
+use crate::access::Access;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
+use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
+use crate::parallel::shared::Shared;
+use crate::simd::Simd;
+use crate::simd::kernels::run;
 
 /// One in so many objects may leave its leaf in a step in which all others keep their places.
 pub(crate) const LEAVERS_SHARE: u32 = 8;
@@ -19,17 +25,15 @@ pub(crate) const LEAVERS_SHARE: u32 = 8;
 /// the statistics of boxes are of late.
 const MOST_KEPT: u8 = 32;
 
-/// Whether the next boxes are to be brought to their records as they are taken in.
-pub(crate) fn settles<I: Index>(parts: &Parts<'_, I>) -> bool {
-    let state = &parts.state;
-    let known = state.tree.filled != 0 && state.tree.subdivided == 0 && state.pairs.complete != 0;
-    known && state.step.kept != 0 && parts.moved.count() <= state.objects.live / LEAVERS_SHARE
-}
-
-/// Moves the records of objects that have left their leaf, or were changed by themselves. Returns whether all
+/// Brings all objects to their leaves, if few have left theirs in the last full step. Returns whether all
 /// leaves are filled then; else they must be filled anew.
-pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: StepContext<'_>) -> bool {
-    let (live, leaves) = (parts.state.objects.live, parts.state.tree.count);
+pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
+    let (live, tree, kept) = (parts.state.objects.live, &parts.state.tree, parts.state.step.kept);
+    let leaves = tree.count;
+    if tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept) {
+        return false;
+    }
+    let left = rewrite(parts, context);
     if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context) {
         return false;
     }
@@ -43,12 +47,76 @@ pub(crate) fn settle<I: Index>(parts: &mut Parts<'_, I>, left: u32, context: Ste
     large::arrange(parts, true);
     list_straddlers(parts, context);
     enclose(parts);
+    parts.state.step.kept += 1;
     true
 }
 
-/// Whether the next full step keeps the leaves, after one that has, or has filled them as many left theirs.
-pub(crate) fn plan(state: &mut State, refilled: Option<u32>) {
-    let kept = if refilled.is_some() { 0 } else { state.step.kept };
-    let is_calm = refilled.map_or(state.tree.heavy == 0, |left| left <= state.objects.live / LEAVERS_SHARE);
-    state.step.kept = if is_calm && state.tree.uneven == 0 && kept < MOST_KEPT { kept + 1 } else { 0 };
+/// Writes the records of all objects that are still in their leaf, and the slots of the leavers, of new and
+/// removed ones and of large ones to the front of the second of the sorted lists. Returns how many those are.
+fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
+    let slots = parts.state.objects.slots as usize;
+    let len = block_len(slots);
+    let (boxes, homes, places) = (parts.boxes.swept(), &*parts.home, &*parts.place);
+    let leaves = parts.tree.leaves.span(0, parts.state.tree.count as usize);
+    let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
+    let records = Shared::new(parts.tree.records);
+    let mut left = [0; SLOT_BLOCKS];
+    parts.state.lists.stale = 1;
+    let leavers = parts.order[1].span_mut(0, slots);
+    context.each((Chunks::new(leavers, len), Chunks::new(&mut left, 1)), |block, (leavers, left)| {
+        let (first, count) = (block * len, leavers.len());
+        let (boxes, homes, places) =
+            (boxes.span(first, count), homes.span(first, count), places.span(first, count));
+        let block = RewrittenBlock { first, boxes, homes, places, cells, frames, leaves, records, leavers };
+        left.fill(run!(context.kernels, |simd| rewrite_block(simd, block)));
+    });
+    let (list, mut end) = (&mut parts.order[1], 0);
+    for (block, left) in left.iter().enumerate() {
+        for index in block * len..block * len + *left as usize {
+            list.put(end, list.at(index));
+            end += 1;
+        }
+    }
+    end as u32
+}
+
+/// A block of slots, and where their records stand.
+struct RewrittenBlock<'b, 's, I> {
+    first: usize,
+    boxes: &'b [KeyBox],
+    homes: &'b [I],
+    places: &'b [I],
+    cells: &'b [Cell],
+    frames: &'b [Frame],
+    leaves: &'b [Leaf],
+    records: Shared<'s, Record>,
+    leavers: &'b mut [I],
+}
+
+#[inline(always)]
+fn rewrite_block<S: Simd, I: Index>(simd: S, block: RewrittenBlock<'_, '_, I>) -> u32 {
+    let RewrittenBlock { first, boxes, homes, places, cells, frames, leaves, records, leavers } = block;
+    // Of one length, so that one check of an index serves all.
+    let (Some(cells), Some(frames)) = (cells.get(..leaves.len()), frames.get(..leaves.len())) else {
+        return 0;
+    };
+    let mut left = 0;
+    for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
+        let slot = (first + index) as u32;
+        let mut stays = bounds.is_empty() && *home == I::NONE;
+        if let (Some(cell), Some(frame), Some(leaf)) =
+            (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
+        {
+            let keys = simd.keys(bounds);
+            let classified = cell.classify(simd, keys);
+            // Also of one that leaves: it is moved anyway.
+            let record = simd.record(frame, keys, slot | classified.marks());
+            records.store(leaf.start as usize + place.at(), &record);
+            stays = classified.is_member() && !bounds.is_empty();
+        }
+        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+        leavers.put(left as usize, I::from_slot(slot));
+        left += u32::from(!stays);
+    }
+    left
 }

@@ -36,7 +36,6 @@ use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
 use crate::step;
 use crate::step::policy;
-use crate::tree::keep;
 
 /// Boxes, and which of them overlap.
 ///
@@ -62,8 +61,8 @@ impl<I: Index> World<'_, I> {
                 parts.settled.move_to(&mut parts.moved);
             }
             parts.state.objects.dirty = 1;
-            let (rejected, settled) = Self::take_in(parts, bounds, context);
-            (rejected, Self::find(parts, settled, shared, context))
+            let rejected = Self::take_in(parts, bounds, context);
+            (rejected, Self::find(parts, shared, context))
         };
         let rejected = self.run(context, find, |parts, (rejected, needed)| {
             needed.map_or(Ok(()), |needed| Self::conclude(parts, needed)).map(|()| rejected)
@@ -131,17 +130,12 @@ impl<I: Index> World<'_, I> {
 
     /// All pairs of the boxes as they are now, and which of them are new or gone. Returns how many pairs
     /// there are, or `None` if nothing has changed.
-    fn find(
-        parts: &mut Parts<'_, I>,
-        mut settled: Option<u32>,
-        shared: bool,
-        context: StepContext<'_>,
-    ) -> Option<u64> {
+    fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> Option<u64> {
         let moved = parts.moved.count();
         let mut swept_anew = moved;
         if cfg!(feature = "large") && policy::renew(parts, moved) {
             // Whose fat box is left unused has another box that is swept.
-            (settled, swept_anew) = (None, parts.moved.count());
+            swept_anew = parts.moved.count();
         }
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
@@ -150,7 +144,7 @@ impl<I: Index> World<'_, I> {
             return None;
         }
         results::remember(parts);
-        let (mut route, mut progress) = step::find(parts, route, settled, context);
+        let (mut route, mut progress) = step::find(parts, route, context);
         if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
             (route, progress) = step::find_without_surplus(parts, context);
         }
@@ -162,25 +156,23 @@ impl<I: Index> World<'_, I> {
         Some(progress.pairs)
     }
 
-    /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused,
-    /// and how many objects left their leaf if the intake settles records.
+    /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused.
     fn take_in(
         parts: &mut Parts<'_, I>,
         bounds: Option<Boxes<'_>>,
         context: StepContext<'_>,
-    ) -> (Option<Rejected>, Option<u32>) {
-        let Some(bounds) = bounds else { return (None, None) };
+    ) -> Option<Rejected> {
+        let bounds = bounds?;
         context.executor.enter(Stage::Intake);
         if cfg!(feature = "large") {
             policy::foresee(parts, &bounds);
         }
-        let settles = cfg!(feature = "large") && keep::settles(parts);
-        let intake = ingest(parts, &bounds, settles, context);
+        let intake = ingest(parts, &bounds, context);
         parts.state.objects.note(intake.motions);
         let slot = intake.first_rejected;
         let first =
             if intake.rejected == 0 { None } else { Id::new(slot, parts.generations.at(slot as usize)) };
-        (first.map(|first| Rejected { first, count: intake.rejected }), settles.then_some(intake.left))
+        first.map(|first| Rejected { first, count: intake.rejected })
     }
 
     /// Nothing has changed: the result stays, and nothing is found or lost.
