@@ -61,6 +61,34 @@ pub(crate) fn meet(a: &Filter, b: &Filter, row: impl Fn(usize) -> u32) -> bool {
     groups && class(a, b) & class(b, a) != 0
 }
 
+/// Groups, masks and classes fold to so many bits each, so that one number tells of many filters.
+const FOLD: u32 = 10;
+const FIELD: u32 = (1 << FOLD) - 1;
+
+const fn folded([class, group, mask]: [u32; 3]) -> u32 {
+    const fn fold(bits: u32) -> u32 {
+        (bits | bits >> FOLD | bits >> (2 * FOLD) | bits >> (3 * FOLD)) & FIELD
+    }
+    fold(class) | fold(group) << FOLD | fold(mask) << (2 * FOLD)
+}
+
+/// What the filter in a slot has that others may look for. Those of many objects are joined by "or".
+pub(crate) fn offer(filters: &[Filter], slot: usize) -> u32 {
+    filters.get(slot).map_or(0, |of| folded([1 << (of.class % 32), of.group, of.mask]))
+}
+
+/// What a filter looks for in [others](offer); `None` if all.
+pub(crate) fn demand(of: &Filter, row: u32) -> Option<u32> {
+    (of.group & of.mask & row != u32::MAX).then_some(folded([row, of.mask, of.group]))
+}
+
+/// Whether there may be somebody to meet. `false` is certain.
+pub(crate) const fn may_meet(demand: u32, offer: u32) -> bool {
+    let both = demand & offer;
+    // Each of the three has a bit.
+    both & FIELD != 0 && both >> FOLD & FIELD != 0 && both >> (2 * FOLD) != 0
+}
+
 /// Whether every two of these filters meet. `true` is certain; `false` may be wrong. Filters of free slots
 /// count too. O(filters).
 #[inline(always)]

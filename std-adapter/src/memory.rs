@@ -1,16 +1,15 @@
 //! Allocates the memory of an owned world: zeroed, aligned, and backed by pages from the start, so that no step waits
 //! for them.
 
-use bytemuck::{Pod, Zeroable};
-use core::ops::{Deref, DerefMut};
+use core::ops::{Deref, DerefMut, Range};
 
-/// A unit of memory with the alignment of a world.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C, align(64))]
-pub(crate) struct Block([u8; 64]);
+/// The alignment of a world.
+const ALIGN: usize = 64;
 
 pub(crate) enum Memory {
-    Heap(Box<[Block]>),
+    /// Plain bytes, and which of them are aligned. To have the allocator align them takes twice as long, as glibc then writes zeros
+    /// to pages that are zero, and finds no use for what was given back.
+    Heap(Box<[u8]>, Range<usize>),
     #[cfg(target_os = "linux")]
     Pages(memmap2::MmapMut),
 }
@@ -19,21 +18,20 @@ impl Memory {
     /// Zeroed memory of so many bytes or a few more; `None` if it cannot be had.
     pub(crate) fn zeroed(bytes: usize) -> Option<Self> {
         let mut memory = Self::reserved(bytes)?;
-        #[cfg(target_os = "linux")]
-        if let Self::Pages(pages) = &mut memory {
-            // Written, so that its pages exist.
-            pages.fill(0);
-        }
+        // Written, so that its pages exist.
+        memory.fill(0);
         Some(memory)
     }
 
-    /// The same; on most systems, pages of large memory come when they are first used.
+    /// The same; on most systems, pages of fresh memory come when they are first used.
     pub(crate) fn reserved(bytes: usize) -> Option<Self> {
         #[cfg(target_os = "linux")]
         if bytes >= huge::PAGE {
             return huge::reserved(bytes).map(Self::Pages);
         }
-        bytemuck::allocation::try_zeroed_slice_box(bytes.div_ceil(size_of::<Block>())).ok().map(Self::Heap)
+        let room = bytemuck::allocation::try_zeroed_slice_box(bytes.checked_add(ALIGN - 1)?).ok()?;
+        let start = <[u8]>::as_ptr(&room).align_offset(ALIGN);
+        Some(Self::Heap(room, start..start + bytes))
     }
 }
 
@@ -42,7 +40,7 @@ impl Deref for Memory {
 
     fn deref(&self) -> &[u8] {
         match self {
-            Self::Heap(blocks) => bytemuck::cast_slice(blocks),
+            Self::Heap(room, aligned) => &room[aligned.clone()],
             #[cfg(target_os = "linux")]
             Self::Pages(pages) => pages,
         }
@@ -52,7 +50,7 @@ impl Deref for Memory {
 impl DerefMut for Memory {
     fn deref_mut(&mut self) -> &mut [u8] {
         match self {
-            Self::Heap(blocks) => bytemuck::cast_slice_mut(blocks),
+            Self::Heap(room, aligned) => &mut room[aligned.clone()],
             #[cfg(target_os = "linux")]
             Self::Pages(pages) => pages,
         }
@@ -87,7 +85,7 @@ mod tests {
         for bytes in [0, 1, 100, (2 << 20) - 1, 2 << 20, (2 << 20) + 1] {
             let mut memory = Memory::zeroed(bytes).expect("a few MiB");
             assert!(memory.len() >= bytes, "{} of {bytes}", memory.len());
-            assert!(memory.as_ptr().addr().is_multiple_of(align_of::<Block>()));
+            assert!(memory.as_ptr().addr().is_multiple_of(ALIGN));
             assert!(memory.iter().all(|&byte| byte == 0));
             memory.fill(1);
             assert!(memory.iter().all(|&byte| byte == 1));

@@ -409,7 +409,7 @@ impl Questions {
         let mut hits = vec![None; self.casts.len() + 1];
         hits[self.casts.len()] = world.id_at(0).map(|id| Hit { id, distance: -1.0 });
         let last = hits[self.casts.len()];
-        world.first_hits(&self.casts, &jobs, &mut hits).expect("good casts and room");
+        world.among(|_| true).first_hits(&self.casts, &jobs, &mut hits).expect("good casts and room");
         for (cast, hit) in self.casts.iter().zip(&hits) {
             assert_eq!(world.first_hit(cast), Ok(*hit), "{setup:?} {cast:?}");
         }
@@ -427,7 +427,7 @@ impl Questions {
                 Some(Hit { id: Id::from_bits(1 << 32).expect("an id"), distance: 0.0 });
                 count * points.len()
             ];
-            world.nearest_many(&points, &jobs, &mut all).expect("good points");
+            world.among(|_| true).nearest_many(&points, &jobs, &mut all).expect("good points");
             let (mut one, mut few) = (vec![None; count], vec![None; count * points.len()]);
             among.nearest_many(&points, &jobs, &mut few).expect("good points");
             for (at, point) in points.iter().enumerate() {
@@ -442,7 +442,7 @@ impl Questions {
             let mut bad = points.clone();
             bad[last][1] = f32::NAN;
             let refused = Err(Error::BadQuery { index: last as u32 });
-            assert_eq!(world.nearest_many(&bad, &jobs, &mut []), refused);
+            assert_eq!(world.among(|_| true).nearest_many(&bad, &jobs, &mut []), refused);
         }
 
         let regions = self.regions.len();
@@ -464,7 +464,7 @@ impl Questions {
         // Room for all, and not quite; shares that are enough for each block, and shares that are not.
         for room in [0, total / 2, total.saturating_sub(1), total, total + 9, total * regions] {
             let (mut out, mut ends) = (vec![None; room], vec![9; regions]);
-            let told = world.overlaps_many(&self.regions, &jobs, &mut out, &mut ends);
+            let told = world.among(|_| true).overlaps_many(&self.regions, &jobs, &mut out, &mut ends);
             let full = Error::OutputFull { needed: total as u64, room };
             assert_eq!(told, if total > room { Err(full) } else { Ok(total) }, "{setup:?}");
             let mut sum = 0;

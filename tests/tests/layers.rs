@@ -196,20 +196,20 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1507),
+    ("", 1535),
     ("geometry", 1126),
     ("lists", 67),
     ("memory", 1856),
     ("objects", 555),
-    ("pairs", 534),
+    ("pairs", 540),
     ("parallel", 496),
-    ("query", 1367),
+    ("query", 1324),
     ("simd", 2216),
     ("snapshot", 594),
-    ("step", 624),
-    ("sweep", 1364),
-    ("tree", 2215),
-    ("validate", 415),
+    ("step", 598),
+    ("sweep", 1378),
+    ("tree", 2221),
+    ("validate", 417),
     ("world", 1693),
 ];
 

@@ -197,6 +197,57 @@ fn movers_that_meet_nobody_are_left_out() {
     }
 }
 
+/// Few move in a world with a tree: each is compared only in leaves that hold somebody whom it may meet.
+#[test]
+fn movers_pass_over_leaves_of_those_they_do_not_meet() {
+    // A level on one side that does not meet itself, walkers on the other.
+    let boxes = scenes::uniform(2000, 8);
+    let middle = boxes.iter().map(|aabb| aabb.min[0]).sum::<f32>() / 2000.0;
+    let kind = |k: usize, by: [Filter; 2]| by[usize::from(boxes[k].min[0] > middle)];
+    let mut candidates = [0; 3];
+    let kinds = [
+        [Filter::ALL; 2],
+        [Filter::class(14), Filter::class(3)],
+        [Filter::groups(1 << 31, 1), Filter::groups(1, u32::MAX)],
+    ];
+    for (filters, candidates) in kinds.into_iter().zip(&mut candidates) {
+        let config = Config::new(ample(2000, 20_000)).without_predicted_boxes().with_filters().with_events();
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let ids = world.insert_many(&boxes);
+        for (k, id) in ids.iter().enumerate() {
+            world.set_filter(*id, kind(k, filters));
+        }
+        world.set_classes(&only(&[[0, 0], [3, 14], [3, 3]]));
+        let level: Vec<_> = (0..2000).filter(|&k| boxes[k].min[0] <= middle).step_by(40).collect();
+        let round = |world: &mut Checked<'_, u32>, by: f32| {
+            for id in level.iter().map(|&k| ids[k]) {
+                let aabb = world.model().aabb(id.slot()).expect("alive");
+                world.set(id, scenes::shifted(&aabb, [by, 0.0, 0.0]));
+            }
+            world.step(Setup::REFERENCE).stats
+        };
+        for k in 0..30 {
+            round(&mut world, [0.25, -0.25][k % 2]);
+        }
+        let stats = round(&mut world, 0.25);
+        assert_eq!((stats.path, stats.fine_leaves), (Path::Movers, true), "{stats:?}");
+        assert_eq!(stats.spared > 0, filters != [Filter::ALL; 2], "{stats:?}");
+        *candidates = stats.candidates;
+        // Some of the level become walkers, and are met.
+        for k in (0..2000).filter(|&k| boxes[k].min[0] <= middle).skip(1).step_by(80) {
+            world.set_filter(ids[k], filters[1]);
+        }
+        assert!(round(&mut world, -0.25).candidates >= stats.candidates);
+        for _ in 0..9 {
+            round(&mut world, 0.25);
+        }
+    }
+    let [all, by_class, by_group] = candidates;
+    assert_eq!(by_class, by_group);
+    assert!(3 * by_class < all, "{by_class} of {all}");
+}
+
 /// Where all meet, nothing is spared; where few do not, a leaf is swept in one pass.
 #[test]
 fn who_meets_all_is_compared_once() {

@@ -470,7 +470,12 @@ fn bad_queries_are_refused() {
         assert_eq!(visited, Err(bad), "{region:?}");
         let (mut out, mut ends) = ([None; 9], [7; 3]);
         let batch = [good, good, region];
-        let told = world.set_kernels(kernels).overlaps_many(&batch, &Jobs::Threads(2), &mut out, &mut ends);
+        let told = world.set_kernels(kernels).among(|_| true).overlaps_many(
+            &batch,
+            &Jobs::Threads(2),
+            &mut out,
+            &mut ends,
+        );
         assert_eq!(told, Err(Error::BadQuery { index: 2 }));
         assert_eq!((out, ends), ([None; 9], [7; 3]), "nothing is written");
     }
@@ -483,7 +488,8 @@ fn bad_queries_are_refused() {
             "{cast:?}"
         );
         let mut out = [None; 2];
-        let told = world.set_kernels(kernels).first_hits(&[ray, cast], &Jobs::Serial, &mut out);
+        let told =
+            world.set_kernels(kernels).among(|_| true).first_hits(&[ray, cast], &Jobs::Serial, &mut out);
         assert_eq!((told, out), (Err(Error::BadQuery { index: 1 }), [None; 2]));
     }
     for distance in [f64::NAN, -1.0, f64::NEG_INFINITY] {
@@ -491,14 +497,21 @@ fn bad_queries_are_refused() {
         assert_eq!(visited, Err(bad), "{distance}");
     }
     let short = Error::LengthMismatch { needed: 2, given: 1 };
-    let told = world.set_kernels(kernels).first_hits(&[ray, ray], &Jobs::Serial, &mut [None]);
+    let told = world.set_kernels(kernels).among(|_| true).first_hits(&[ray, ray], &Jobs::Serial, &mut [None]);
     assert_eq!(told, Err(short));
-    let told =
-        world.set_kernels(kernels).overlaps_many(&[good, good], &Jobs::Serial, &mut [None; 4], &mut [0]);
+    let told = world.set_kernels(kernels).among(|_| true).overlaps_many(
+        &[good, good],
+        &Jobs::Serial,
+        &mut [None; 4],
+        &mut [0],
+    );
     assert_eq!(told, Err(short));
     // Nothing asked is nothing answered.
-    assert_eq!(world.set_kernels(kernels).first_hits(&[], &Jobs::Serial, &mut []), Ok(()));
-    assert_eq!(world.set_kernels(kernels).overlaps_many(&[], &Jobs::Serial, &mut [], &mut []), Ok(0));
+    assert_eq!(world.set_kernels(kernels).among(|_| true).first_hits(&[], &Jobs::Serial, &mut []), Ok(()));
+    assert_eq!(
+        world.set_kernels(kernels).among(|_| true).overlaps_many(&[], &Jobs::Serial, &mut [], &mut []),
+        Ok(0)
+    );
 }
 
 /// Any executor, more queries than a block, and the same answers as one by one.

@@ -79,7 +79,7 @@ pub(crate) struct Record {
     /// The minimum, then the complemented maximum. Both fall as boxes grow, so one kind of compare decides
     /// all six lanes.
     pub(crate) lanes: [u16; 6],
-    /// The slot, and marks above it.
+    /// The slot, and marks above it. Of bounds: what the filters of the members [offer](crate::filter::offer).
     pub(crate) tag: u32,
 }
 
@@ -94,7 +94,7 @@ impl Record {
     pub(crate) const MARKS: u32 = 7 * Self::BELOW;
 
     /// Bounds that everything touches.
-    pub(crate) const EVERYTHING: Self = Self { lanes: [0; 6], tag: 0 };
+    pub(crate) const EVERYTHING: Self = Self { lanes: [0; 6], tag: u32::MAX };
     /// Bounds of nothing.
     pub(crate) const NOTHING: Self = Self { lanes: [u16::MAX; 6], tag: 0 };
 

@@ -2,7 +2,7 @@
 
 use crate::access::Access;
 use crate::config::FILTERS;
-use crate::filter::{Filter, Rule, all_meet, meet};
+use crate::filter::{Filter, Rule, all_meet, demand, meet};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
@@ -51,6 +51,12 @@ impl<'g> PairFilter<'g> {
     /// The filters by slot.
     pub(crate) const fn all(&self) -> &[Filter] {
         self.filters
+    }
+
+    /// What the filter of an object looks for; `None` if all.
+    pub(crate) fn demand(&self, slot: usize) -> Option<u32> {
+        let filter = self.filters.at(slot);
+        demand(&filter, self.classes.at(filter.class as usize))
     }
 
     /// Whether two filters meet.

@@ -23,8 +23,9 @@ pub struct Among<'w, 'm, C, I: Index = u32> {
 /// Queries about some of the objects alone.
 impl<'m, I: Index> World<'m, I> {
     /// Asks queries as if there were only the objects for which a condition holds: without one's own, by
-    /// filters ([`meets`](Self::meets)), by what they are. The condition is asked in any order, only about
-    /// objects that the query has found. It has to answer the same for the same object. Visitors
+    /// filters ([`meets`](Self::meets)), by what they are; or many queries at once, where `|_| true` asks
+    /// about all. The condition is asked in any order, only about objects that the query has found. It has to
+    /// answer the same for the same object. Visitors
     /// ([`visit_overlaps`](Self::visit_overlaps), [`visit_hits`](Self::visit_hits),
     /// [`visit_nearest`](Self::visit_nearest)) need no condition, as they can refuse what they see.
     ///
@@ -82,7 +83,7 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// Many queries at once, on the workers of a job system.
+/// Many queries at once, on the workers of a job system, which may ask the condition at the same time.
 ///
 /// ```
 /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, Serial, layout};
@@ -93,59 +94,15 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
 /// let a = world.insert(cube(2.0))?;
 /// let rays = [2.5, 7.0].map(|x| Cast::ray([x, 0.5, 9.0], [0.0, 0.0, -1.0], 100.0));
 /// let mut hits = [None; 2];
-/// world.first_hits(&rays, &Serial, &mut hits)?;
+/// world.among(|_| true).first_hits(&rays, &Serial, &mut hits)?;
 /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.id)), [Some(a), None]);
 /// # Ok::<(), Error>(())
 /// ```
-impl<I: Index> World<'_, I> {
+impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `out` is shorter than `casts`. Nothing is written.
-    pub fn first_hits(
-        &self,
-        casts: &[Cast],
-        executor: &dyn Executor,
-        out: &mut [Option<Hit>],
-    ) -> Result<(), Error> {
-        self.among(|_| true).first_hits(casts, executor, out)
-    }
-
-    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose
-    /// rest is `None` where there are fewer objects.
-    ///
-    /// # Errors
-    /// [`Error::BadQuery`] for the first point that is not finite. Nothing is written then.
-    pub fn nearest_many(
-        &self,
-        points: &[[f32; 3]],
-        executor: &dyn Executor,
-        out: &mut [Option<Hit>],
-    ) -> Result<(), Error> {
-        self.among(|_| true).nearest_many(points, executor, out)
-    }
-
-    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the
-    /// objects of each end and the next ones begin. The rest of `out` is `None`. Returns how many there are
-    /// in all.
-    ///
-    /// # Errors
-    /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `ends` is shorter than `regions`. Nothing is written.
-    /// [`Error::OutputFull`], which says how many there are; `ends` is right then, `out` holds some of them.
-    pub fn overlaps_many(
-        &self,
-        regions: &[Region],
-        executor: &dyn Executor,
-        out: &mut [Option<Id>],
-        ends: &mut [usize],
-    ) -> Result<usize, Error> {
-        self.among(|_| true).overlaps_many(regions, executor, out, ends)
-    }
-}
-
-/// Many queries at once. Several workers may ask the condition at a time. Errors are as those of the world.
-impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
-    /// See [`World::first_hits`].
     pub fn first_hits(
         &self,
         casts: &[Cast],
@@ -162,7 +119,11 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         Ok(())
     }
 
-    /// See [`World::nearest_many`].
+    /// [`nearest`](Self::nearest) of each point, in their order. Each gets an equal share of `out`, whose
+    /// rest is `None` where there are fewer objects.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`] for the first point that is not finite. Nothing is written then.
     pub fn nearest_many(
         &self,
         points: &[[f32; 3]],
@@ -181,7 +142,13 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
         Ok(())
     }
 
-    /// See [`World::overlaps_many`].
+    /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the
+    /// objects of each end and the next ones begin. The rest of `out` is `None`. Returns how many there are
+    /// in all.
+    ///
+    /// # Errors
+    /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `ends` is shorter than `regions`. Nothing is written.
+    /// [`Error::OutputFull`], which says how many there are; `ends` is right then, `out` holds some of them.
     pub fn overlaps_many(
         &self,
         regions: &[Region],

@@ -1,7 +1,7 @@
 //! Finds what a ray or a moving box meets, near things first.
 
 use super::{Among, Search, is_current, prefetch_members, prefetch_parts, walk};
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, key};
@@ -240,9 +240,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
                 let mut mask = simd.met(eight, &crossing).1;
                 mask = if mask == 0 { 0 } else { mask & first_of_eight(left) };
-                while mask != 0 {
-                    let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
-                    mask &= mask - 1;
+                for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
                     if is_current(parts, slot) {
                         self.object(simd, slot)?;
                     }

@@ -3,7 +3,7 @@
 use super::cast::{Hit, precedes};
 use super::region::squared_distance;
 use super::{Among, Search, is_current, key_above, key_below, parts_near, walk};
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
@@ -215,15 +215,11 @@ impl<'q, I: Index> Search for Near<'q, '_, I> {
         let home = 1u32.checked_shl(self.home.wrapping_sub(first) as u32).unwrap_or(0);
         for some in [home, !home].into_iter().filter(|some| *some != 0) {
             let (region, near) = parts_near(simd, parts, whole, &around(self.point, self.limit.squared));
-            let (touching, mut mask) = (limit(&region), near & some);
-            while mask != 0 {
-                let leaf = first + mask.trailing_zeros() as usize;
-                mask &= mask - 1;
+            let touching = limit(&region);
+            for leaf in bits::of_word(near & some).map(|part| first + part) {
                 for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
-                    let mut mask = simd.touching(eight, touching) & first_of_eight(left);
-                    while mask != 0 {
-                        let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
-                        mask &= mask - 1;
+                    let mask = simd.touching(eight, touching) & first_of_eight(left);
+                    for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
                         if is_current(parts, slot) {
                             self.object(simd, slot)?;
                         }

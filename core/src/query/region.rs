@@ -2,7 +2,7 @@
 //! about the boxes of its nodes first, and about nothing in a node that is wholly inside or outside.
 
 use super::{Among, Search, is_current, key_above, key_below, parts_near, prefetch_parts, walk};
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
 use crate::geometry::key::KeyBox;
@@ -324,22 +324,18 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
         if side == Side::Outside {
             return ControlFlow::Continue(());
         }
-        let (region, mut mask) = parts_near(simd, parts, whole, &self.within.bounds);
+        let (region, mask) = parts_near(simd, parts, whole, &self.within.bounds);
         let touching = limit(&region);
-        while mask != 0 {
-            let part = mask.trailing_zeros() as usize;
+        for part in bits::of_word(mask) {
             let leaf = (whole << parts.state.tree.sub_levels()) + part;
-            mask &= mask - 1;
             let side = if side == Side::Across { self.side_of_part(whole, part) } else { side };
             if side == Side::Outside {
                 continue;
             }
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
-                let mut mask = simd.touching(eight, touching) & first_of_eight(left);
-                while mask != 0 {
-                    let record = eight.at(mask.trailing_zeros() as usize);
+                let mask = simd.touching(eight, touching) & first_of_eight(left);
+                for record in bits::of_word(mask).map(|at| eight.at(at)) {
                     let slot = record.slot() as usize;
-                    mask &= mask - 1;
                     if !is_current(parts, slot) {
                         continue;
                     }

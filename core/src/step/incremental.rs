@@ -2,8 +2,6 @@
 //! pairs (paper, section III.B.1).
 
 use crate::access::Access;
-use crate::config::FILTERS;
-use crate::filter::Filter;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
@@ -24,8 +22,7 @@ use crate::tree::relocate::{order_movers, relocate_all};
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
     parts.state.step.kept = 0;
     let moved = relocate(parts, context)?;
-    let moved = order_movers(parts, moved);
-    let (count, spared) = leave_out(parts, moved);
+    let count = order_movers(parts, moved);
     let kept = persistent::persistent(parts, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
@@ -37,37 +34,14 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
     let blocks = count.div_ceil(per_block);
-    let (pairs, mut work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
+    let (pairs, work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);
-        let (movers, homes) = (movers.span(start, len), homes.span(start, len));
-        run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, homes, scratch, sink));
+        let movers = (movers.span(start, len), homes.span(start, len));
+        let filters = pair_filter.as_ref();
+        run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, filters, scratch, sink));
     });
-    work.spared += spared;
     Some(Progress { pairs, work, leaves, ..Progress::default() })
-}
-
-/// Takes movers that can meet nobody out of the lists. Returns how many are left, and with how many others in
-/// their leaves objects that went are not compared.
-fn leave_out<I: Index>(parts: &mut Parts<'_, I>, movers: usize) -> (usize, u64) {
-    let [list, _, homes] = &mut parts.order;
-    let (mut kept, mut spared) = (0, 0);
-    if !FILTERS || parts.filters.of.is_empty() {
-        return (movers, 0);
-    }
-    for at in 0..movers {
-        let (slot, home) = (list.at(at), homes.at(at));
-        let Filter { group, mask, class } = parts.filters.of.at(slot.at());
-        if group == 0 || mask == 0 || parts.filters.classes.at(class as usize) == 0 {
-            let members = if home == I::LARGE { 0 } else { parts.tree.leaves.at(home.at()).len };
-            spared += u64::from(members.saturating_sub(1));
-            continue;
-        }
-        list.put(kept, slot);
-        homes.put(kept, home);
-        kept += 1;
-    }
-    (kept, spared)
 }
 
 /// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they

@@ -7,25 +7,28 @@
 use super::Sink;
 use super::leaves::TreeView;
 use crate::access::{Access, bits};
+use crate::filter::may_meet;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::memory::scratch::Scratch;
+use crate::pairs::pair_filter::PairFilter;
 use crate::simd::{Simd, limit};
 use crate::tree::visit::Visit;
-use crate::tree::{Frame, Record, first_of_eight, sub_leaves_of};
+use crate::tree::{Frame, Leaf, Record, first_of_eight, sub_leaves_of};
 
-/// Tests some movers.
+/// Tests some movers, with their homes. With filters only in leaves where somebody is whom they may meet.
 #[inline(always)]
 pub(crate) fn sweep_movers<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     moved: &[u32],
-    movers: &[I],
-    homes: &[I],
+    (movers, homes): (&[I], &[I]),
+    filters: Option<&PairFilter<'_>>,
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let mut near = Near { tree_view, moved, tested: 0, pairs: scratch.leaf_scratch.pairs, found: 0, sink };
+    let pairs = &mut *scratch.leaf_scratch.pairs;
+    let mut near = Near { tree_view, moved, filters, tested: 0, spared: 0, pairs, found: 0, sink };
     let mut start = 0;
     while start < homes.len() {
         let home = homes.at(start);
@@ -38,6 +41,7 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
         start = end;
     }
     near.hand_on();
+    scratch.spared += near.spared;
     scratch.leaf_scratch.tested += near.tested;
 }
 
@@ -45,8 +49,10 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
 struct Near<'n, 'g, 'o, I> {
     tree_view: &'n TreeView<'g>,
     moved: &'n [u32],
-    /// How many boxes were looked at.
+    filters: Option<&'n PairFilter<'g>>,
+    /// How many boxes were looked at, and how many not, as their filters do not meet the mover's.
     tested: u64,
+    spared: u64,
     pairs: &'n mut [Pair<I>],
     /// Pairs that wait to be passed on.
     found: usize,
@@ -62,7 +68,8 @@ impl<I: Index> Near<'_, '_, '_, I> {
         for mover in movers {
             let bounds = tree_view.boxes.at(mover.at());
             around.include(&bounds);
-            if !tree_view.large.is_empty() {
+            let is_lone = |demand| !may_meet(demand, u32::MAX);
+            if !tree_view.large.is_empty() && !self.demand(mover.at()).is_some_and(is_lone) {
                 tree_view.large.each(simd, bounds, |large| {
                     self.tested += 1;
                     if large.bounds.overlaps(&bounds) {
@@ -83,33 +90,40 @@ impl<I: Index> Near<'_, '_, '_, I> {
             for mover in movers {
                 let bounds = KeyBox::of(tree_view.boxes, mover.at());
                 let record = simd.record(frame, simd.keys(bounds), mover.slot());
-                let mut mask = match parts {
+                let mask = match parts {
                     Some(parts) => simd.touching(parts, limit(&record)),
                     None => u32::from(simd.overlap(tree_view.nodes.around(whole), bounds)),
                 };
-                while mask != 0 {
-                    let part = mask.trailing_zeros() as usize;
-                    mask &= mask - 1;
-                    self.test(simd, (whole << tree_view.sub_levels) + part, &record);
+                let demand = if mask == 0 { None } else { self.demand(mover.at()) };
+                for part in bits::of_word(mask) {
+                    let leaf = tree_view.leaves.at((whole << tree_view.sub_levels) + part);
+                    let offer = parts.map_or(u32::MAX, |parts| parts.at(part).tag);
+                    if demand.is_none_or(|demand| may_meet(demand, offer)) {
+                        self.test(simd, leaf, &record);
+                    } else {
+                        self.spared += u64::from(leaf.len);
+                    }
                 }
             }
         }
     }
 
+    /// What a mover looks for; `None` if all.
+    fn demand(&self, mover: usize) -> Option<u32> {
+        self.filters.and_then(|filters| filters.demand(mover))
+    }
+
     /// Tests a mover against the members of a leaf or sub-leaf that it touches.
     #[inline(always)]
-    fn test<S: Simd>(&mut self, simd: S, leaf: usize, mover: &Record) {
-        let TreeView { boxes, leaves, records, .. } = *self.tree_view;
-        let (leaf, limit) = (leaves.at(leaf), limit(mover));
+    fn test<S: Simd>(&mut self, simd: S, leaf: Leaf, mover: &Record) {
+        let (TreeView { boxes, records, .. }, limit) = (*self.tree_view, limit(mover));
         self.tested += u64::from(leaf.len);
         for (eight, left) in leaf.chunks_of_eight(records) {
             let mut mask = simd.touching(eight, limit);
             if mask != 0 {
                 mask &= first_of_eight(left);
             }
-            while mask != 0 {
-                let other = eight.at(mask.trailing_zeros() as usize);
-                mask &= mask - 1;
+            for other in bits::of_word(mask).map(|at| eight.at(at)) {
                 let contact = simd.contact(mover, &other);
                 let bounds = |record: &Record| KeyBox::of(boxes, record.slot() as usize);
                 if contact.touches && (!contact.tied || bounds(mover).overlaps(bounds(&other))) {

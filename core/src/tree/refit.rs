@@ -4,6 +4,7 @@
 use super::Record;
 use super::limits::REFIT_SHARE;
 use crate::access::Access;
+use crate::filter::offer;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -33,6 +34,7 @@ fn refit<I: Index>(parts: &mut Parts<'_, I>, whole: usize) {
         let mut bounds = Record::NOTHING;
         for record in members {
             bounds.include(record);
+            bounds.tag |= offer(parts.filters.of, record.slot() as usize);
             around.include(KeyBox::of(boxes, record.slot() as usize));
         }
         if sub_levels > 0 {

@@ -5,6 +5,7 @@ use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
 use super::{Cell, Straddler, home_of, large};
 use crate::access::Access;
+use crate::filter::offer;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
@@ -89,6 +90,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)
     {
         bounds.include(&record);
+        bounds.tag |= offer(parts.filters.of, slot);
     }
     let top = parts.tree.tops.at(whole) as usize;
     expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);

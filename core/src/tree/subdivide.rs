@@ -11,6 +11,7 @@ use super::cells::{divide, longest_axis};
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
 use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
+use crate::filter::offer;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -136,6 +137,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
         let record = simd.record(&frame, keys, slot.slot());
         if let Some(bounds) = bounds.get_mut(goal.at()) {
             bounds.include(&record);
+            bounds.tag |= offer(parts.filters.of, slot.at());
         }
         tree.records.put((sub_leaf.start + sub_leaf.len) as usize, record);
         parts.home.put(slot.at(), I::from_slot(index as u32));

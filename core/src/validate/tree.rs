@@ -1,6 +1,7 @@
 //! Checks the tree: each object that has not moved is once where the planes say; the boxes of nodes hold it.
 
 use crate::access::{Access, bits};
+use crate::filter::offer;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
@@ -112,7 +113,8 @@ fn member<I: Index>(parts: &Parts<'_, I>, leaf: usize, record: &Record) -> Resul
     check(around.contains(&bounds), "the box of a node does not hold a member", slot)?;
     let mut both = tree.bounds.at(leaf);
     both.include(record);
-    let same = both.lanes == tree.bounds.at(leaf).lanes;
+    both.tag |= offer(parts.filters.of, slot);
+    let same = both == tree.bounds.at(leaf);
     check(sub_levels == 0 || same, "the bounds of a leaf do not hold a member", leaf)
 }
 

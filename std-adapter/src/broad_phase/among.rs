@@ -44,7 +44,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// [`Error::BadQuery`].
     pub fn first_hits(&self, casts: &[Cast]) -> Result<Vec<Option<(K, f64)>>, Error> {
         let mut hits = vec![None; casts.len()];
-        self.as_world().first_hits(casts, self.executor(), &mut hits)?;
+        self.as_world().among(|_| true).first_hits(casts, self.executor(), &mut hits)?;
         Ok(hits.into_iter().map(|hit| self.named(hit?)).collect())
     }
 
@@ -55,7 +55,9 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn overlaps_many(&self, regions: &[Region]) -> Result<Vec<Vec<K>>, Error> {
         let mut ends = vec![0; regions.len()];
         let mut ids = vec![None; 16 * regions.len()];
-        while let Err(error) = self.as_world().overlaps_many(regions, self.executor(), &mut ids, &mut ends) {
+        while let Err(error) =
+            self.as_world().among(|_| true).overlaps_many(regions, self.executor(), &mut ids, &mut ends)
+        {
             let Error::OutputFull { needed, .. } = error else { return Err(error) };
             ids.resize(needed as usize, None);
         }
@@ -122,7 +124,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn nearest_many(&self, points: &[[f32; 3]], count: usize) -> Result<Vec<Vec<(K, f64)>>, Error> {
         let count = count.min(self.len());
         let mut hits = vec![None; count * points.len()];
-        self.as_world().nearest_many(points, self.executor(), &mut hits)?;
+        self.as_world().among(|_| true).nearest_many(points, self.executor(), &mut hits)?;
         let of =
             |at: usize| hits[at * count..][..count].iter().filter_map(|hit| self.named((*hit)?)).collect();
         Ok((0..points.len()).map(of).collect())

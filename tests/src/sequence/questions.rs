@@ -145,13 +145,18 @@ impl<I: Index> Life<'_, '_, I> {
             (0..op.argument % 5).map(|_| draw::region(&self.header, &mut op.rng)).collect();
         let setup = Setup::REFERENCE;
         let mut hits = vec![None; casts.len()];
-        let said = self.checked.world_mut().with(setup).first_hits(&casts, &setup.jobs, &mut hits);
+        let said =
+            self.checked.world_mut().with(setup).among(|_| true).first_hits(&casts, &setup.jobs, &mut hits);
         self.past.tally.say_status(&said);
         let bad_cast = casts.iter().position(|cast| cast.distance < 0.0);
         assert_eq!(said.err(), bad_cast.map(|index| Error::BadQuery { index: index as u32 }));
         let (mut ids, mut ends) = (vec![None; 3 * regions.len()], vec![0; regions.len()]);
-        let told =
-            self.checked.world_mut().with(setup).overlaps_many(&regions, &setup.jobs, &mut ids, &mut ends);
+        let told = self.checked.world_mut().with(setup).among(|_| true).overlaps_many(
+            &regions,
+            &setup.jobs,
+            &mut ids,
+            &mut ends,
+        );
         self.past.tally.say_status(&told);
         let bad_region = regions.iter().position(|region| !is_good(region));
         if let Some(index) = bad_region {

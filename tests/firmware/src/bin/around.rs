@@ -68,7 +68,7 @@ mod api {
         ends: &mut [usize; 2],
     ) -> Result<usize, Error> {
         // Arrays, since more than four words of arguments would be on the caller's stack.
-        world.overlaps_many(regions, &Serial, out, ends)
+        world.among(|_| true).overlaps_many(regions, &Serial, out, ends)
     }
     #[inline(never)]
     pub(super) fn first_hit(world: &World<'_, u16>, cast: &Cast) -> Result<Option<Hit>, Error> {
@@ -80,7 +80,7 @@ mod api {
         casts: &[Cast],
         out: &mut [Option<Hit>],
     ) -> Result<(), Error> {
-        world.first_hits(casts, &Serial, out)
+        world.among(|_| true).first_hits(casts, &Serial, out)
     }
     #[inline(never)]
     pub(super) fn hits(world: &World<'_, u16>, cast: &Cast, out: &mut [Option<Hit>]) -> Result<usize, Error> {
