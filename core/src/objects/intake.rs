@@ -24,6 +24,17 @@ pub(crate) struct Intake {
     pub(crate) first_rejected: u32,
 }
 
+impl Intake {
+    #[cold]
+    #[inline(never)]
+    fn reject(&mut self, slot: usize) {
+        if self.rejected == 0 {
+            self.first_rejected = slot as u32;
+        }
+        self.rejected += 1;
+    }
+}
+
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
 /// objects whose new box is refused.
 pub(crate) fn ingest<I: Index>(
@@ -140,36 +151,30 @@ fn take_in<S: Simd, const EVENTS: bool>(
         }
         (skipped, four_changed, contained) = (skipped | taken, others, stay);
     }
-    let mut bit = 1u32;
-    for (at, old) in (word * 32..).zip(now) {
-        let (item, this) = (items, bit);
+    for (bit, old) in (0..32).zip(now) {
+        let (item, this) = (items, 1u32 << bit);
         items = bounds.items_after(1, items);
-        bit <<= 1;
         if skipped & this != 0 || old.is_empty() {
             continue;
         }
-        match bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
-            Some(bounds) if bounds.is_same(old) => {}
-            Some(bounds) => {
-                if EVENTS && kept & this == 0 {
-                    // Number by number: a copy from one slice to another would be a call.
-                    let ([a, b, c], [d, e, f]) = (old.min, old.max);
-                    let old = KeyBox { min: [a, b, c], max: [d, e, f] };
-                    before.put(at % 32, fat.reported(*mode, at, &old));
-                }
-                if fat.exist() {
-                    contained |= if fat.follow(at, old, &bounds) { this } else { 0 };
-                }
-                *old = bounds;
-                changed |= this;
-            }
-            None => {
-                if intake.rejected == 0 {
-                    intake.first_rejected = (first + at) as u32;
-                }
-                intake.rejected += 1;
-            }
+        let Some(bounds) = bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) else {
+            intake.reject(first + word * 32 + bit);
+            continue;
+        };
+        if bounds.is_same(old) {
+            continue;
         }
+        if EVENTS && kept & this == 0 {
+            // Number by number: a copy from one slice to another would be a call.
+            let ([a, b, c], [d, e, f]) = (old.min, old.max);
+            let old = KeyBox { min: [a, b, c], max: [d, e, f] };
+            before.put(bit, fat.reported(*mode, word * 32 + bit, &old));
+        }
+        if fat.exist() && fat.follow_apart(word * 32 + bit, old, &bounds) {
+            contained |= this;
+        }
+        *old = bounds;
+        changed |= this;
     }
     objects.note(word, changed | four_changed, contained)
 }

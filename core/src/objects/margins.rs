@@ -64,6 +64,12 @@ impl FatBoxes<'_> {
         false
     }
 
+    /// The same, not inline, so that the loop around it stays in registers.
+    #[inline(never)]
+    pub(crate) fn follow_apart(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        self.follow(at, old, bounds)
+    }
+
     /// The same for those of four objects whose bit is set, where all get predicted boxes. Returns whether it
     /// has done so.
     #[inline(always)]

@@ -66,7 +66,7 @@ impl<'g> PairFilter<'g> {
 
     /// Whether two objects make a pair.
     #[inline]
-    pub(crate) fn lets_through<I: Index>(&self, pair: &Pair<I>) -> bool {
+    pub(crate) fn lets_through<I: Index>(&self, pair: Pair<I>) -> bool {
         let filters = self.filters.get(pair[0].at()).zip(self.filters.get(pair[1].at()));
         !FILTERS
             || filters.is_none_or(|(a, b)| self.meet(a, b))

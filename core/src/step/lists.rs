@@ -44,7 +44,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         small::sweep(order, boxes, [axis, second_axis], pair_filter, output.pairs)
     } else {
         context.executor.enter(Stage::Sweep);
-        small::test_all(boxes, pair_filter, output.pairs)
+        small::test_all(boxes, pair_filter.as_ref(), output.pairs)
     };
     let coarse = (TREE && looks).then(|| assign::scan_bounds(boxes.iter()).is_coarse(live));
     let work = Work { candidates: found.candidates as u64, ..Work::default() };

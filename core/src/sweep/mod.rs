@@ -56,7 +56,7 @@ impl<I: Index> Sink<'_, I> {
             for index in 0..pairs.len() {
                 let pair = pairs.at(index);
                 pairs.put(kept, pair);
-                kept += usize::from(pair_filter.lets_through(&pair));
+                kept += usize::from(pair_filter.lets_through(pair));
             }
         }
         let mut pairs = pairs.span(0, kept);

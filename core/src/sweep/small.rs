@@ -21,29 +21,31 @@ pub(crate) struct Found {
 #[inline(never)]
 pub(crate) fn test_all<I: Index>(
     boxes: &[KeyBox],
-    pair_filter: Option<PairFilter<'_>>,
+    pair_filter: Option<&PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
     let (all, mut places, mut without_room) = (pairs.len(), pairs.iter_mut(), 0);
-    let mut rest = boxes.iter();
-    while let Some(KeyBox { min, max }) = rest.next() {
-        let slot = boxes.len() - 1 - rest.len();
-        let mut others = rest.clone();
-        // Height last: in most scenes few boxes are apart in it.
-        let meets = |b: &&KeyBox| {
+    let mut rest = boxes;
+    while let Some((&KeyBox { min, max }, others)) = rest.split_first() {
+        let slot = I::from_slot((boxes.len() - rest.len()) as u32);
+        let mut ahead = others;
+        while let Some((b, behind)) = ahead.split_first() {
             let meets = |k: usize| b.min[k] <= max[k] && min[k] <= b.max[k];
-            meets(0) && meets(2) && meets(1)
-        };
-        while others.find(meets).is_some() {
-            let other = boxes.len() - 1 - others.len();
-            let pair = [I::from_slot(slot as u32), I::from_slot(other as u32)];
-            if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
-                match places.next() {
-                    Some(place) => *place = pair,
-                    None => without_room += 1,
+            // Height last: in most scenes few boxes are apart in it.
+            if meets(0) && meets(2) && meets(1) {
+                // A number of its own, or the compiler counts the next pair along, box by box.
+                let left = core::hint::black_box(ahead.len());
+                let pair = [slot, I::from_slot((boxes.len() - left) as u32)];
+                if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(pair)) {
+                    match places.next() {
+                        Some(place) => *place = pair,
+                        None => without_room += 1,
+                    }
                 }
             }
+            ahead = behind;
         }
+        rest = others;
     }
     let candidates = boxes.len() * boxes.len().saturating_sub(1) / 2;
     Found { pairs: all - places.len() + without_room, candidates }
@@ -95,7 +97,7 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
                 continue;
             }
             let pair = pair(slot.slot(), other.slot());
-            if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(&pair)) {
+            if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(pair)) {
                 match places.next() {
                     Some(place) => *place = pair,
                     None => without_room += 1,
