@@ -29,6 +29,13 @@ pub struct Capacity {
     pub pairs: u32,
 }
 
+/// That of [`Config::default`].
+impl Default for Capacity {
+    fn default() -> Self {
+        Self::for_objects(1024)
+    }
+}
+
 impl Capacity {
     /// A capacity that suits most scenes: half as many leaf references as objects, and eight pairs an object.
     #[must_use]
@@ -156,7 +163,7 @@ pub struct Config {
 impl Default for Config {
     /// Room for 1,024 objects, with the proportions of [`Capacity::for_objects`].
     fn default() -> Self {
-        Self::new(Capacity::for_objects(1024))
+        Self::new(Capacity::default())
     }
 }
 

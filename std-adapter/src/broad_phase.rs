@@ -193,15 +193,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn insert(&mut self, key: K, object: impl Into<Object>) -> Result<(), KeyedError<K>> {
         let named = |error| KeyedError { key, error };
         let object = object.into();
-        object.check(&self.config).map_err(named)?;
         if let Some(id) = self.names.look_up(&key) {
-            let described = self.owned.change(|world| {
-                object.filter.map_or(Ok(()), |filter| world.set_filter(id, filter))?;
-                object.value.map_or(Ok(()), |value| world.set_value(id, value))?;
-                object.margin.map_or(Ok(()), |length| world.set_margin(id, length))?;
-                world.set_aabb(id, object.aabb)
-            });
-            return described.map_err(named);
+            return self.owned.change(|world| world.set_object(id, object)).map_err(named);
         }
         let id = match self.owned.change(|world| world.insert(object)) {
             Err(Error::ObjectsFull { .. }) => {

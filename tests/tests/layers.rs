@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1535),
-    ("geometry", 1126),
+    ("", 1542),
+    ("geometry", 1188),
     ("lists", 67),
     ("memory", 1856),
-    ("objects", 566),
-    ("pairs", 540),
+    ("objects", 569),
+    ("pairs", 536),
     ("parallel", 496),
-    ("query", 1324),
+    ("query", 1307),
     ("simd", 2216),
     ("snapshot", 594),
     ("step", 598),
-    ("sweep", 1380),
-    ("tree", 2221),
+    ("sweep", 1382),
+    ("tree", 2227),
     ("validate", 417),
-    ("world", 1693),
+    ("world", 1707),
 ];
 
 #[test]

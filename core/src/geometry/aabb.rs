@@ -130,6 +130,62 @@ impl Aabb {
         }
     }
 
+    /// The part that both have, which may be flat; `None` if they do not [overlap](Self::overlaps).
+    ///
+    /// ```
+    /// use trisap_core::Aabb;
+    ///
+    /// let (a, b) = (Aabb::new([0.0; 3], [2.0; 3]), Aabb::new([1.0, 1.0, 2.0], [5.0; 3]));
+    /// assert_eq!(a.intersection(&b), Some(Aabb::new([1.0, 1.0, 2.0], [2.0; 3])));
+    /// assert_eq!((a.volume(), a.distance(&b)), (8.0, 0.0));
+    /// assert_eq!(a.distance_to_point([5.0, 6.0, 1.0]), 5.0);
+    /// ```
+    #[doc(alias = "intersect")]
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let larger = |k: usize| self.min[k].max(other.min[k]);
+        let smaller = |k: usize| self.max[k].min(other.max[k]);
+        self.overlaps(other).then(|| Self::new([0, 1, 2].map(larger), [0, 1, 2].map(smaller)))
+    }
+
+    /// The product of the lengths of the sides; NaN where one is zero and another has no bounds.
+    #[must_use]
+    pub fn volume(&self) -> f32 {
+        self.extents().iter().product()
+    }
+
+    /// How far two boxes are apart, in `f64` as in [`Hit`](crate::Hit); zero if they overlap.
+    #[doc(alias = "distance_to_aabb")]
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> f64 {
+        libm::sqrt(self.squared_distance(other))
+    }
+
+    /// The same for a point.
+    #[doc(alias = "distance_to_local_point")]
+    #[must_use]
+    pub fn distance_to_point(&self, point: [f32; 3]) -> f64 {
+        self.distance(&Self::new(point, point))
+    }
+
+    /// The square of the distance, of boxes of which one is finite.
+    #[inline(always)]
+    pub(crate) fn squared_distance(&self, other: &Self) -> f64 {
+        let gap = |k: usize| {
+            let [low, high] = [self.min[k], self.max[k]].map(widened);
+            let [from, to] = [other.min[k], other.max[k]].map(widened);
+            let gap = if to < low {
+                low - to
+            } else if from > high {
+                from - high
+            } else {
+                0.0
+            };
+            gap * gap
+        };
+        gap(0) + gap(1) + gap(2)
+    }
+
     /// Whether the other box is inside this one, sides included. False if a number is NaN.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {

@@ -103,6 +103,12 @@ impl<'a> Boxes<'a> {
         self.first(self.items_from(index))
     }
 
+    /// All boxes in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Aabb> + use<'a> {
+        let boxes = *self;
+        (0..self.count).map(move |index| boxes.get(index).unwrap_or_default())
+    }
+
     /// The bytes of the items from `index` on.
     pub(crate) fn items_from(&self, index: usize) -> &'a [u8] {
         // For a larger index the product could overflow.

@@ -102,7 +102,10 @@ fn ingest_block(kernels: Kernels, first: usize, bounds: &Boxes<'_>, objects: Obj
 #[inline(always)]
 fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects: Objects<'_>) -> Intake {
     let mut intake = Intake::default();
-    for word in 0..objects.now.len().div_ceil(32) {
+    let words = objects.now.len().div_ceil(32);
+    // A pool of objects that are not used.
+    let all_rest = objects.resting.get(..words).is_some_and(|all| all.iter().all(|word| *word == u32::MAX));
+    for word in 0..if all_rest { 0 } else { words } {
         if objects.resting.get(word) == Some(&u32::MAX) {
             continue;
         }

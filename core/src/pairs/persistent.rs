@@ -106,20 +106,16 @@ fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not
     // before, or no longer.
     let stirring = if changed.words.is_empty() { moved } else { changed };
-    let (mut words, mut woken, mut paired) = (0, 0, 0);
+    let (mut words, mut paired) = (0, 0);
     stirring.for_each_word(|index, word| {
         words += u32::from(word != 0);
-        let new = u64::from(word & !active.at(index));
-        woken |= new;
+        let new = word & !active.at(index);
+        active.put(index, active.at(index) | word);
+        state.pairs.active = state.pairs.active.saturating_add(new.count_ones());
         // Objects in slots that were never used before have no pairs.
-        paired |= new & ((1 << (state.tree.known as usize).saturating_sub(32 * index).min(32)) - 1);
+        let known = (1u64 << (state.tree.known as usize).saturating_sub(32 * index).min(32)) - 1;
+        paired |= u64::from(new) & known;
     });
-    if woken != 0 {
-        for (active, stirring) in active.iter_mut().zip(&*stirring.words) {
-            state.pairs.active = state.pairs.active.saturating_add((stirring & !*active).count_ones());
-            *active |= stirring;
-        }
-    }
     let PairState { swept, parked, surplus_parked, .. } = state.pairs;
     let (pairs, swept) = (&mut *output.pairs, swept as usize);
     let (mut start, mut parked, mut end) =

@@ -119,25 +119,9 @@ struct Ball {
 
 impl Volume for Ball {
     fn side(&self, aabb: &Aabb) -> Side {
-        if squared_distance(&self.center, aabb) <= self.squared { Side::Across } else { Side::Outside }
+        let center = Aabb::new(self.center, self.center);
+        if aabb.squared_distance(&center) <= self.squared { Side::Across } else { Side::Outside }
     }
-}
-
-/// The squared distance from a finite point to a box, in `f64`.
-#[inline(always)]
-pub(super) fn squared_distance(point: &[f32; 3], aabb: &Aabb) -> f64 {
-    let gap = |k: usize| {
-        let (x, low, high) = (widened(point[k]), widened(aabb.min[k]), widened(aabb.max[k]));
-        let gap = if x < low {
-            low - x
-        } else if x > high {
-            x - high
-        } else {
-            0.0
-        };
-        gap * gap
-    };
-    gap(0) + gap(1) + gap(2)
 }
 
 /// What overlaps a box, a ball or a point, or is inside a part of space of the caller's own.

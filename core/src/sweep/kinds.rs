@@ -1,7 +1,7 @@
 //! Who in a leaf is compared with whom. Objects with the same filter are of one kind, and kinds that meet the
 //! same kinds are one part of the world. Parts that do not meet are not compared.
 
-use crate::access::{Access, bits};
+use crate::access::Access;
 use crate::filter::Filter;
 use crate::id::Index;
 use crate::pairs::pair_filter::PairFilter;
@@ -66,10 +66,12 @@ impl<'g, I: Index> Kinds<'g, I> {
             Some(filters) => Self::tell_apart(filters, codes),
             None => [1, 0, 0, 0],
         };
-        for (slot, code) in codes.iter_mut().enumerate().filter(|_| moved_alone) {
-            let part = if has_filters { code.at() } else { 0 };
-            let rests = moved.is_some_and(|moved| !bits::test(moved, slot));
-            *code = I::from_slot((part | (RESTS * usize::from(rests))) as u32);
+        let moved = moved.filter(|_| moved_alone).unwrap_or_default();
+        for (word, codes) in moved.iter().zip(codes.chunks_mut(32)) {
+            for (bit, code) in codes.iter_mut().enumerate() {
+                let part = if has_filters { code.at() } else { 0 };
+                *code = I::from_slot(part as u32 | (RESTS as u32 * (!word >> bit & 1)));
+            }
         }
         let codes = if has_filters || moved_alone { &*codes } else { &[] };
         Self { codes, has_filters, meets, moved_alone }

@@ -62,11 +62,17 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     let records = Shared::new(parts.tree.records);
     let mut left = [0; SLOT_BLOCKS];
     parts.state.lists.stale = 1;
+    let moved = &*parts.moved.words;
     let leavers = parts.order[1].span_mut(0, slots);
     context.each((Chunks::new(leavers, len), Chunks::new(&mut left, 1)), |block, (leavers, left)| {
         let (first, count) = (block * len, leavers.len());
         let (boxes, homes, places) =
             (boxes.span(first, count), homes.span(first, count), places.span(first, count));
+        let stay = moved.span(first / 32, count.div_ceil(32)).iter().all(|word| *word == 0);
+        if stay && homes.iter().all(|home| *home == I::NONE) {
+            // A pool of disabled objects.
+            return;
+        }
         let block = RewrittenBlock { first, boxes, homes, places, cells, frames, leaves, records, leavers };
         left.fill(run!(context.kernels, |simd| rewrite_block(simd, block)));
     });

@@ -25,7 +25,7 @@ use crate::objects::margins::margin_length;
 /// let boxes = [cube(2.0), cube(4.0)];
 /// let more: Vec<Id> = world.insert_many(&boxes)?.collect();
 ///
-/// world.set_aabb(one, cube(1.5))?;
+/// world.set_aabb(one, cube(1.5))?; // or `set_object`: a box and what else there is
 /// world.update_many(&more, &vec![cube(2.25), cube(9.0)])?; // or whatever `Boxes` can look at
 /// assert_eq!(world.step()?.pairs(), [[0, 1]]);
 ///
@@ -85,6 +85,20 @@ impl<'m, I: Index> World<'m, I> {
     pub fn set_aabb(&mut self, id: Id, aabb: Aabb) -> Result<(), Error> {
         self.slot_of(id)?;
         let bounds = KeyBox::from_aabb(&aabb).ok_or(Error::BadBox { index: 0 })?;
+        self.accept(&[id], [bounds].into_iter());
+        Ok(())
+    }
+
+    /// Gives an object another box, and what else an [`Object`] has, all or none. What that leaves out stays.
+    /// O(1).
+    ///
+    /// # Errors
+    /// [`Error::StaleId`], or what [`Object::check`] gives.
+    pub fn set_object(&mut self, id: Id, object: impl Into<Object>) -> Result<(), Error> {
+        let object = object.into();
+        self.slot_of(id)?;
+        let bounds = object.bounds(self.parts.config())?;
+        self.describe(id, &object)?;
         self.accept(&[id], [bounds].into_iter());
         Ok(())
     }

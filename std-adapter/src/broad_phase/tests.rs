@@ -464,6 +464,13 @@ fn an_object_comes_with_all_that_it_has_or_not_at_all() {
     let (world, [one, two]) =
         (broad_phase.as_world(), [1, 2].map(|key| broad_phase.id(&key).expect("its id")));
     assert_eq!((world.value(one), world.value(two), world.filter(two)), (Some(9), Some(8), object.filter));
+    // What a box alone leaves out stays.
+    broad_phase.insert(1, cube.translated([1.0; 3])).expect("a good box");
+    let world = broad_phase.as_world();
+    assert_eq!((world.value(one), world.margin(one), world.filter(one)), (Some(9), Some(1.0), object.filter));
+    let stale = Id::from_bits(one.to_bits() + (1 << 32)).expect("of another generation");
+    let said = broad_phase.world().set_object(stale, object);
+    assert_eq!(said, Err(Error::StaleId { id: stale }));
 
     let mut plain = BroadPhase::new();
     for (object, error) in [
