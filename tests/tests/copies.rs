@@ -4,6 +4,7 @@
 use trisap_core::{Boxes, Config, Error, Field, Filter, Id, Index, InlineWorld, Margin, World, layout};
 use trisap_tests::doing::On as _;
 use trisap_tests::lives::{act, configs, lived, saved};
+use trisap_tests::oracle::overlaps;
 use trisap_tests::scenes::{Rng, at, cube, shifted, uniform};
 use trisap_tests::sorted;
 use trisap_tests::worlds::{Setup, Slab, ample};
@@ -218,5 +219,44 @@ fn sorted_results_are_the_same_whatever_the_room_and_the_past_are() {
             told += one[1].len() + one[2].len();
         }
         assert!(!config.events || told > 0);
+    }
+}
+
+/// Back over a shift of the origin to a world whose leaves were being divided by refreshes: what is asked, stepped over
+/// and checked is right on either side.
+#[test]
+fn a_way_back_over_a_shift_while_leaves_are_divided() {
+    let config = Config::new(ample(5000, 60_000)).with_events();
+    let (mut slab, mut room) = (Slab::new::<u32>(&config), Slab::new::<u32>(&config));
+    let boxes = uniform(5000, 21);
+    let right = overlaps(&boxes.iter().copied().map(Some).collect::<Vec<_>>());
+    for refreshes in 0..7 {
+        let (mut world, mut kept) = (slab.world::<u32>(&config), room.world::<u32>(&config));
+        let ids: Vec<Id> = world.insert_many(Boxes::new(&boxes)).expect("room").collect();
+        (0..refreshes).for_each(|_| world.refresh().expect("whole"));
+        kept.copy_from(&world).expect("the same configuration");
+        // There, as boxes and shifts are whole numbers of a step of `f32`, all is as it was.
+        let by = [4096.0, 0.0, -1024.0];
+        world.shift_origin(by).expect("finite");
+        world.refresh().expect("whole");
+        world.remove_many(&ids[..9]).expect("they live");
+        world.validate().expect("a valid world");
+        world.step().expect("room for the pairs");
+        world.refresh().expect("whole");
+        world.validate().expect("a valid world");
+        world.copy_from(&kept).expect("the same configuration");
+        for _ in 0..3 {
+            world.validate().expect("a valid world");
+            let mut found = vec![None; boxes.len()];
+            for (id, aabb) in ids.iter().zip(&boxes).step_by(77) {
+                let count = world.overlaps(&(*aabb).into(), &mut found).expect("a good region");
+                let expected = (0..boxes.len()).filter(|&at| boxes[at].overlaps(aabb)).map(|at| at as u32);
+                assert!(found[..count].iter().flatten().map(|id| id.slot()).eq(expected), "{id}");
+            }
+            world.refresh().expect("whole");
+        }
+        assert!(sorted(world.step().expect("room for the pairs").pairs()) == right);
+        assert_eq!(world.found().len(), right.len());
+        world.validate().expect("a valid world");
     }
 }
