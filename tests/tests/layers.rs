@@ -209,7 +209,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("step", 598),
     ("sweep", 1382),
     ("tree", 2227),
-    ("validate", 417),
+    ("validate", 377),
     ("world", 1707),
 ];
 
