@@ -24,8 +24,8 @@ pub struct Capacity {
     /// and lean ones have no tree and do not use this.
     pub leaf_refs: u32,
     /// The most pairs that a step can return. If there are more, the step counts them and reports
-    /// [`Error::PairsFull`]. An exact world also keeps the overlaps of its fat boxes here; without room
-    /// for them its steps are slower: [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
+    /// [`Error::PairsFull`]. A world also keeps the overlaps of its fat boxes here; without room for
+    /// them its steps are slower: [`Reason::NoRoomForSurplus`](crate::Reason::NoRoomForSurplus).
     pub pairs: u32,
 }
 
@@ -74,10 +74,11 @@ pub enum Mode {
 /// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the
 /// box, or less for flat boxes: see [`per_extent`](Self::per_extent).
 ///
-/// A margin pays where many objects rest or move little. Where most rest, it is enough that the moving ones
-/// have a margin: see [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in
-/// each step, these are left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, fat
-/// boxes are also [predicted](Config::predicted), so that they hold objects that move steadily.
+/// In [`Mode::Fat`] these boxes are what the pairs are of. In an exact world a margin changes no pair. It pays
+/// there where many objects rest or move little; it is enough that the moving ones have one: see
+/// [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are
+/// left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, an exact world's fat boxes
+/// are also [predicted](Config::predicted), so that they hold objects that move steadily.
 #[doc(alias("fat_aabb", "skin", "speculative_margin"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -146,14 +147,15 @@ pub struct Config {
     /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer
     /// to merge their pairs.
     pub workers: u32,
-    /// Whether fat boxes stay in use however objects move, each until its box leaves it. If not, all are made
+    /// Whether fat boxes stay in use however objects move, each until its box leaves it: so a step takes as
+    /// long as few or many objects make it, and none is there for all of them at once. If not, all are made
     /// anew when that costs less than to search for the objects that leave theirs, and are left unused for
     /// some steps where they cost more than they spare.
     pub fixed_margins: bool,
-    /// Whether fat boxes are predicted from each object's motion and hold it for some steps, so that steps in
-    /// which things lie, hang, roll or fly on cost little. They are used while they pay, and change no result
-    /// of an exact world. A margin is the least around each box. 24 bytes an object. Worlds without a tree
-    /// and fat worlds have none: these return the overlaps of what the caller has put around the boxes.
+    /// Whether steps sweep boxes that are predicted from each object's motion and hold it for some steps, so
+    /// that steps in which things lie, hang, roll or fly on cost little. They are used while they pay, and
+    /// change no result. In an exact world a margin is the least around each box; in a fat one boxes are
+    /// predicted around the boxes with margins. 24 bytes an object. Worlds without a tree have none.
     pub predicted: bool,
     /// What tests have fixed.
     #[cfg_attr(feature = "serde", serde(skip))]

@@ -1,12 +1,13 @@
 //! What the library chooses by counts, and what the caller may choose instead: the pairs are right either way, the statistics
 //! say what was chosen and why, and fat boxes are there where they gain something.
 
-use trisap_core::{Aabb, Config, Margin, Path, Reason, Stats};
-use trisap_tests::checked::{Checked, Outcome};
+use trisap_core::{Aabb, Config, Margin, Mode, Path, Reason, Stats};
+use trisap_tests::checked::{Checked, Outcome, expected};
 use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::play::{assert_identical, on_every_setup};
 use trisap_tests::scenes::{self, Rng, shifted};
+use trisap_tests::sorted;
 use trisap_tests::worlds::{Setup, Slab, ample};
 
 const COUNT: usize = 5000;
@@ -195,6 +196,38 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
         let grown = config.without_predicted_boxes().with_margin(Margin::length(0.1));
         let grown = on_every_setup(grown, &frames, &Jobs::USUAL);
         assert!(quiet(&grown) < steps, "{} of grown boxes, {steps} of predicted ones", quiet(&grown));
+    }
+}
+
+/// A world that reports boxes with margins sweeps predicted boxes around these.
+#[test]
+fn predicted_boxes_hold_boxes_with_margins_for_some_steps() {
+    let fat =
+        Config::new(ample(COUNT, 20 * COUNT)).with_mode(Mode::Fat).with_margin(Margin::length(MARGIN / 4.0));
+    for config in [fat, fat.with_events()] {
+        let frames = drift(0.02, 48);
+        let steps = quiet(&on_every_setup(config, &frames, &Jobs::USUAL)[24..]);
+        assert!(steps >= 16, "{steps} quiet steps of 25");
+        let steps = quiet(&on_every_setup(config.without_predicted_boxes(), &frames, &Jobs::USUAL)[24..]);
+        assert!(steps <= 5, "{steps} quiet steps of 25 without");
+    }
+}
+
+/// What they sweep changes nothing: a box with its margin stays until the box leaves it.
+#[test]
+fn fat_worlds_report_the_overlaps_of_boxes_with_margins() {
+    let fat = Config::new(ample(COUNT, 40 * COUNT)).with_mode(Mode::Fat).with_margin(Margin::length(MARGIN));
+    for frames in [drift(0.02, 40), drift(0.2, 24), going(0.0, 0.7, 20), going(0.01, 0.1, 24)] {
+        let outcomes = on_every_setup(fat, &frames, &[Jobs::Serial]);
+        let mut reported = vec![Aabb::new([f32::MAX; 3], [f32::MAX; 3]); COUNT];
+        for (step, (frame, outcome)) in frames.iter().zip(outcomes).enumerate() {
+            for (reported, aabb) in reported.iter_mut().zip(frame) {
+                if (0..3).any(|k| aabb.min[k] < reported.min[k] || aabb.max[k] > reported.max[k]) {
+                    *reported = Aabb::new(aabb.min.map(|x| x - MARGIN), aabb.max.map(|x| x + MARGIN));
+                }
+            }
+            assert_eq!(sorted(&outcome.pairs), expected(&reported), "step {step}");
+        }
     }
 }
 

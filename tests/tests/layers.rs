@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1542),
-    ("geometry", 1188),
+    ("", 1544),
+    ("geometry", 1206),
     ("lists", 67),
-    ("memory", 1856),
-    ("objects", 569),
-    ("pairs", 536),
+    ("memory", 1861),
+    ("objects", 630),
+    ("pairs", 534),
     ("parallel", 496),
     ("query", 1307),
     ("simd", 2216),
-    ("snapshot", 594),
-    ("step", 598),
+    ("snapshot", 583),
+    ("step", 594),
     ("sweep", 1382),
     ("tree", 2227),
-    ("validate", 377),
-    ("world", 1707),
+    ("validate", 379),
+    ("world", 1706),
 ];
 
 #[test]

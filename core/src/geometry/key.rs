@@ -163,8 +163,26 @@ impl KeyBox {
     /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where
     /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
-        let [fat] = Self::swept(&[*self], &[*self], [[0.0, flushed(length)]]);
+        let [fat] = Self::grown_by(&[*self], [length]);
         fat
+    }
+
+    /// The same for some boxes, each by a length of its own.
+    #[inline(always)]
+    pub(crate) fn grown_by<const N: usize>(boxes: &[Self; N], lengths: [f32; N]) -> [Self; N] {
+        Self::swept(boxes, boxes, lengths.map(|length| [0.0, flushed(length)]))
+    }
+
+    /// Where some boxes have come from, if they went as others have gone.
+    #[inline(always)]
+    pub(crate) fn before<const N: usize>(now: &[Self; N], from: &[Self; N], to: &[Self; N]) -> [Self; N] {
+        let mut before = *now;
+        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut before);
+        let (from, to): (&[i32], &[i32]) = (bytemuck::cast_slice(from), bytemuck::cast_slice(to));
+        for ((side, from), to) in sides.iter_mut().zip(from).zip(to) {
+            *side = key(value(*side) - (value(*to) - value(*from)));
+        }
+        before
     }
 
     /// Boxes that hold each of some boxes and, if it goes on as it came from an old one, the next [`AHEAD`],

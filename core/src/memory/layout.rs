@@ -78,10 +78,19 @@ const fn is_tiny(config: &Config) -> bool {
     is_small(config) && (!LISTS || config.capacity.objects as usize <= FEW)
 }
 
+/// Whether boxes with margins stand beside the boxes as given, and are reported.
+pub(crate) const fn reports_margins(config: &Config) -> bool {
+    MARGINS && config.margin.is_some() && matches!(config.mode, Mode::Fat)
+}
+
+/// Whether boxes with margins are swept, and not reported.
+pub(crate) const fn sweeps_margins(config: &Config) -> bool {
+    MARGINS && config.margin.is_some() && matches!(config.mode, Mode::Exact)
+}
+
 /// Whether objects have a fat box.
 pub(crate) const fn has_fat(config: &Config) -> bool {
-    MARGINS && config.margin.is_some()
-        || config.predicted && matches!(config.mode, Mode::Exact) && !is_small(config)
+    sweeps_margins(config) || config.predicted && !is_small(config)
 }
 
 /// So many, if there are any.
@@ -171,11 +180,10 @@ impl Sizes {
         if_so(has, self.objects)
     }
 
-    /// Bits that tell whether a reported box has changed, one an object, for events. An exact world with fat
-    /// boxes and a tree needs them, too: it parks a pair only while both boxes stay, also inside fat boxes.
+    /// Bits that tell whether a reported box has changed, one an object, for events. A world with fat boxes
+    /// and a tree needs them, too: it parks a pair only while both boxes stay, also inside fat boxes.
     pub(crate) const fn changed(&self) -> usize {
-        let moves_inside_margin = self.fat > 0 && matches!(self.config.mode, Mode::Exact);
-        if_so(EVENTS && self.config.events || TREE && moves_inside_margin && self.tree > 0, self.objects)
+        if_so(EVENTS && self.config.events || TREE && self.fat > 0 && self.tree > 0, self.objects)
     }
 
     /// Records of all leaves. They are read in groups of eight, also behind the last leaf.

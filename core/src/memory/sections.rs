@@ -21,8 +21,8 @@ macro_rules! sections {
             settled: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved settled [n.words];
             /// One bit a slot: the caller has put the object to rest.
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
-            /// With events, and in an exact world with margins and a tree: the swept box, the reported box or
-            /// the filter has changed since the last complete step.
+            /// With events, and with fat boxes and a tree: the swept box, the reported box or the filter has
+            /// changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
             /// With events: `before` may be out of date, since the slot changed before the last complete
             /// step.
@@ -40,20 +40,23 @@ macro_rules! sections {
 
             /// The boxes of all slots.
             boxes: BoxParts ['m] {
-                /// The box as given last. A free slot has an empty one, which holds the next free slot.
+                /// The box whose overlaps a result has: as given last; in a fat world what was so with its
+                /// margin when it left that last. A free slot has an empty one, which holds the next free slot.
                 now: &'m mut [KeyBox] = [KeyBox; s.objects], used state.objects.slots as usize, saved now [n.slots];
                 /// Of disabled objects: the low bits of a side, for which an empty box has no room.
                 cut: &'m mut [u16] = [u16; s.objects], new 0, saved cut [n.slots];
-                /// With margins, or predicted boxes: the fat box (erratum E5).
-                fat: &'m mut [KeyBox] = [KeyBox; if_so(FAT, s.fat)], used state.objects.slots as usize, saved fat [n.slots];
+                /// In a fat world with margins: the box as given last, of enabled objects.
+                given: &'m mut [KeyBox] = [KeyBox; s.by_object(reports_margins(&s.config))], used state.objects.slots as usize, saved given [n.slots];
+                /// In an exact world with margins, or with predicted boxes: the fat box (erratum E5).
+                fat: &'m mut [KeyBox] = [KeyBox; if_so(FAT, s.fat)], used state.objects.slots as usize;
                 /// With margins: the length that the box is grown by (erratum E2).
                 margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this
                 /// is its reported box, unless it is [outdated](Parts::outdated).
                 before: &'m mut [KeyBox] = [KeyBox; s.by_object(EVENTS && s.config.events)], used state.objects.slots as usize;
-                + /// Whether the boxes as given are swept though there are fat ones, for one step or while margins are
-                /// left unused. Fat boxes then mean nothing.
+                + /// Whether `now` is swept though there are fat boxes, while these are left unused. They then mean
+                /// nothing.
                 tight: bool = state.step.margins_in > 0;
             }
 

@@ -1,6 +1,6 @@
 //! The slab of a world, divided into slices for the layers that own them: see [`sections`].
 
-use super::layout::{ALIGN, Sizes, if_so, section};
+use super::layout::{ALIGN, Sizes, if_so, reports_margins, section};
 use super::leaf::{Cell, Leaf, Nodes, Split, Straddler};
 use super::limits::CHUNK;
 use super::scratch::{self, cut_off};
@@ -8,7 +8,7 @@ use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
 use crate::access::{Access, Watch, bits};
-use crate::config::{Config, EVENTS, FAT, FILTERS, MARGINS, Mode, TREE, VALUES};
+use crate::config::{Config, EVENTS, FAT, FILTERS, MARGINS, TREE, VALUES};
 use crate::error::Error;
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
@@ -218,9 +218,9 @@ impl BoxParts<'_> {
         if !FAT || self.fat.is_empty() || self.tight { self.now } else { self.fat }
     }
 
-    /// The boxes whose overlaps a result has.
-    pub(crate) fn reported(&self, mode: Mode) -> &[KeyBox] {
-        if mode == Mode::Fat { self.swept() } else { self.now }
+    /// The boxes as given last.
+    pub(crate) fn given(&self) -> &[KeyBox] {
+        if !MARGINS || self.given.is_empty() { self.now } else { self.given }
     }
 }
 
@@ -254,14 +254,9 @@ impl<'m, I: Index> Parts<'m, I> {
         &self.sizes.config
     }
 
-    /// Which pairs the world returns.
-    pub(crate) fn mode(&self) -> Mode {
-        self.config().mode
-    }
-
     /// Whether overlaps of fat boxes may not be pairs.
     pub(crate) fn has_surplus(&self) -> bool {
-        FAT && self.mode() == Mode::Exact && !self.boxes.fat.is_empty() && !self.boxes.tight
+        FAT && !self.boxes.fat.is_empty() && !self.boxes.tight
     }
 }
 

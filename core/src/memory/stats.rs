@@ -53,8 +53,8 @@ pub enum Reason {
     Outgrown,
     /// Rebuilt: three steps in a row tested far more pairs in vain, or had far more ghosts, than new planes.
     OutOfBalance,
-    /// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of
-    /// fat boxes, and also found those of the boxes as given. With more room steps are cheaper: see
+    /// Lists, full or rebuilt: a world had no room in its pair buffer for the overlaps of fat boxes, and also
+    /// found those of the boxes that it reports. With more room steps are cheaper: see
     /// [`Capacity::pairs`](crate::Capacity::pairs).
     NoRoomForSurplus,
 }
@@ -92,8 +92,8 @@ impl Route {
 pub struct Stats {
     /// Living objects.
     pub objects: u32,
-    /// Objects that are new or gone, or have left their fat box (without margins: have another box) since the
-    /// last complete step.
+    /// Objects that are new or gone, or have left their fat box (without one: have another box, in a fat world
+    /// another one with its margin) since the last complete step.
     pub moved: u32,
     /// How the pairs were found.
     pub path: Path,
@@ -103,7 +103,7 @@ pub struct Stats {
     pub fine_leaves: bool,
     /// Whether the work was offered to the executor's workers: from 4,096 objects on, in worlds with a tree.
     pub shared: bool,
-    /// With fat boxes: how many boxes left theirs since the last complete step.
+    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
     pub outran: u32,
     /// Leaves of the tree; 1 in a world without one.
     pub leaves: u32,
@@ -128,7 +128,7 @@ pub struct Stats {
     pub found: u64,
     /// Pairs that only the last step had.
     pub lost: u64,
-    /// Exact mode with a margin: overlaps of fat boxes that the exact test dropped.
+    /// Overlaps of fat boxes that the test of the boxes dropped.
     pub surplus: u64,
     /// Large objects: far larger than the leaves that they reach, they are in a list of their own.
     pub large: u32,

@@ -1,10 +1,11 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS as HAS_EVENTS, Mode};
+use crate::config::{EVENTS as HAS_EVENTS, MARGINS};
 use crate::geometry::boxes::{Boxes, CORNER};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
+use crate::memory::layout::reports_margins;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::Objects;
@@ -69,26 +70,27 @@ fn ingest_blocks<I: Index>(
     slots: usize,
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let len = block_len(slots);
-    let (mode, (predicted, renews)) = (parts.mode(), parts.fat_boxes());
+    let ((predicted, renews), len) = (parts.fat_boxes(), block_len(slots));
+    let reports_margins = reports_margins(parts.config());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
-        Chunks::new(parts.boxes.now.span_mut(0, slots), len),
+        (Chunks::new(parts.boxes.now.span_mut(0, slots), len), Chunks::optional(parts.boxes.given, len)),
         Chunks::optional(fat, len),
         Chunks::optional(parts.boxes.before, len),
         (parts.moved.blocks(len), parts.changed.blocks(len)),
         Chunks::new(&mut found, 1),
     );
-    context.each(blocks, |block, (now, fat, before, (moved, changed), found)| {
+    context.each(blocks, |block, ((now, given), fat, before, (moved, changed), found)| {
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, predicted, renews, motions: Motions::default() };
+        let motions = Motions::default();
+        let fat = FatBoxes { boxes: fat, margins, reports_margins, predicted, renews, motions };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
-        let objects = Objects { now, cut: &mut [], fat, moved, changed, before, resting, mode };
+        let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };
         found.fill(ingest_block(context.kernels, first, bounds, objects));
     });
     found
@@ -129,31 +131,44 @@ fn take_in<S: Simd, const EVENTS: bool>(
     word: usize,
     intake: &mut Intake,
 ) {
-    let Objects { now, fat, changed: kept, before, resting, mode, .. } = objects;
-    let end = now.len().min(word * 32 + 32);
-    let now = now.get_mut(word * 32..end).unwrap_or_default();
-    // The boxes that events compare with are kept where they have not changed since the last complete step.
-    let before = before.get_mut(word * 32..end).unwrap_or_default();
-    let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
+    let count = (objects.now.len() - word * 32).min(32);
+    let mut skipped = objects.resting.get(word).copied().unwrap_or_default();
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to
     // compare a box.
-    let (mut changed, mut contained, unused) = (0u32, 0u32, 32 - now.len());
-    let mut items = bounds.items_from(first + word * 32);
-    let (mut skipped, mut four_changed) = (resting.get(word).copied().unwrap_or_default(), 0);
+    let (mut changed, mut contained, is_fat) = (0u32, 0u32, objects.is_fat());
     if S::ENCODES_FOUR {
-        let fours = Fours { bounds, items, now, before, kept, skipped, fat, first: word * 32, mode: *mode };
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network;
-        // and one for worlds with fat boxes, so that others pay nothing for them.
-        let (taken, others, stay) = if cfg!(target_family = "wasm") || fours.fat.exist() {
-            call!(simd, take_in_fours::<S, true, true>(simd, fours))
+        // and some for worlds with fat boxes and fat worlds, so that others pay nothing for them.
+        let (has_fat, of) = (objects.fat.exist(), &mut *objects);
+        let (taken, others, stay) = if MARGINS && (cfg!(target_family = "wasm") || is_fat) {
+            call!(simd, take_in_fours::<S, true, true, true>(simd, first, bounds, of, word))
+        } else if cfg!(target_family = "wasm") || has_fat {
+            call!(simd, take_in_fours::<S, true, true, false>(simd, first, bounds, of, word))
         } else {
-            take_in_fours::<S, EVENTS, false>(simd, fours)
+            take_in_fours::<S, EVENTS, false, false>(simd, first, bounds, of, word)
         };
-        if taken == u32::MAX >> unused {
+        if taken == u32::MAX >> (32 - count) {
             return objects.note(word, others, stay);
         }
-        (skipped, four_changed, contained) = (skipped | taken, others, stay);
+        (skipped, changed, contained) = (skipped | taken, others, stay);
     }
+    if is_fat {
+        objects.note(word, changed, contained);
+        for at in bits::of_word(!skipped & u32::MAX >> (32 - count)).map(|bit| word * 32 + bit) {
+            match bounds.get(first + at).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
+                _ if objects.now.at(at).is_empty() => {}
+                Some(bounds) => objects.follow(at, bounds, false),
+                None => intake.reject(first + at),
+            }
+        }
+        return;
+    }
+    let Objects { fat, before, changed: kept, .. } = objects;
+    // The boxes that events compare with are kept where they have not changed since the last complete step.
+    let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
+    let (now, before) =
+        (objects.now.span_mut(word * 32, count), before.get_mut(word * 32..).unwrap_or_default());
+    let mut items = bounds.items_from(first + word * 32);
     for (bit, old) in (0..32).zip(now) {
         let (item, this) = (items, 1u32 << bit);
         items = bounds.items_after(1, items);
@@ -170,8 +185,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
         if EVENTS && kept & this == 0 {
             // Number by number: a copy from one slice to another would be a call.
             let ([a, b, c], [d, e, f]) = (old.min, old.max);
-            let old = KeyBox { min: [a, b, c], max: [d, e, f] };
-            before.put(bit, fat.reported(*mode, word * 32 + bit, &old));
+            before.put(bit, KeyBox { min: [a, b, c], max: [d, e, f] });
         }
         if fat.exist() && fat.follow_apart(word * 32 + bit, old, &bounds) {
             contained |= this;
@@ -179,36 +193,32 @@ fn take_in<S: Simd, const EVENTS: bool>(
         *old = bounds;
         changed |= this;
     }
-    objects.note(word, changed | four_changed, contained)
-}
-
-/// The boxes of the slots of a word, to be taken in four at a time.
-struct Fours<'f, 'b, 'o> {
-    bounds: &'f Boxes<'b>,
-    items: &'b [u8],
-    now: &'f mut [KeyBox],
-    before: &'f mut [KeyBox],
-    kept: u32,
-    /// The bits of slots that are not asked for.
-    skipped: u32,
-    fat: &'f mut FatBoxes<'o>,
-    /// The first slot of the word.
-    first: usize,
-    mode: Mode,
+    objects.note(word, changed, contained)
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live
 /// and do not rest. Returns the bits of the slots that are done with, of slots among them that have other
 /// boxes now, and of slots that stay in their fat boxes.
 #[inline(always)]
-fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
+fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool>(
     simd: S,
-    fours: Fours<'_, '_, '_>,
+    first: usize,
+    bounds: &Boxes<'_>,
+    objects: &mut Objects<'_>,
+    word: usize,
 ) -> (u32, u32, u32) {
-    let Fours { bounds, mut items, now, before, kept, skipped, fat, first: word, mode } = fours;
-    let (mut taken, mut changed, mut contained, mut lie) = (0, 0, 0, false);
+    let mut items = bounds.items_from(first + word * 32);
+    let Objects { now, given, fat, changed: kept, before, resting, .. } = objects;
+    let (kept, word) = (if EVENTS { kept.words.get(word) } else { None }, word * 32);
+    let kept = kept.copied().unwrap_or(u32::MAX);
+    let skipped = resting.get(word / 32).copied().unwrap_or_default();
+    let end = now.len().min(word + 32);
+    let now = now.get_mut(word..end).unwrap_or_default();
+    let before = before.get_mut(word..end).unwrap_or_default();
+    let given = given.get_mut(word..end).unwrap_or_default();
+    let (mut taken, mut changed, mut contained) = (0, 0, 0);
     let (all, mut room) = ([KeyBox::ALL; 4], [0; 8 * CORNER]);
-    let before = before.as_chunks_mut::<4>().0;
+    let (before, given) = (before.as_chunks_mut::<4>().0, given.as_chunks_mut::<4>().0);
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
         let Some(boxes) = bounds.four(items, &mut room) else { break };
@@ -217,47 +227,50 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool>(
             continue;
         }
         let mut new = [KeyBox::EMPTY; 4];
-        // In most steps all stay in their fat boxes. Where four lie still, the next ones probably do.
-        let held = if FAT && !fat.renews { fat.boxes.get(word + first..) } else { None };
-        let quiet = match held.and_then(|held| held.first_chunk()) {
-            Some(held) => match if lie { simd.encode_four(boxes, old, old, &mut new) } else { None } {
-                None => simd.encode_four(boxes, held, old, &mut new),
-                same => same,
-            },
-            None => None,
+        let given = if GIVEN { given.get_mut(four) } else { None };
+        let last = given.as_deref().unwrap_or(old);
+        // In most steps all stay in their fat boxes, or in a fat world in the boxes that are reported.
+        let held = if !FAT || fat.renews {
+            None
+        } else if given.is_some() {
+            Some(&*old)
+        } else {
+            fat.boxes.get(word + first..).and_then(|held| held.first_chunk())
         };
-        lie = quiet == Some(0);
-        let others = match quiet {
+        let quiet = held.and_then(|held| simd.encode_four(boxes, held, last, &mut new));
+        let mut others = match quiet {
             Some(others) => others,
-            None => match simd.encode_four(boxes, &all, old, &mut new) {
+            None => match simd.encode_four(boxes, &all, last, &mut new) {
                 Some(others) => others,
                 None => continue,
             },
         };
+        taken |= 0b1111 << first;
+        let mut from = None;
+        if let Some(given) = given {
+            let last = core::mem::replace(given, new);
+            if quiet.is_some() {
+                continue;
+            }
+            let came;
+            (others, came) = fat.report(word + first, old, &last, &mut new, others);
+            from = Some(came);
+        }
         let unkept = others & !(kept >> first);
         if unkept == 0b1111
-            && (!FAT || mode == Mode::Exact)
             && let Some(before) = before.get_mut(four)
         {
             *before = *old;
         } else if EVENTS && let Some(before) = before.get_mut(four) {
-            for bit in bits::of_word(unkept) {
-                let old = KeyBox::of(old, bit);
-                before.put(bit, if FAT { fat.reported(mode, word + first + bit, old) } else { *old });
-            }
+            bits::of_word(unkept).for_each(|bit| before.put(bit, *KeyBox::of(old, bit)));
         }
         if quiet.is_some() {
             fat.motions.moved_inside_margin |= others != 0;
             contained |= others << first;
-        } else if FAT && fat.renew_four(word + first, old, &new, others) {
-        } else if FAT && fat.exist() {
-            for bit in bits::of_word(others) {
-                let (old, new) = (KeyBox::of(old, bit), KeyBox::of(&new, bit));
-                contained |= u32::from(fat.follow(word + first + bit, old, new)) << (first + bit);
-            }
+        } else if FAT {
+            contained |= fat.follow(word + first, from.as_ref().unwrap_or(old), &new, others) << first;
         }
         *old = new;
-        taken |= 0b1111 << first;
         changed |= others << first;
     }
     (taken, changed, contained)

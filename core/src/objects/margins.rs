@@ -1,20 +1,21 @@
 //! Fat boxes: an object has moved when its box leaves the fat box around an earlier one (paper, V; E2).
 //!
 //! A fat box is the box and a margin; or predicted: it also holds the next boxes of an object that goes on.
+//! A fat world reports boxes with margins, and its fat boxes are predicted around these.
 //! All are made anew at once when some objects have left theirs, so that most steps are quiet. Where they do
 //! not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
 use crate::access::{Access, bits};
-use crate::config::{FAT, Margin, Mode, TREE};
+use crate::config::{FAT, Margin, TREE};
 use crate::geometry::key::KeyBox;
-use crate::id::Index;
-use crate::memory::slab::Parts;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
-    /// What is around each box at least; none if the caller has given no margin.
+    /// What the caller has put around each box; none if no margins were given.
     pub(crate) margins: &'o [f32],
+    /// Whether that is part of the boxes that are reported, not of fat boxes alone.
+    pub(crate) reports_margins: bool,
     /// Whether fat boxes are predicted, not only grown by the margin.
     pub(crate) predicted: bool,
     /// Whether each new box gets a new fat box.
@@ -37,108 +38,122 @@ impl FatBoxes<'_> {
         FAT && !self.boxes.is_empty()
     }
 
-    /// The box of an object whose overlaps a result has; `now` is its box as given.
-    pub(crate) fn reported(&self, mode: Mode, at: usize, now: &KeyBox) -> KeyBox {
-        if mode == Mode::Fat && self.exist() { self.boxes.at(at) } else { *now }
+    fn margins<const N: usize>(&self, at: usize) -> [f32; N] {
+        let margins = self.margins.get(at..).and_then(|margins| margins.first_chunk());
+        margins.copied().unwrap_or([0.0; N])
     }
 
-    fn margin(&self, at: usize) -> f32 {
-        self.margins.get(at).copied().unwrap_or_default()
+    /// What fat boxes have around them at least.
+    fn around<const N: usize>(&self, at: usize) -> [f32; N] {
+        if self.reports_margins { [0.0; N] } else { self.margins(at) }
+    }
+
+    /// In a fat world: a box as it is reported.
+    pub(crate) fn grown(&self, at: usize, bounds: &KeyBox) -> KeyBox {
+        let [margin] = self.margins(at);
+        bounds.grown(margin)
+    }
+
+    /// In a fat world: makes of the boxes given to some objects, `new`, what these are reported as, who were
+    /// reported as `old` and given `last`. Returns whose bit is set among `others` and who are reported as or
+    /// get anything else, and from where their reported boxes have come.
+    #[inline(always)]
+    pub(crate) fn report<const N: usize>(
+        &mut self,
+        at: usize,
+        old: &[KeyBox; N],
+        last: &[KeyBox; N],
+        new: &mut [KeyBox; N],
+        others: u32,
+    ) -> (u32, [KeyBox; N]) {
+        let given = core::mem::replace(new, *old);
+        let grown = KeyBox::grown_by(&given, self.margins(at));
+        let left = others & !held(old, &given);
+        bits::of_word(left).for_each(|bit| new.put(bit, grown.at(bit)));
+        self.motions.outran += left.count_ones();
+        let others = if self.renews { others } else { left };
+        (others, KeyBox::before(new, last, &given))
     }
 
     /// Makes the fat box of an object whose motion nobody knows.
     pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
-        self.boxes.put(at, bounds.grown(self.margin(at)));
-    }
-
-    /// Gives an object another box. Returns whether it stays in its fat box.
-    #[inline(always)]
-    pub(crate) fn follow(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let contained = KeyBox::of(self.boxes, at).contains(bounds);
-        self.motions.outran += u32::from(!contained);
-        if contained && !self.renews {
-            self.motions.moved_inside_margin = true;
-            return true;
+        let [around] = self.around(at);
+        if self.exist() {
+            self.boxes.put(at, bounds.grown(around));
         }
-        self.boxes.put(at, Self::made(TREE && self.predicted, self.margin(at), old, bounds));
-        false
     }
 
-    /// The same, not inline, so that the loop around it stays in registers.
+    /// Gives an object another box, which has come from an old one. Returns whether it stays in its fat box.
+    /// Not inline, so that the loop around it stays in registers.
     #[inline(never)]
     pub(crate) fn follow_apart(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        self.follow(at, old, bounds)
+        self.follow(at, &[*old], &[*bounds], 1) != 0
     }
 
-    /// The same for those of four objects whose bit is set, where all get predicted boxes. Returns whether it
-    /// has done so.
+    /// The same for some objects, whose bit is set. Returns who stays in the fat box.
     #[inline(always)]
-    pub(crate) fn renew_four(
+    pub(crate) fn follow<const N: usize>(
         &mut self,
         at: usize,
-        old: &[KeyBox; 4],
-        new: &[KeyBox; 4],
+        old: &[KeyBox; N],
+        new: &[KeyBox; N],
         others: u32,
-    ) -> bool {
-        let four = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut::<4>());
-        let Some(fat) = four.filter(|_| TREE && self.predicted && self.renews) else { return false };
-        let margins = self.margins.get(at..).and_then(|margins| margins.first_chunk());
-        let next = KeyBox::predicted(new, old, margins.copied().unwrap_or_default());
-        for (bit, (fat, new)) in fat.iter().zip(new).enumerate() {
-            self.motions.outran += others >> bit & u32::from(!fat.contains(new));
+    ) -> u32 {
+        let around = self.around(at);
+        let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
+        let Some(fat) = fat.filter(|_| FAT) else { return 0 };
+        let contained = others & held(fat, new);
+        self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
+        let stay = if self.renews { 0 } else { contained };
+        self.motions.moved_inside_margin |= stay != 0;
+        if others != stay {
+            let made = Self::made(TREE && self.predicted, around, old, new);
+            bits::of_word(others & !stay).for_each(|bit| fat.put(bit, made.at(bit)));
         }
-        if others == 0b1111 {
-            *fat = next;
-        } else {
-            bits::of_word(others).for_each(|bit| fat.put(bit, *KeyBox::of(&next, bit)));
-        }
-        true
+        stay
+    }
+
+    /// Whether the box of an object as it is reported in a fat world is far too wide for the one given now.
+    pub(crate) fn is_wide(&self, at: usize, reported: &KeyBox, bounds: &KeyBox) -> bool {
+        let [margin] = self.margins(at);
+        is_wide(reported, bounds, margin)
     }
 
     /// Forgets a fat box that has become far too wide for a box, which is to get one around it then.
     pub(crate) fn forget_wide(&mut self, at: usize, bounds: &KeyBox) {
-        let most = MOST_WIDTH * (bounds.largest_extent() + self.margin(at));
-        if self.exist() && self.boxes.at(at).largest_extent() > most {
+        let [around] = self.around(at);
+        if self.exist() && is_wide(&self.boxes.at(at), bounds, around) {
             self.boxes.put(at, KeyBox::EMPTY);
         }
     }
 
-    /// The fat box of an object that has come from an old box.
+    /// The fat boxes of objects that have come from old boxes.
     #[inline(always)]
-    pub(crate) fn made(predicts: bool, margin: f32, old: &KeyBox, bounds: &KeyBox) -> KeyBox {
-        if !predicts {
-            return bounds.grown(margin);
-        }
-        let [fat] = KeyBox::predicted(&[*bounds], &[*old], [margin]);
-        fat
+    pub(crate) fn made<const N: usize>(
+        predicts: bool,
+        around: [f32; N],
+        old: &[KeyBox; N],
+        new: &[KeyBox; N],
+    ) -> [KeyBox; N] {
+        if predicts { KeyBox::predicted(new, old, around) } else { KeyBox::grown_by(new, around) }
     }
 }
 
-/// Leaves fat boxes unused from now on. Objects that had another one count as moved. O(slots).
-pub(crate) fn leave_unused<I: Index>(parts: &mut Parts<'_, I>) {
-    for slot in 0..parts.state.objects.slots as usize {
-        let now = parts.boxes.now.at(slot);
-        if !now.is_empty() && parts.boxes.fat.at(slot) != now {
-            parts.objects().touch(slot);
-        }
-    }
-    parts.boxes.tight = true;
-    parts.state.tree.unweighed = 1;
+/// Which of some boxes are inside others.
+#[inline(always)]
+fn held<const N: usize>(boxes: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
+    let each = boxes.iter().zip(inner).enumerate();
+    each.fold(0, |held, (bit, (bounds, inner))| held | u32::from(bounds.contains(inner)) << bit)
 }
 
-/// Uses fat boxes again. An object has another one than its box from its next box on. O(slots).
-pub(crate) fn use_again<I: Index>(parts: &mut Parts<'_, I>) {
-    let slots = parts.state.objects.slots as usize;
-    for (fat, now) in parts.boxes.fat.iter_mut().zip(parts.boxes.now.span(0, slots)) {
-        *fat = if now.is_empty() { KeyBox::EMPTY } else { *now };
-    }
-    parts.boxes.tight = false;
-    // What planes are worth is told by steps of such boxes alone, from the next one on.
-    parts.state.tree.unweighed = 2;
-}
-
-/// A fat box so many times as wide as the box and its margin is far too wide. No predicted one is at first.
+/// A box around another one so many times as wide as that and its margin is far too wide. No predicted one
+/// is at first.
 const MOST_WIDTH: f32 = 16.0;
+
+/// Whether what is around a box is far too wide.
+fn is_wide(around: &KeyBox, bounds: &KeyBox, margin: f32) -> bool {
+    around.largest_extent() > MOST_WIDTH * (bounds.largest_extent() + margin)
+}
 
 /// The most that the size of a box counts, in its smallest sides: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;

@@ -4,9 +4,10 @@ pub(crate) mod intake;
 pub(crate) mod margins;
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, Mode};
+use crate::config::{EVENTS, MARGINS};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
+use crate::memory::layout::reports_margins;
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
 use crate::memory::state::ObjectState;
@@ -17,6 +18,8 @@ pub(crate) struct Objects<'o> {
     pub(crate) now: &'o mut [KeyBox],
     /// See [`BoxParts::cut`](crate::memory::slab::BoxParts::cut). Steps need it not.
     pub(crate) cut: &'o mut [u16],
+    /// In a fat world: the boxes as given. `now` then has what they are reported as.
+    pub(crate) given: &'o mut [KeyBox],
     pub(crate) fat: FatBoxes<'o>,
     pub(crate) moved: SlotSet<'o>,
     pub(crate) changed: SlotSet<'o>,
@@ -24,20 +27,19 @@ pub(crate) struct Objects<'o> {
     pub(crate) before: &'o mut [KeyBox],
     /// Who is put to rest by the caller; empty where nobody is.
     pub(crate) resting: &'o [u32],
-    pub(crate) mode: Mode,
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// Whether fat boxes are predicted, and whether each new box gets a new one: in exact worlds with a tree.
+    /// Whether fat boxes are predicted, and whether each new box gets a new one: in worlds with a tree.
     pub(crate) fn fat_boxes(&self) -> (bool, bool) {
-        let may = !self.sizes.is_small() && self.mode() == Mode::Exact;
+        let may = !self.sizes.is_small();
         (may && self.config().predicted, may && self.state.step.renews != 0)
     }
 
     /// The box of an object as it was given last.
     pub(crate) fn bounds(&self, slot: usize) -> KeyBox {
         let now = self.boxes.now.at(slot);
-        if now.is_empty() { now.enabled(self.boxes.cut.at(slot)) } else { now }
+        if now.is_empty() { now.enabled(self.boxes.cut.at(slot)) } else { self.boxes.given().at(slot) }
     }
 
     /// The arrays of all slots.
@@ -45,16 +47,17 @@ impl<I: Index> Parts<'_, I> {
         let (predicted, renews) = self.fat_boxes();
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, motions) = (&*self.boxes.margins, Motions::default());
-        let fat = FatBoxes { boxes, margins, predicted, renews, motions };
+        let reports_margins = reports_margins(&self.sizes.config);
+        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, motions };
         Objects {
             now: self.boxes.now,
             cut: self.boxes.cut,
+            given: self.boxes.given,
             fat,
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
             before: self.boxes.before,
             resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
-            mode: self.sizes.config.mode,
         }
     }
 }
@@ -76,7 +79,7 @@ impl Objects<'_> {
             && !bits::test(self.changed.words, at)
         {
             let now = self.now.at(at);
-            *before = if now.is_empty() { KeyBox::EMPTY } else { self.fat.reported(self.mode, at, &now) };
+            *before = if now.is_empty() { KeyBox::EMPTY } else { now };
         }
     }
 
@@ -93,43 +96,70 @@ impl Objects<'_> {
         if EVENTS && let Some(before) = self.before.get_mut(at) {
             *before = KeyBox::EMPTY;
         }
-        self.now.put(at, bounds);
-        if self.fat.exist() {
-            self.fat.anchor(at, &bounds);
-        }
+        self.place(at, bounds);
         self.moved.set(at);
         self.changed.set(at);
     }
 
     /// A new box.
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
-        let old = self.now.at(at);
-        if old.is_empty() {
+        if self.now.at(at).is_empty() {
             self.hide(at, bounds);
-        } else if bounds != old {
+        } else {
+            self.follow(at, bounds, true);
+        }
+    }
+
+    /// The same for an object that is enabled. What is around the box is made anew also where that has become
+    /// far too wide, if `forgets`.
+    pub(crate) fn follow(&mut self, at: usize, bounds: KeyBox, forgets: bool) {
+        let old = self.now.at(at);
+        let (mut new, mut from, mut others) = ([bounds], [old], u32::from(bounds != old));
+        if self.is_fat() {
+            let last = self.given.at(at);
+            self.given.put(at, bounds);
+            let wide = forgets && self.fat.is_wide(at, &old, &bounds);
+            let held = if wide { KeyBox::EMPTY } else { old };
+            (others, from) = self.fat.report(at, &[held], &[last], &mut new, u32::from(bounds != last));
+        }
+        if others != 0 {
             self.keep(at);
-            self.now.put(at, bounds);
-            self.fat.forget_wide(at, &bounds);
-            let contained = self.fat.exist() && self.fat.follow(at, &old, &bounds);
+            self.now.put(at, new.at(0));
+            if forgets {
+                self.fat.forget_wide(at, &new.at(0));
+            }
+            let contained = self.fat.follow_apart(at, &from.at(0), &new.at(0));
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
+    }
+
+    /// Whether boxes with margins are reported.
+    pub(crate) fn is_fat(&self) -> bool {
+        MARGINS && !self.given.is_empty()
+    }
+
+    /// Puts the box of an object there whose motion nobody knows.
+    fn place(&mut self, at: usize, mut bounds: KeyBox) {
+        if self.is_fat() {
+            self.given.put(at, bounds);
+            bounds = self.fat.grown(at, &bounds);
+        }
+        self.now.put(at, bounds);
+        self.fat.anchor(at, &bounds);
     }
 
     /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
     /// boxes.
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
         let moved = changed & !contained;
-        let reported = if self.mode == Mode::Exact { changed } else { moved };
         self.moved.add(word, moved);
-        self.changed.add(word, reported);
+        self.changed.add(word, changed);
     }
 
-    /// Makes the fat box anew around the box, as after a move.
+    /// Makes what is around the box anew, as after a move.
     pub(crate) fn anchor(&mut self, at: usize, bounds: KeyBox) {
         self.touch(at);
-        if self.fat.exist() {
-            self.fat.anchor(at, &bounds);
-        }
+        self.place(at, bounds);
     }
 
     /// The object goes; `next` is the next free slot.
@@ -147,6 +177,9 @@ impl Objects<'_> {
 
     fn empty(&mut self, at: usize, empty: KeyBox) {
         self.now.put(at, empty);
+        if self.is_fat() {
+            self.given.put(at, KeyBox::EMPTY);
+        }
         if self.fat.exist() {
             self.fat.boxes.put(at, KeyBox::EMPTY);
         }

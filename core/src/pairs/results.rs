@@ -5,7 +5,7 @@
 //! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, FAT, FILTERS, Mode};
+use crate::config::{EVENTS, FAT, FILTERS};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
@@ -26,15 +26,15 @@ pub(crate) fn sort_out<I: Index>(
 ) {
     parts.state.pairs.swept = swept as u64;
     let events = EVENTS && parts.sizes.previous > 0;
-    let (has_surplus, mode) = (parts.has_surplus(), parts.mode());
+    let has_surplus = parts.has_surplus();
     // Without fat boxes a step that keeps pairs has nothing to sort out.
     let none = PairState::default();
     let PairState { parked, kept, kept_result, surplus_parked, .. } =
         if FAT { parts.state.pairs } else { none };
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
-    if FAT && mode == Mode::Exact && parts.state.objects.moved_inside_margin != 0 {
-        let now = parts.boxes.reported(mode);
+    if FAT && parts.state.objects.moved_inside_margin != 0 {
+        let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));
         coming = partition(context, pairs.span_mut(kept_result, kept - kept_result), Overlap(now));
@@ -43,7 +43,7 @@ pub(crate) fn sort_out<I: Index>(
         // If a step has no room for all its pairs, the next one needs all of the last complete result.
         set_aside(parts, if complete { staying } else { parked });
     }
-    let (now, before) = (parts.boxes.reported(mode), &*parts.boxes.before);
+    let (now, before) = (&*parts.boxes.now, &*parts.boxes.before);
     let pairs = parts.output.pairs.span_mut(parked, swept - parked);
     let new = pairs.span_mut(kept - parked, swept - kept);
     let result = if has_surplus { partition(context, new, Overlap(now)) } else { new.len() };
@@ -95,13 +95,11 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     if !EVENTS {
         return;
     }
-    let mode = parts.mode();
-    let BoxParts { now, fat, before, tight, .. } = &mut parts.boxes;
-    let boxes = if mode == Mode::Fat && !fat.is_empty() && !*tight { &**fat } else { &**now };
+    let BoxParts { now, before, .. } = &mut parts.boxes;
     let changed = &*parts.changed.words;
     parts.outdated.for_each_word(|word, outdated| {
         for bit in bits::of_word(outdated & !changed.at(word)) {
-            before.put(word * 32 + bit, boxes.at(word * 32 + bit));
+            before.put(word * 32 + bit, now.at(word * 32 + bit));
         }
     });
     parts.outdated.clear();

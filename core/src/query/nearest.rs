@@ -234,7 +234,7 @@ impl<'q, I: Index> Search for Near<'q, '_, I> {
         if self.limit.squared == 0.0 && slot > self.limit.slot as usize {
             return ControlFlow::Continue(());
         }
-        let now = KeyBox::of(self.world.parts.boxes.now, slot).to_aabb();
+        let now = KeyBox::of(self.world.parts.boxes.given(), slot).to_aabb();
         let distance = now.squared_distance(&Aabb::new(*self.point, *self.point));
         if let (true, Some(id)) = (distance <= self.limit.squared, self.world.id_of(slot)) {
             self.limit = (self.visit)(Hit { id, distance });

@@ -163,7 +163,7 @@ impl<I: Index> World<'_, I> {
         region: &Region,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) -> Result<(), Error> {
-        let (now, bounds) = (&*self.parts.boxes.now, region.bounds().ok_or(Error::BadQuery { index: 0 })?);
+        let (now, bounds) = (self.parts.boxes.given(), region.bounds().ok_or(Error::BadQuery { index: 0 })?);
         let Region::Sphere { center, radius } = *region else {
             self.visit_boxes(now, bounds, None, visit);
             return Ok(());
@@ -186,7 +186,7 @@ impl<I: Index> World<'_, I> {
     /// visitor breaks. The same calls give the same order. O(nodes and objects at the border + answers +
     /// movers since the last step).
     pub fn visit_within(&self, volume: &dyn Volume, visit: &mut dyn FnMut(Id) -> ControlFlow<()>) {
-        self.visit_boxes(self.parts.boxes.now, KeyBox::ALL, Some(volume), visit);
+        self.visit_boxes(self.parts.boxes.given(), KeyBox::ALL, Some(volume), visit);
     }
 
     /// Writes the objects whose boxes are inside a part of space or across its border to `out`, by ascending

@@ -93,11 +93,10 @@ fn object<I: Index>(stored: &Stored<'_, I>, slot: usize) -> Result<(), Invalid> 
     let known = now.is_valid() || if free { is_free(&now) } else { disabled() };
     check(known, "a box is none", slot)?;
     check(!free || !stored.resting.has(slot), "a free slot rests", slot)?;
-    if stored.fat.len() > 0 {
-        let fat = stored.fat.at(slot);
-        let holds =
-            if now.is_empty() { is_free(&fat) || fat == now } else { fat.is_valid() && fat.contains(&now) };
-        check(holds, "a fat box does not hold its box", slot)?;
+    if stored.given.len() > 0 {
+        let given = stored.given.at(slot);
+        let held = if now.is_empty() { is_free(&given) } else { given.is_valid() && now.contains(&given) };
+        check(held, "a box with its margin does not hold the box", slot)?;
     }
     if stored.margins.len() > 0 {
         check(Margin::length(stored.margins.at(slot)).is_valid(), "a margin is none", slot)?;
@@ -141,7 +140,7 @@ fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let Stored { moved, settled, changed, filters, state, .. } = stored;
     let in_order = |pair: &Pair<I>| pair[0] < pair[1] && pair[1].at() < stored.now.len();
-    let boxes = stored.reported();
+    let boxes = &stored.now;
     // Without the set, also before a move, nothing tells which objects moved inside their margins.
     let known = state.objects.moved_inside_margin == 0 || changed.len() > 0 && state.pairs.unkept == 0;
     let stays = |slot: usize| known && ![moved, settled, changed].iter().any(|set| set.has(slot));

@@ -2,11 +2,11 @@
 //! checks and loads it.
 
 use crate::access::{Access, bits};
-use crate::config::{Config, FAT, FILTERS, MARGINS, Mode, VALUES};
+use crate::config::{Config, FILTERS, MARGINS, VALUES};
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::layout::{Sizes, if_so};
+use crate::memory::layout::{Sizes, if_so, reports_margins};
 use crate::memory::sections::sections;
 use crate::memory::slab::{BoxParts, Parts, Section as _};
 use crate::memory::slot_set::SlotSet;
@@ -121,7 +121,7 @@ macro_rules! stored {
                 let (pairs, parked) = (&parts.state.pairs, parts.state.previous_parked());
                 let first = parts.output.previous.span(0, pairs.previous() as usize);
                 let parked = parts.output.pairs.span(parked.start, parked.len());
-                let mut stored = Self {
+                Self {
                     state,
                     config: $s.config,
                     $($($saved: Packed::new(parts.$name.items()[0].span(0, ($count).min($len))),)?)*
@@ -132,10 +132,7 @@ macro_rules! stored {
                     former: Packed::new(parts.former.generations),
                     former_values: Packed::new(parts.values.former),
                     by_slot: true,
-                };
-                // The fat boxes of a world that leaves them unused mean nothing.
-                stored.fat = Packed::new(parts.boxes.swept().span(0, stored.fat.len()));
-                stored
+                }
             }
 
             /// Cuts the bytes behind a state. `None` if they are too few or too many, or no world is so.
@@ -200,20 +197,13 @@ impl<I: Index> Stored<'_, I> {
         set.slots().enumerate().map(at).take(count)
     }
 
-    /// The boxes whose overlaps the last result has.
-    pub(crate) fn reported(&self) -> &Packed<'_, KeyBox> {
-        if self.fat.len() > 0 && self.config.mode == Mode::Fat { &self.fat } else { &self.now }
-    }
-
     /// What is no more than to [load](Section::load) a section.
     fn finish(&self, to: &mut Parts<'_, I>) {
         let BoxParts { fat, before, tight, .. } = &mut to.boxes;
         *tight = false;
-        if self.fat.len() == 0 {
-            fat.load(self.now.bytes);
-        }
+        fat.load(self.now.bytes);
         if !before.is_empty() {
-            before.load(self.reported().bytes);
+            before.load(self.now.bytes);
             self.of_set(&self.changed, &self.before).for_each(|(slot, bounds)| before.put(slot, bounds));
         }
         // Where nothing else tells which boxes have changed.

@@ -41,25 +41,15 @@ pub(crate) fn find<I: Index>(
     }
 }
 
-/// Finds the overlaps of the boxes as given, after an exact world had no room for overlaps of fat boxes:
-/// without surplus they may fit. Fat boxes are left unused for a while; in a world without a tree for this
-/// step.
+/// Finds the overlaps of the boxes that are reported, after there was no room for the overlaps of fat boxes:
+/// without surplus they may fit. Fat boxes are left unused for a while.
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,
 ) -> (Route, Progress) {
-    let is_small = parts.sizes.is_small();
-    if is_small {
-        parts.boxes.tight = true;
-    } else {
-        policy::pause(parts);
-    }
+    policy::pause(parts);
     let route = policy::choose(parts, parts.state.objects.live);
     let (route, progress) = find(parts, route, context);
-    if is_small {
-        parts.boxes.tight = false;
-        parts.state.pairs.unkept = 1;
-    }
     (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
 }
 

@@ -2,15 +2,16 @@
 //! equally. The table of constants in `NOTEBOOK.md` says what was measured.
 
 use crate::access::Access;
-use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY, Mode};
+use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
+use crate::memory::layout::{reports_margins, sweeps_margins};
 use crate::memory::limits::TRIAL;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::{PairState, State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
-use crate::objects::margins::{self, FatBoxes};
+use crate::objects::margins::FatBoxes;
 use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
@@ -40,14 +41,10 @@ const CALM: u8 = 2;
 const FULL: u64 = 64;
 const RENEWAL: u64 = 112;
 const QUIET: u64 = 20;
-/// Steps that fat boxes have to last before some are asked whether they still hold.
-const LEAST_AGE: u32 = 3;
 /// About so many objects tell what all do.
 const SAMPLE: usize = 64;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
-/// Nor where half of the predicted ones are so many times as wide as the boxes.
-const WIDE: f32 = 4.0;
 /// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
 const CROWD: u64 = 8;
 /// Steps without them after that. In the [last ones](TRIAL) some are tried.
@@ -73,7 +70,7 @@ fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
 fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
     let fixed = parts.config().fixed_margins || parts.config().forced.of(MOVERS_ONLY).is_some();
     let in_use = !parts.boxes.fat.is_empty() && !parts.boxes.tight && !parts.sizes.is_small();
-    in_use && !fixed && parts.mode() == Mode::Exact && parts.state.tree.filled == 1
+    in_use && !fixed && parts.state.tree.filled == 1
 }
 
 /// How many of so many slots something holds for, as it does for some of them.
@@ -85,61 +82,59 @@ fn estimate(slots: usize, holds: impl FnMut(&usize) -> bool) -> u64 {
 /// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs.
 pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
     let age = parts.state.step.age.saturating_add(1);
-    if age < LEAST_AGE || parts.state.step.renews != 0 || !renews(parts) {
+    if parts.state.step.renews != 0 || !renews(parts) || !pays(&parts.state.step, age, 0) {
         return;
     }
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    let reports = reports_margins(parts.config());
     let moved = estimate(slots, |&slot| {
-        let held = parts.boxes.fat.at(slot);
+        let (held, now) = (parts.boxes.fat.at(slot), parts.boxes.now.at(slot));
         let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
-        !held.is_empty() && new.is_some_and(|new| !held.contains(&new))
+        let leaves = |new: KeyBox| !reports || !now.contains(&new);
+        let around = |new: &KeyBox| if reports { new.grown(parts.boxes.margins.at(slot)) } else { *new };
+        !held.is_empty() && new.is_some_and(|new| leaves(new) && !held.contains(&around(&new)))
     });
-    if is_due(&parts.state.step, age, upkeep(parts.state, moved)) {
-        parts.state.step.renews = 1;
-    }
+    let (step, cost) = (&parts.state.step, upkeep(parts.state, moved));
+    parts.state.step.renews = u16::from(is_due(step, age, cost) && pays(step, age, cost));
 }
 
 /// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
 /// has them tried later. All as counts tell. Returns whether other boxes are swept now than objects were
-/// placed by. Boxes with margins that the caller has fixed stay, and boxes of fat worlds.
+/// placed by. Boxes with margins that the caller has fixed stay.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
-    let many = u64::from(moved) * MANY_SHARE > live;
-    let has_margin = parts.config().margin.is_some();
     // Far more candidates than pairs: after a step of large boxes, perhaps, in which small ones stay.
     let PairState { swept, reported, .. } = parts.state.pairs;
-    let crowded = !has_margin && swept.saturating_sub(reported) > CROWD * live + reported;
-    let cost = upkeep(parts.state, u64::from(moved));
+    let crowded = swept.saturating_sub(reported) > CROWD * live + reported;
+    let cost = if crowded { FULL } else { upkeep(parts.state, u64::from(moved)) };
     // Without leaves of the last step all objects count as moved.
     let is_known = renews(parts);
     parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
     let new = step.renews != 0;
-    if step.margins_in > 0 {
+    if step.margins_in > TRIAL {
+        step.margins_in -= 1;
+    } else if step.margins_in > 0 {
         // Where few move, they are tested one by one anyway.
-        if step.margins_in > TRIAL {
-            step.margins_in -= 1;
-        } else if many || has_margin {
+        if u64::from(moved) * MANY_SHARE > live {
             try_on(parts);
         }
-        return false;
+    } else {
+        (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
+        step.renews = 0;
+        if !is_known || new || cost == 0 {
+            return false;
+        }
+        let due = is_due(step, step.age, cost);
+        // Few get another box for long, and most of these leave their fat one.
+        let in_vain = step.age > 64 && parts.changed.count() < 2 * moved;
+        if in_vain || due && !pays(step, step.age, cost) {
+            pause(parts);
+            return true;
+        }
+        step.renews = u16::from(due);
+        step.spent = step.spent.saturating_add(cost as u16);
     }
-    (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
-    step.renews = step.renews.saturating_sub(1);
-    if !is_known || !crowded && (moved == 0 || new) {
-        return false;
-    }
-    let step = &mut parts.state.step;
-    // Few get another box for long, and most of these leave their fat one.
-    let in_vain = step.age > 64 && !many && !has_margin && parts.changed.count() < 2 * moved;
-    if in_vain || !pays(step, step.age, cost) && (many || crowded && step.age < LEAST_AGE) {
-        pause(parts);
-        return true;
-    }
-    if crowded || is_due(step, step.age, cost) {
-        step.renews = 1;
-    }
-    step.spent = step.spent.saturating_add(cost as u16);
     false
 }
 
@@ -155,39 +150,50 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
     if steps == 0 {
         (parts.state.step.age, parts.state.step.spent) = (parts.state.objects.slots, 0);
     }
-    let ((predicted, _), BoxParts { now, fat, margins, .. }) = (parts.fat_boxes(), &mut parts.boxes);
+    let ((predicted, _), sweeps_margins) = (parts.fat_boxes(), sweeps_margins(parts.config()));
+    let BoxParts { now, fat, given, margins, tight, .. } = &mut parts.boxes;
     let left = estimate(parts.state.step.age as usize, |&slot| {
         let (now, old) = (now.at(slot), fat.at(slot));
-        let margin = margins.get(slot).copied().unwrap_or_default();
+        let given = given.get(slot).copied().unwrap_or(now);
+        let margin = if sweeps_margins { margins.at(slot) } else { 0.0 };
         match steps {
-            0 => fat.put(slot, now),
+            0 => fat.put(slot, given),
             1 => {
-                let made = FatBoxes::made(predicted, margin, &old, &now);
+                let from = KeyBox::before(&[now], &[old], &[given]);
+                let [made] = FatBoxes::made(predicted, [margin], &from, &[now]);
                 fat.put(slot, made);
-                return made.largest_extent() > WIDE * now.largest_extent();
             }
             _ => return !now.is_empty() && !old.contains(&now),
         }
         false
     });
-    let (cost, has_margin) = (upkeep(parts.state, left), parts.config().margin.is_some());
-    let wide = steps == 1 && !has_margin && 2 * left > u64::from(parts.state.step.age);
+    let cost = upkeep(parts.state, left);
     let step = &mut parts.state.step;
     step.margins_in -= 1;
     if steps >= 2 && pays(step, u32::from(steps) - 2, cost) {
+        // Each object gets another one than its box with its next box. What planes are worth is told by steps
+        // of such boxes alone, from the next one on.
         (step.margins_in, step.renews) = (0, 1);
-        margins::use_again(parts);
-    } else if step.margins_in == 0 || wide {
+        parts.state.tree.unweighed = 2;
+        fat.copy_in(now);
+        *tight = false;
+    } else if step.margins_in == 0 {
         step.margins_in = PAUSE;
     } else if steps > 1 {
         step.spent += cost as u16;
     }
 }
 
-/// Leaves fat boxes unused for some steps.
+/// Leaves fat boxes unused for some steps. Objects that had another one count as moved. O(slots).
 pub(crate) fn pause<I: Index>(parts: &mut Parts<'_, I>) {
-    parts.state.step.margins_in = PAUSE;
-    margins::leave_unused(parts);
+    for slot in 0..parts.state.objects.slots as usize {
+        let now = parts.boxes.now.at(slot);
+        if !now.is_empty() && parts.boxes.fat.at(slot) != now {
+            parts.objects().touch(slot);
+        }
+    }
+    (parts.state.step.margins_in, parts.boxes.tight) = (PAUSE, true);
+    parts.state.tree.unweighed = 1;
 }
 
 /// The path for a number of moved objects, and why.

@@ -2,7 +2,6 @@
 
 use super::sum;
 use crate::access::{Access, bits};
-use crate::config::Mode;
 use crate::id::Index;
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
@@ -38,13 +37,17 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     check(generations.iter().all(|count| *count == 0), "a slot is not as new", slots)
 }
 
-/// The box of the last complete step is the slot's, if it has not changed since.
+/// A fat box holds its box. The box of the last complete step is the slot's, if it has not changed since.
 fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    let reported = parts.boxes.reported(parts.mode());
+    for (slot, now) in parts.boxes.now.iter().enumerate().take(parts.state.objects.slots as usize) {
+        let swept = parts.boxes.swept().at(slot);
+        let holds = if now.is_empty() { swept.is_empty() } else { swept.is_valid() && swept.contains(now) };
+        check(holds, "a fat box does not hold its box", slot)?;
+    }
     for (slot, before) in parts.boxes.before.iter().enumerate().take(parts.state.objects.slots as usize) {
         let known = !bits::test(parts.changed.words, slot) && !bits::test(parts.outdated.words, slot);
-        let reported = reported.at(slot);
-        let same = *before == reported || before.is_empty() && reported.is_empty();
+        let now = parts.boxes.now.at(slot);
+        let same = *before == now || before.is_empty() && now.is_empty();
         check(!known || same, "a box of the last step is not kept", slot)?;
     }
     Ok(())
@@ -76,7 +79,6 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let State { objects, lists, tree, pairs, step, .. } = state;
     let (parked, surplus, swept) = (u64::from(pairs.parked), u64::from(pairs.surplus_parked), pairs.swept);
     let end = surplus.saturating_add(pairs.reported);
-    let has_surplus = sizes.config.mode == Mode::Exact && sizes.fat > 0;
     let (events, room) = (sizes.previous > 0, sizes.previous as u64);
     // A step that finds all pairs anew adds the parked ones.
     let more = if pairs.complete != 0 || !events { 0 } else { parked.saturating_sub(surplus) };
@@ -98,7 +100,7 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         (end <= swept, "more pairs are exact, or surplus and parked, than swept"),
         (surplus <= parked && parked <= end, "more pairs are parked than there are, or less than surplus"),
         (parked == 0 || sizes.tree > 0, "pairs are parked without a tree"),
-        (has_surplus || surplus == 0 && end == swept, "surplus without margins"),
+        (sizes.fat > 0 || surplus == 0 && end == swept, "surplus without fat boxes"),
         (pairs.found.saturating_add(parked) <= end, "more pairs are found than there are"),
         (events || pairs.swapped == 0, "buffers that have not changed places"),
         (pairs.previous.saturating_add(more) <= room, "more pairs of the last step than room"),

@@ -79,7 +79,7 @@ impl<I: Index> World<'_, I> {
 
     fn disable(&mut self, slot: usize) {
         let parts = &mut self.parts;
-        let bounds = parts.boxes.now.at(slot);
+        let bounds = parts.bounds(slot);
         let mut objects = parts.objects();
         objects.touch(slot);
         objects.hide(slot, bounds);
@@ -94,9 +94,7 @@ impl<I: Index> World<'_, I> {
     fn enable(&mut self, slot: usize) {
         let parts = &mut self.parts;
         let bounds = parts.bounds(slot);
-        let mut objects = parts.objects();
-        objects.anchor(slot, bounds);
-        objects.now.put(slot, bounds);
+        parts.objects().anchor(slot, bounds);
         bits::clear(parts.resting, slot);
         let objects = &mut parts.state.objects;
         (objects.live, objects.disabled) = (objects.live + 1, objects.disabled - 1);
@@ -230,8 +228,8 @@ impl<I: Index> World<'_, I> {
         let slot = self.slot_of(id)?;
         Margin::length(length).check()?;
         *self.parts.boxes.margins.get_mut(slot).ok_or(Error::NoMargins)? = length;
-        let bounds = self.parts.boxes.now.at(slot);
-        if !bounds.is_empty() {
+        if !self.parts.boxes.now.at(slot).is_empty() {
+            let bounds = self.parts.bounds(slot);
             self.parts.objects().anchor(slot, bounds);
             self.parts.state.objects.dirty = 1;
         }

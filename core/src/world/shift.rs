@@ -66,10 +66,11 @@ impl<I: Index> World<'_, I> {
             if now.is_empty() {
                 objects.hide(slot, bounds);
             } else {
-                objects.now.put(slot, bounds);
-                // Rounding keeps the order of numbers, so the fat box still holds the box.
-                if let Some(fat) = objects.fat.boxes.get_mut(slot) {
-                    (*fat, _) = shifted(*fat, by);
+                // Rounding keeps the order of numbers, so each box still holds what it held.
+                for boxes in [objects.now, objects.given, objects.fat.boxes] {
+                    if let Some(bounds) = boxes.get_mut(slot) {
+                        (*bounds, _) = shifted(*bounds, by);
+                    }
                 }
             }
             rounded += u32::from(!exact);

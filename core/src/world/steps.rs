@@ -368,7 +368,7 @@ impl<'w, I: Index> Step<'w, I> {
     /// [`Mode::Exact`](crate::Mode::Exact). Each call counts: O(pairs).
     #[must_use]
     pub fn surplus(&self) -> u64 {
-        let now = &self.parts.boxes.now;
+        let now = self.parts.boxes.given();
         let apart = |pair: &&Pair<I>| !now.at(pair[0].at()).overlaps(&now.at(pair[1].at()));
         self.pairs().iter().filter(apart).count() as u64
     }

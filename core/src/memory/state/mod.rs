@@ -6,7 +6,7 @@ mod setup;
 pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState, large_nodes};
 pub(crate) use setup::Setup;
 
-use super::layout::has_fat;
+use super::layout::{has_fat, sweeps_margins};
 use super::scratch::Work;
 use super::stats::{Route, Stats};
 use crate::config::{Config, MOVERS_ONLY, TREE};
@@ -31,7 +31,7 @@ impl State {
     pub(crate) fn new(config: &Config, index_bytes: usize) -> Self {
         let pairs = PairState { complete: 1, ..PairState::zeroed() };
         // Margins are used from the first step on, predicted boxes once some have tried them.
-        let uses = config.margin.is_some() || config.fixed_margins || config.forced.of(MOVERS_ONLY).is_some();
+        let uses = sweeps_margins(config) || config.fixed_margins || config.forced.of(MOVERS_ONLY).is_some();
         let margins_in = if has_fat(config) && !uses { TRIAL } else { 0 };
         let step = StepState { margins_in, ..StepState::zeroed() };
         Self { setup: Setup::new(config, index_bytes), pairs, step, ..Self::zeroed() }
@@ -46,7 +46,7 @@ impl State {
         }
     }
 
-    /// The state as a snapshot has it: the objects and the last result, without the tree, lists and surplus,
+    /// The state as a snapshot has it: the objects and the last result, without the tree, lists, fat boxes and surplus,
     /// and without what belongs to the memory, the build or a test. The next step finds all pairs anew.
     pub(crate) fn portable(&self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
@@ -54,7 +54,8 @@ impl State {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
             pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
-            step: StepState { calm: 0, kept: 0, margins_in: 0, ..self.step },
+            // Each object gets a new fat box with its next box.
+            step: StepState { calm: 0, kept: 0, margins_in: 0, renews: 1, age: 0, spent: 0, ..self.step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             stepping: 0,

@@ -130,8 +130,7 @@ pub(crate) const fn large_nodes(depth: u8) -> usize {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct PairState {
-    /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, in exact mode with
-    /// margins, surplus.
+    /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, with fat boxes, surplus.
     pub(crate) swept: u64,
     /// All but the surplus: see [`result`](Self::result).
     pub(crate) reported: u64,
@@ -152,8 +151,7 @@ pub(crate) struct PairState {
     pub(crate) active: u32,
     /// Whether the last step had room for all its pairs.
     pub(crate) complete: u8,
-    /// Whether the pairs cannot be kept, since the last step swept the boxes as given though there are fat
-    /// ones, or since they come from a snapshot: the next step finds all anew.
+    /// Whether the pairs cannot be kept, since they come from a snapshot: the next step finds all anew.
     pub(crate) unkept: u8,
     pub(crate) unused: u8,
     /// With events: whether the two pair buffers have changed places.
