@@ -105,8 +105,8 @@
 /// Rebuilt: three steps in a row had far more work than with new planes.
 #define TRISAP_REASON_OUT_OF_BALANCE 8
 
-/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,
-/// and also found those of the boxes as given. With more room steps are cheaper.
+/// Lists, full or rebuilt: a world had no room in its pair buffer for the overlaps of fat boxes,
+/// and also found those of the boxes that it reports. With more room steps are cheaper.
 #define TRISAP_REASON_NO_ROOM_FOR_SURPLUS 9
 
 /// A reason that this version of the ABI has no name for.
@@ -267,8 +267,8 @@ typedef struct trisap_config {
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     uint32_t values;
-    /// 1, the default, if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which
-    /// things lie, hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object.
+    /// 1, the default, if swept boxes are predicted from the motion of each object and hold it for some steps: steps in which
+    /// things lie, hang, roll or fly on cost little. Changes no pair; needs no margin; costs 24 bytes an object.
     uint32_t predicted_boxes;
 } trisap_config;
 
@@ -441,7 +441,7 @@ typedef struct trisap_stats {
     uint32_t fine_leaves;
     /// 1 if the work was offered to the workers of the job system.
     uint32_t shared;
-    /// With fat boxes: how many boxes left theirs since the last complete step.
+    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
     uint32_t outran;
     /// Ghosts: boxes swept in leaves where they are not at home.
     uint64_t copies;
@@ -455,7 +455,7 @@ typedef struct trisap_stats {
     uint64_t found;
     /// Pairs that only the last complete step had.
     uint64_t lost;
-    /// Exact mode with a margin: overlaps of margins that the exact test dropped.
+    /// Overlaps of fat boxes that the test of the boxes dropped.
     uint64_t surplus;
     /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
     uint64_t spared;

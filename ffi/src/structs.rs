@@ -66,8 +66,8 @@ pub struct trisap_config {
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
     pub values: u32,
-    /// 1, the default, if fat boxes are predicted from the motion of each object and hold it for some steps: steps in which
-    /// things lie, hang, roll or fly on cost little. Needs no margin; costs 24 bytes an object.
+    /// 1, the default, if swept boxes are predicted from the motion of each object and hold it for some steps: steps in which
+    /// things lie, hang, roll or fly on cost little. Changes no pair; needs no margin; costs 24 bytes an object.
     pub predicted_boxes: u32,
 }
 
@@ -252,8 +252,8 @@ pub const TRISAP_REASON_NO_ROOM: u32 = 6;
 pub const TRISAP_REASON_OUTGROWN: u32 = 7;
 /// Rebuilt: three steps in a row had far more work than with new planes.
 pub const TRISAP_REASON_OUT_OF_BALANCE: u32 = 8;
-/// Lists, full or rebuilt: an exact world with margins had no room in its pair buffer for the overlaps of fat boxes,
-/// and also found those of the boxes as given. With more room steps are cheaper.
+/// Lists, full or rebuilt: a world had no room in its pair buffer for the overlaps of fat boxes,
+/// and also found those of the boxes that it reports. With more room steps are cheaper.
 pub const TRISAP_REASON_NO_ROOM_FOR_SURPLUS: u32 = 9;
 /// A reason that this version of the ABI has no name for.
 pub const TRISAP_REASON_OTHER: u32 = u32::MAX;
@@ -293,7 +293,7 @@ pub struct trisap_stats {
     pub fine_leaves: u32,
     /// 1 if the work was offered to the workers of the job system.
     pub shared: u32,
-    /// With fat boxes: how many boxes left theirs since the last complete step.
+    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
     pub outran: u32,
     /// Ghosts: boxes swept in leaves where they are not at home.
     pub copies: u64,
@@ -307,7 +307,7 @@ pub struct trisap_stats {
     pub found: u64,
     /// Pairs that only the last complete step had.
     pub lost: u64,
-    /// Exact mode with a margin: overlaps of margins that the exact test dropped.
+    /// Overlaps of fat boxes that the test of the boxes dropped.
     pub surplus: u64,
     /// Pairs of boxes in the same leaf that were not compared, since their filters do not meet.
     pub spared: u64,
