@@ -197,10 +197,10 @@ fn no_file_is_too_long() {
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1544),
-    ("geometry", 1206),
+    ("geometry", 1213),
     ("lists", 67),
     ("memory", 1861),
-    ("objects", 630),
+    ("objects", 631),
     ("pairs", 534),
     ("parallel", 496),
     ("query", 1307),

@@ -97,6 +97,7 @@ fn ingest_blocks<I: Index>(
 }
 
 /// Takes in the boxes of some consecutive slots.
+#[cfg_attr(not(feature = "large"), inline(always))]
 fn ingest_block(kernels: Kernels, first: usize, bounds: &Boxes<'_>, objects: Objects<'_>) -> Intake {
     run!(kernels, |simd| take_in_words(simd, first, bounds, objects))
 }

@@ -76,7 +76,7 @@ pub(crate) fn sort_out<I: Index>(
         parts.state.pairs.found = 0;
     }
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
-    if !FAT {
+    if !FAT || kept == parked {
         return;
     }
     // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying,

@@ -15,9 +15,9 @@ const LARGEST: usize = 256;
 const FRAMES: usize = recording::FRAMES;
 
 /// The most instructions that a recorded step of 64 objects may take.
-const TYPICAL: u32 = 31_000;
+const TYPICAL: u32 = 30_300;
 /// The same for 256.
-const TYPICAL_OF_256: u32 = 202_000;
+const TYPICAL_OF_256: u32 = 199_000;
 
 /// What a world has beside pairs.
 #[derive(Clone, Copy, PartialEq)]
