@@ -94,7 +94,7 @@ const PARTS = {
 
 /** The part of the library that a function belongs to. A phase that is compiled for vectors is that of its type. */
 function part(name) {
-  const plainest = name.replace(/\[[0-9a-f]{16}\]/g, "");
+  const plainest = name.replace(/\[[0-9a-f]+\]/g, "");
   const [, phase] = plainest.match(/::call::<.*?trisap_core::((?!simd::)\w+)/) ?? [];
   const [, module, rest] = plainest.match(/trisap_core::(\w+)(.*)/) ?? [];
   const abi = /^trisap_\w+$/.test(plainest) || plainest.includes("trisap_ffi");
