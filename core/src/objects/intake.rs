@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS as HAS_EVENTS, MARGINS};
+use crate::config::{EVENTS as HAS_EVENTS, MARGINS, TREE};
 use crate::geometry::boxes::{Boxes, CORNER};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -153,7 +153,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
         }
         (skipped, changed, contained) = (skipped | taken, others, stay);
     }
-    if is_fat {
+    if is_fat || !TREE && objects.fat.exist() {
         objects.note(word, changed, contained);
         for at in bits::of_word(!skipped & u32::MAX >> (32 - count)).map(|bit| word * 32 + bit) {
             match bounds.get(first + at).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
@@ -188,7 +188,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
             let ([a, b, c], [d, e, f]) = (old.min, old.max);
             before.put(bit, KeyBox { min: [a, b, c], max: [d, e, f] });
         }
-        if fat.exist() && fat.follow_apart(word * 32 + bit, old, &bounds) {
+        if TREE && fat.exist() && fat.follow_apart(word * 32 + bit, old, &bounds) {
             contained |= this;
         }
         *old = bounds;
