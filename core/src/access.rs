@@ -162,9 +162,9 @@ pub(crate) mod bits {
     pub(crate) fn of_word(word: u32) -> impl Iterator<Item = usize> {
         let mut rest = word;
         core::iter::from_fn(move || {
-            let bit = rest.trailing_zeros() as usize;
+            let (word, bit) = (rest, rest.trailing_zeros() as usize);
             rest &= rest.wrapping_sub(1);
-            (bit < 32).then_some(bit)
+            (word != 0).then_some(bit)
         })
     }
 

@@ -137,8 +137,7 @@ impl Aabb {
     ///
     /// let (a, b) = (Aabb::new([0.0; 3], [2.0; 3]), Aabb::new([1.0, 1.0, 2.0], [5.0; 3]));
     /// assert_eq!(a.intersection(&b), Some(Aabb::new([1.0, 1.0, 2.0], [2.0; 3])));
-    /// assert_eq!((a.volume(), a.distance(&b)), (8.0, 0.0));
-    /// assert_eq!(a.distance_to_point([5.0, 6.0, 1.0]), 5.0);
+    /// assert_eq!((a.volume(), a.distance_to_point([5.0, 6.0, 1.0])), (8.0, 5.0));
     /// ```
     #[doc(alias = "intersect")]
     #[must_use]
@@ -154,30 +153,22 @@ impl Aabb {
         self.extents().iter().product()
     }
 
-    /// How far two boxes are apart, in `f64` as in [`Hit`](crate::Hit); zero if they overlap.
-    #[doc(alias = "distance_to_aabb")]
-    #[must_use]
-    pub fn distance(&self, other: &Self) -> f64 {
-        libm::sqrt(self.squared_distance(other))
-    }
-
-    /// The same for a point.
+    /// How far a finite point is from the box, in `f64` as in [`Hit`](crate::Hit); zero inside.
     #[doc(alias = "distance_to_local_point")]
     #[must_use]
     pub fn distance_to_point(&self, point: [f32; 3]) -> f64 {
-        self.distance(&Self::new(point, point))
+        libm::sqrt(self.squared_distance(&point))
     }
 
-    /// The square of the distance, of boxes of which one is finite.
+    /// The square of that.
     #[inline(always)]
-    pub(crate) fn squared_distance(&self, other: &Self) -> f64 {
+    pub(crate) fn squared_distance(&self, point: &[f32; 3]) -> f64 {
         let gap = |k: usize| {
-            let [low, high] = [self.min[k], self.max[k]].map(widened);
-            let [from, to] = [other.min[k], other.max[k]].map(widened);
-            let gap = if to < low {
-                low - to
-            } else if from > high {
-                from - high
+            let (x, low, high) = (widened(point[k]), widened(self.min[k]), widened(self.max[k]));
+            let gap = if x < low {
+                low - x
+            } else if x > high {
+                x - high
             } else {
                 0.0
             };

@@ -2,14 +2,11 @@
 
 use crate::access::Access;
 use crate::config::FILTERS;
-use crate::filter::{Filter, Rule, all_meet, demand, meet};
+use crate::filter::{Filter, Rule, all_meet, demand, may_meet, meet, offer};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::run;
-
-/// Filters that are looked at first.
-const SAMPLE: usize = 1024;
 
 /// Decides which overlaps are pairs.
 #[derive(Clone, Copy)]
@@ -35,10 +32,7 @@ impl<'g> PairFilter<'g> {
     ) -> Option<Self> {
         let filter = Self::new(parts, context.rule)?;
         let filters = parts.of.span(0, slots as usize);
-        // In most worlds that need them the first few tell.
-        let all_meet = [filters.span(0, filters.len().min(SAMPLE)), filters]
-            .into_iter()
-            .all(|filters| run!(context.kernels, |_simd| all_meet(filters, |class| parts.classes.at(class))));
+        let all_meet = run!(context.kernels, |_simd| all_meet(filters, |class| parts.classes.at(class)));
         let filters = if all_meet { &[] } else { filter.filters };
         (!all_meet || filter.rule.is_some()).then_some(Self { filters, ..filter })
     }
@@ -57,6 +51,17 @@ impl<'g> PairFilter<'g> {
     pub(crate) fn demand(&self, slot: usize) -> Option<u32> {
         let filter = self.filters.at(slot);
         demand(&filter, self.classes.at(filter.class as usize))
+    }
+
+    /// Copies the slots of a list that may meet another one of it. Returns how many they are.
+    pub(crate) fn leave_out<I: Index>(&self, list: &[I], kept: &mut [I]) -> usize {
+        let offers = list.iter().fold(0, |all, slot| all | offer(self.filters, slot.at()));
+        let mut count = 0;
+        for slot in list {
+            kept.put(count, *slot);
+            count += usize::from(self.demand(slot.at()).is_none_or(|demand| may_meet(demand, offers)));
+        }
+        count
     }
 
     /// Whether two filters meet.

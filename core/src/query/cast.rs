@@ -61,13 +61,6 @@ pub struct Hit {
     pub distance: f64,
 }
 
-impl Hit {
-    /// By distance, equal ones by slot.
-    pub(super) fn precedes(&self, other: &Self) -> bool {
-        (self.distance, self.id.slot()) < (other.distance, other.id.slot())
-    }
-}
-
 /// What a ray or a moving box meets.
 ///
 /// ```
@@ -133,9 +126,8 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
             if !(self.condition)(hit.id) {
                 return f64::INFINITY;
             }
-            let nearest = first.filter(|first| first.precedes(&hit)).unwrap_or(hit);
-            first = Some(nearest);
-            nearest.distance
+            first = if precedes(first, Some(hit)) { first } else { Some(hit) };
+            first.map_or(f64::INFINITY, |first| first.distance)
         })?;
         Ok(first)
     }
@@ -147,10 +139,10 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// The order of hits; `None` comes last.
+/// The order of hits: by distance, equal ones by slot; `None` comes last.
 pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
     match (a, b) {
-        (Some(a), Some(b)) => a.precedes(&b),
+        (Some(a), Some(b)) => (a.distance, a.id.slot()) < (b.distance, b.id.slot()),
         (a, b) => a.is_some() && b.is_none(),
     }
 }

@@ -4,7 +4,7 @@ use super::cast::{Hit, precedes};
 use super::{Among, Search, is_current, key_above, key_below, parts_near, walk};
 use crate::access::{Access, bits};
 use crate::error::Error;
-use crate::geometry::aabb::{Aabb, widened};
+use crate::geometry::aabb::widened;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
 use crate::simd::kernels::run;
@@ -163,7 +163,7 @@ impl Probe for Around<'_> {
     fn meet<S: Simd>(&self, _: S, nodes: [&KeyBox; 2]) -> [f64; 2] {
         nodes.map(|node| match node.is_empty() {
             true => f64::NAN,
-            false => node.to_aabb().squared_distance(&Aabb::new(*self.point, *self.point)),
+            false => node.to_aabb().squared_distance(self.point),
         })
     }
 
@@ -235,7 +235,7 @@ impl<'q, I: Index> Search for Near<'q, '_, I> {
             return ControlFlow::Continue(());
         }
         let now = KeyBox::of(self.world.parts.boxes.given(), slot).to_aabb();
-        let distance = now.squared_distance(&Aabb::new(*self.point, *self.point));
+        let distance = now.squared_distance(self.point);
         if let (true, Some(id)) = (distance <= self.limit.squared, self.world.id_of(slot)) {
             self.limit = (self.visit)(Hit { id, distance });
             if self.limit.squared.is_nan() {

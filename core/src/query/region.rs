@@ -119,8 +119,7 @@ struct Ball {
 
 impl Volume for Ball {
     fn side(&self, aabb: &Aabb) -> Side {
-        let center = Aabb::new(self.center, self.center);
-        if aabb.squared_distance(&center) <= self.squared { Side::Across } else { Side::Outside }
+        if aabb.squared_distance(&self.center) <= self.squared { Side::Across } else { Side::Outside }
     }
 }
 

@@ -26,13 +26,14 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     if has_list && (parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live) {
         links::list_all(parts);
     }
-    let Parts { state, boxes, order: [order, ..], output, filters, .. } = parts;
+    let Parts { state, boxes, order: [order, kept, _], output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
     // Each eighth step and when objects are new: which axes are best, and whether `f32` is too coarse.
     let looks = state.lists.scan_in == 0 || has_inserted != 0;
     state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
+    let mut spared = 0;
     let found = if has_list {
         if looks {
             choose_axes(&mut state.lists, boxes);
@@ -41,13 +42,19 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         let order = order.span_mut(0, live as usize);
         links::repair(order, boxes, axis.into());
         context.executor.enter(Stage::Sweep);
+        let mut order = &*order;
+        if let Some(pair_filter) = pair_filter.filter(PairFilter::tells_apart) {
+            let met = pair_filter.leave_out(order, kept);
+            let pairs = |of: usize| (of * of.saturating_sub(1) / 2) as u64;
+            (spared, order) = (pairs(order.len()) - pairs(met), kept.span(0, met));
+        }
         small::sweep(order, boxes, [axis, second_axis], pair_filter, output.pairs)
     } else {
         context.executor.enter(Stage::Sweep);
         small::test_all(boxes, pair_filter.as_ref(), output.pairs)
     };
     let coarse = (TREE && looks).then(|| assign::scan_bounds(boxes.iter()).is_coarse(live));
-    let work = Work { candidates: found.candidates as u64, ..Work::default() };
+    let work = Work { candidates: found.candidates as u64, spared, ..Work::default() };
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
