@@ -5,7 +5,7 @@ use super::scratch;
 use crate::config::{Config, EVENTS, FILTERS, LISTS, MARGINS, Mode, TREE, VALUES};
 use crate::error::{Error, Field};
 use crate::id::Index;
-use crate::simd::{CACHE_LINE, EIGHT};
+use crate::simd::EIGHT;
 
 /// The memory that a world needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct Layout {
 }
 
 /// A cache line, which is at least the alignment of every item.
-pub(crate) const ALIGN: usize = CACHE_LINE;
+pub(crate) const ALIGN: usize = 64;
 
 /// The memory of a world with this configuration, for slots of width `I`. `None` if the index width, the
 /// address space or the features of the build do not allow it, if the number of workers is not from 1 to 32,

@@ -84,9 +84,6 @@ impl Forced {
     }
 }
 
-/// Records of a leaf that are prefetched; the processor sees for itself that more follow.
-pub(crate) const RECORDS_AHEAD: usize = 48;
-
 /// Steps at the end of a pause of fat boxes, and of the first ones of a new world, in which some objects try
 /// them.
 pub(crate) const TRIAL: u8 = 8;

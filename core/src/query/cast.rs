@@ -1,6 +1,6 @@
 //! Finds what a ray or a moving box meets, near things first.
 
-use super::{Among, Search, is_current, prefetch_members, prefetch_parts, walk};
+use super::{Among, Search, is_current, walk};
 use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
@@ -191,11 +191,7 @@ fn visit_along<S: Simd, I: Index>(
     cast: &Cast,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> ControlFlow<()> {
-    // What takes longest comes first: the leaf where the cast starts is found by planes, and prefetched.
     let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
-    if let Some(home) = home {
-        prefetch_parts(simd, &world.parts, home);
-    }
     let line = &Line::new(&cast.start, cast.direction, cast.distance);
     let search = &mut OnLine { world, line, walk: &Walk::new(line), far: line.distance, visit };
     walk(simd, world, home, search)
@@ -213,7 +209,6 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         let (world, walk) = (self.world, self.walk);
         let parts = &world.parts;
-        prefetch_parts(simd, parts, whole);
         let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
@@ -223,13 +218,9 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
             None => Met::WHOLE,
         });
         let (mut part, mut from) = met.take();
-        prefetch_members(simd, parts, first + part);
         // A sub-leaf that is not met has NaN, which ends the loop.
         while from <= crossing.until {
-            let leaf = first + part;
-            (part, from) = met.take();
-            prefetch_members(simd, parts, first + part);
-            for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
+            for (eight, left) in parts.tree.leaves.at(first + part).chunks_of_eight(parts.tree.records) {
                 let mut mask = simd.met(eight, &crossing).1;
                 mask = if mask == 0 { 0 } else { mask & first_of_eight(left) };
                 for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
@@ -239,6 +230,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
                 }
             }
             crossing.until = walk.time(self.far);
+            (part, from) = met.take();
         }
         ControlFlow::Continue(())
     }

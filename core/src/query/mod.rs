@@ -23,12 +23,11 @@ use crate::access::{Access, bits};
 use crate::geometry::aabb::narrowed;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
-use crate::memory::limits::RECORDS_AHEAD;
 use crate::memory::slab::Parts;
 use crate::simd::{Simd, limit};
 use crate::tree::large::Large;
 use crate::tree::visit::{Probe, Visit};
-use crate::tree::{Frame, Record, SUB_LEAVES, sub_leaves_of};
+use crate::tree::{Frame, Record, sub_leaves_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -133,21 +132,6 @@ fn parts_near<S: Simd, I: Index>(
     let region = simd.record(frame, simd.keys(region), 0);
     let bounds = sub_leaves_of(parts.tree.bounds, parts.state.tree.sub_levels(), whole);
     (region, bounds.map_or(1, |bounds| simd.touching(bounds, limit(&region))))
-}
-
-/// Prefetches what tells which sub-leaves of a whole leaf to look at.
-#[inline(always)]
-fn prefetch_parts<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, whole: usize) {
-    simd.prefetch(parts.tree.frames, whole);
-    let first = whole << parts.state.tree.sub_levels();
-    simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.bounds, first);
-    simd.prefetch_from::<SUB_LEAVES, _>(parts.tree.leaves, first);
-}
-
-/// Prefetches the first members of a leaf; the processor sees for itself that the others follow.
-#[inline(always)]
-fn prefetch_members<S: Simd, I: Index>(simd: S, parts: &Parts<'_, I>, leaf: usize) {
-    simd.prefetch_from::<RECORDS_AHEAD, _>(parts.tree.records, parts.tree.leaves.at(leaf).start as usize);
 }
 
 /// The key of the greatest `f32` that is not above a number.

@@ -1,7 +1,7 @@
 //! What overlaps a box, a ball or a point, or is inside a part of space of the caller's own. The tree asks
 //! about the boxes of its nodes first, and about nothing in a node that is wholly inside or outside.
 
-use super::{Among, Search, is_current, key_above, key_below, parts_near, prefetch_parts, walk};
+use super::{Among, Search, is_current, key_above, key_below, parts_near, walk};
 use crate::access::{Access, bits};
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, widened};
@@ -302,7 +302,6 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         let parts = &self.world.parts;
-        prefetch_parts(simd, parts, whole);
         let side = self.within.side(parts.tree.nodes().around(whole));
         if side == Side::Outside {
             return ControlFlow::Continue(());

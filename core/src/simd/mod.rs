@@ -30,9 +30,6 @@ use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair, pair};
 
-/// Bytes that a processor fetches at once.
-pub(crate) const CACHE_LINE: usize = 64;
-
 /// How two records of one leaf lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Contact {
@@ -146,18 +143,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
     #[inline(always)]
     unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
         each_overlap(self, boxes, pairs) as u32
-    }
-
-    /// Prefetches an item.
-    #[inline(always)]
-    fn prefetch<T>(self, _items: &[T], _index: usize) {}
-
-    /// Prefetches `N` items from a position on, a cache line at a time.
-    #[inline(always)]
-    fn prefetch_from<const N: usize, T>(self, items: &[T], start: usize) {
-        for offset in (0..N).step_by(CACHE_LINE / size_of::<T>()) {
-            self.prefetch(items, start + offset);
-        }
     }
 
     /// Prepares the rows of a sweep along an axis.

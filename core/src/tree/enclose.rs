@@ -1,6 +1,6 @@
 //! Makes the boxes of nodes, and lists straddlers by the marks of records.
 
-use super::{Leaf, Record, Straddler};
+use super::{Record, Straddler};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -8,8 +8,6 @@ use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
-use crate::simd::Simd;
-use crate::simd::kernels::run;
 
 /// Says where the straddlers of each leaf will be, by the marks of the records. Returns how many there are.
 /// O(records).
@@ -36,39 +34,16 @@ pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepC
     let records = &*parts.tree.records;
     let straddlers = Shared::new(parts.tree.straddlers);
     let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
-    context.each(Chunks::new(leaves, 1), |_, leaf| {
-        run!(context.kernels, |simd| list_straddlers_of(simd, boxes, &leaf.at(0), records, straddlers));
+    context.each(Chunks::new(leaves, 1), |_, leaves| {
+        for leaf in leaves {
+            let members = records.span(leaf.start as usize, leaf.len as usize).iter();
+            let marked = members.filter(|record| record.tag & Record::STRADDLES != 0);
+            for (at, slot) in (leaf.straddler_start as usize..).zip(marked.map(Record::slot)) {
+                let bounds = *KeyBox::of(boxes, slot as usize);
+                straddlers.store(at, &Straddler { bounds, slot, long: 0 });
+            }
+        }
     });
-}
-
-#[inline(always)]
-fn list_straddlers_of<S: Simd>(
-    simd: S,
-    boxes: &[KeyBox],
-    leaf: &Leaf,
-    records: &[Record],
-    straddlers: Shared<'_, Straddler>,
-) {
-    let mut at = leaf.straddler_start as usize;
-    for records in records.span(leaf.start as usize, leaf.len as usize).chunks(64) {
-        // Noted first: which are marked is hard to predict, and each miss of the cache would be waited for.
-        let mut marked = 0u64;
-        for (bit, record) in records.iter().enumerate() {
-            marked |= u64::from(record.tag / Record::STRADDLES % 2) << bit;
-        }
-        let mut ahead = marked;
-        while ahead != 0 {
-            simd.prefetch(boxes, records.at(ahead.trailing_zeros() as usize).slot() as usize);
-            ahead &= ahead - 1;
-        }
-        while marked != 0 {
-            let slot = records.at(marked.trailing_zeros() as usize).slot();
-            marked &= marked - 1;
-            let bounds = *KeyBox::of(boxes, slot as usize);
-            straddlers.store(at, &Straddler { bounds, slot, long: 0 });
-            at += 1;
-        }
-    }
 }
 
 /// Makes the box of each node: a leaf's around its cell and straddlers, an inner node's around its children.

@@ -87,11 +87,6 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &[T], index: usize) {
-        self.0.half().prefetch(items, index);
-    }
-
-    #[inline(always)]
     fn axis(self, axis: usize) -> [HalfOf<W>; 2] {
         [high_bytes(self.0, row_lanes(axis)), high_bytes(self.0, query_lanes(axis))]
     }

@@ -108,10 +108,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
 pub(crate) trait Half: Vectors {
     fn load(self, bytes: &[u8; 16]) -> Self::Vector;
     fn store(self, bytes: &mut [u8; 16], a: Self::Vector);
-    /// As [`Simd::prefetch`](crate::simd::Simd::prefetch).
-    #[inline(always)]
-    fn prefetch<T>(self, _: &[T], _: usize) {}
-
     /// The first word.
     fn first(self, a: Self::Vector) -> u32;
     /// The first and the third word of `a` and of `b`.

@@ -115,12 +115,6 @@ impl Half for Sse41 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, items: &[T], index: usize) {
-        // SAFETY: `self` proves SSE. A prefetch has no effect on the program, wherever it points.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(index).cast()) }
-    }
-
-    #[inline(always)]
     fn first(self, a: __m128i) -> u32 {
         // SAFETY: `self` proves SSE2.
         unsafe { _mm_cvtsi128_si32(a) as u32 }
