@@ -12,6 +12,18 @@ pub(crate) const FAT: bool = MARGINS || TREE;
 pub(crate) const FILTERS: bool = cfg!(feature = "filters");
 pub(crate) const VALUES: bool = cfg!(feature = "values");
 
+/// Methods that give the same value with another field.
+macro_rules! with {
+    ($($(#[$doc:meta])* $name:ident($($given:ident: $type:ty)?), $field:ident = $value:expr;)+) => {$(
+        $(#[$doc])*
+        #[must_use]
+        pub const fn $name(self $(, $given: $type)?) -> Self {
+            Self { $field: $value, ..self }
+        }
+    )+};
+}
+pub(crate) use with;
+
 /// How much fits into a world. No limit loses anything silently: see each field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -43,18 +55,11 @@ impl Capacity {
         Self { objects, leaf_refs: objects / 2, pairs: objects.saturating_mul(8) }
     }
 
-    /// The same with another number of pairs.
-    #[must_use]
-    pub const fn with_pairs(mut self, pairs: u32) -> Self {
-        self.pairs = pairs;
-        self
-    }
-
-    /// The same with another number of boxes that reach beyond their leaf.
-    #[must_use]
-    pub const fn with_leaf_refs(mut self, leaf_refs: u32) -> Self {
-        self.leaf_refs = leaf_refs;
-        self
+    with! {
+        /// The same with another number of pairs.
+        with_pairs(pairs: u32), pairs = pairs;
+        /// The same with another number of boxes that reach beyond their leaf.
+        with_leaf_refs(leaf_refs: u32), leaf_refs = leaf_refs;
     }
 }
 
@@ -188,74 +193,27 @@ impl Config {
         }
     }
 
-    /// The same with another capacity.
-    #[must_use]
-    pub const fn with_capacity(mut self, capacity: Capacity) -> Self {
-        self.capacity = capacity;
-        self
-    }
-
-    /// The same with another mode.
-    #[must_use]
-    pub const fn with_mode(mut self, mode: Mode) -> Self {
-        self.mode = mode;
-        self
-    }
-
-    /// The same with a margin.
-    #[must_use]
-    pub const fn with_margin(mut self, margin: Margin) -> Self {
-        self.margin = Some(margin);
-        self
-    }
-
-    /// The same with found and lost pairs.
-    #[must_use]
-    pub const fn with_events(mut self) -> Self {
-        self.events = true;
-        self
-    }
-
-    /// The same with a filter for each object.
-    #[must_use]
-    pub const fn with_filters(mut self) -> Self {
-        self.filters = true;
-        self
-    }
-
-    /// The same with a value for each object: see [`values`](Self::values).
-    #[must_use]
-    pub const fn with_values(mut self) -> Self {
-        self.values = true;
-        self
-    }
-
-    /// The same without a tree, for up to 256 objects: see [`lean`](Self::lean).
-    #[must_use]
-    pub const fn with_lean(mut self) -> Self {
-        self.lean = true;
-        self
-    }
-
-    /// The same for several workers.
-    #[must_use]
-    pub const fn with_workers(mut self, workers: u32) -> Self {
-        self.workers = workers;
-        self
-    }
-
-    /// The same with margins that objects always keep: see [`fixed_margins`](Self::fixed_margins).
-    #[must_use]
-    pub const fn with_fixed_margins(mut self) -> Self {
-        self.fixed_margins = true;
-        self
-    }
-
-    /// The same without predicted boxes: see [`predicted`](Self::predicted).
-    #[must_use]
-    pub const fn without_predicted_boxes(mut self) -> Self {
-        self.predicted = false;
-        self
+    with! {
+        /// The same with another capacity.
+        with_capacity(capacity: Capacity), capacity = capacity;
+        /// The same with another mode.
+        with_mode(mode: Mode), mode = mode;
+        /// The same with a margin.
+        with_margin(margin: Margin), margin = Some(margin);
+        /// The same with found and lost pairs.
+        with_events(), events = true;
+        /// The same with a filter for each object.
+        with_filters(), filters = true;
+        /// The same with a value for each object: see [`values`](Self::values).
+        with_values(), values = true;
+        /// The same without a tree, for up to 256 objects: see [`lean`](Self::lean).
+        with_lean(), lean = true;
+        /// The same for several workers.
+        with_workers(workers: u32), workers = workers;
+        /// The same with margins that objects always keep: see [`fixed_margins`](Self::fixed_margins).
+        with_fixed_margins(), fixed_margins = true;
+        /// The same without predicted boxes: see [`predicted`](Self::predicted).
+        without_predicted_boxes(), predicted = false;
     }
 
     /// For tests: the same with a choice of steps fixed, or free again. No choice changes a pair.

@@ -60,8 +60,6 @@ impl fmt::Display for Id {
 
 mod sealed {
     pub trait Sealed {}
-    impl Sealed for u16 {}
-    impl Sealed for u32 {}
 }
 
 /// The width of slots in a world. `u16` halves their memory in worlds of up to 65,534 objects.
@@ -84,29 +82,25 @@ pub trait Index:
     }
 }
 
-impl Index for u16 {
-    const NONE: Self = Self::MAX;
-    const LARGE: Self = Self::MAX - 1;
-    const MAX_OBJECTS: u32 = 65_534;
-    fn from_slot(slot: u32) -> Self {
-        slot as u16
-    }
-    fn slot(self) -> u32 {
-        u32::from(self)
-    }
-}
+macro_rules! index {
+    ($type:ty, $most:expr) => {
+        impl sealed::Sealed for $type {}
 
-impl Index for u32 {
-    const NONE: Self = Self::MAX;
-    const LARGE: Self = Self::MAX - 1;
-    const MAX_OBJECTS: u32 = 1 << 27;
-    fn from_slot(slot: u32) -> Self {
-        slot
-    }
-    fn slot(self) -> u32 {
-        self
-    }
+        impl Index for $type {
+            const NONE: Self = Self::MAX;
+            const LARGE: Self = Self::MAX - 1;
+            const MAX_OBJECTS: u32 = $most;
+            fn from_slot(slot: u32) -> Self {
+                slot as Self
+            }
+            fn slot(self) -> u32 {
+                self.into()
+            }
+        }
+    };
 }
+index!(u16, 65_534);
+index!(u32, 1 << 27);
 
 /// Two overlapping objects by slot, the lower one first.
 pub type Pair<I = u32> = [I; 2];

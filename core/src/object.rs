@@ -1,6 +1,6 @@
 //! What an object is made of when it comes.
 
-use crate::config::{Config, Margin};
+use crate::config::{Config, Margin, with};
 use crate::error::Error;
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::aabb::Aabb;
@@ -21,7 +21,6 @@ use crate::geometry::key::KeyBox;
 /// ```
 #[doc(alias("ColliderBuilder", "BodyCreationSettings", "ProxyDef"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[must_use]
 #[non_exhaustive]
 pub struct Object {
     /// Its box.
@@ -36,23 +35,18 @@ pub struct Object {
 
 impl Object {
     /// An object with nothing but a box.
+    #[must_use]
     pub const fn new(aabb: Aabb) -> Self {
         Self { aabb, filter: None, value: None, margin: None }
     }
 
-    /// The same with a filter: as [`set_filter`](crate::World::set_filter).
-    pub const fn with_filter(self, filter: Filter) -> Self {
-        Self { filter: Some(filter), ..self }
-    }
-
-    /// The same with a value: as [`set_value`](crate::World::set_value).
-    pub const fn with_value(self, value: u64) -> Self {
-        Self { value: Some(value), ..self }
-    }
-
-    /// The same with a margin of its own: as [`set_margin`](crate::World::set_margin).
-    pub const fn with_margin(self, length: f32) -> Self {
-        Self { margin: Some(length), ..self }
+    with! {
+        /// The same with a filter: as [`set_filter`](crate::World::set_filter).
+        with_filter(filter: Filter), filter = Some(filter);
+        /// The same with a value: as [`set_value`](crate::World::set_value).
+        with_value(value: u64), value = Some(value);
+        /// The same with a margin of its own: as [`set_margin`](crate::World::set_margin).
+        with_margin(length: f32), margin = Some(length);
     }
 
     /// Whether a world of this configuration takes it.

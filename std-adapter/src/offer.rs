@@ -25,6 +25,21 @@ const RUNNING: u32 = SEAT - 1;
 /// When the caller finds no work left, the offer ends. A thread that has not come by then is not waited for, so a
 /// thread that the operating system has not let run costs nothing.
 ///
+/// # When others want the processors
+/// A step waits for the last call of each of its jobs. Beside other busy threads an executor that spins and waits can make
+/// it several times slower than one thread. It never does if it follows these rules, and it keeps its gain where processors
+/// are free:
+/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left: take the other calls
+///   back, as an offer does. A thread that sleeps or may not run then costs nothing.
+/// - **Spin for microseconds only,** in the caller that waits for a call and a thread that waits for a job. Then let others
+///   run (`yield_now`), then sleep, so that a thread that holds a block but no processor gets this one.
+/// - **Work alone after a long wait,** for many times as long as the wait was, longer each time that it happens again. To
+///   work alone, [`workers`](crate::Executor::workers) returns 1, or `fork_join` makes one call.
+/// - **Compare.** Who works on what never changes a byte, so time may decide. If shared steps are no faster than steps
+///   alone, stay alone and try again later. [`enter`](crate::Executor::enter) tells when steps begin and end.
+///
+/// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
+///
 /// ```
 /// use trisap::{Executor, Offer};
 ///

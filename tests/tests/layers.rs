@@ -196,21 +196,21 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1544),
+    ("", 1490),
     ("geometry", 1204),
     ("lists", 67),
-    ("memory", 1858),
+    ("memory", 1840),
     ("objects", 631),
     ("pairs", 539),
-    ("parallel", 496),
-    ("query", 1273),
-    ("simd", 2186),
+    ("parallel", 484),
+    ("query", 1272),
+    ("simd", 2172),
     ("snapshot", 583),
-    ("step", 601),
-    ("sweep", 1382),
-    ("tree", 2202),
+    ("step", 597),
+    ("sweep", 1368),
+    ("tree", 2191),
     ("validate", 379),
-    ("world", 1706),
+    ("world", 1682),
 ];
 
 #[test]

@@ -1,9 +1,11 @@
 //! The statistics of a step: what it did, and why.
 
 use super::scratch::Work;
+use bytemuck::Contiguous;
 
 /// How a step found its pairs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Contiguous)]
+#[repr(u8)]
 #[non_exhaustive]
 pub enum Path {
     /// Nothing has moved: the pairs stay.
@@ -23,13 +25,9 @@ pub enum Path {
     MoversByLeaf,
 }
 
-impl Path {
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Unchanged, Self::Lists, Self::Movers, Self::Full, Self::Rebuilt, Self::MoversByLeaf];
-}
-
 /// Why a step took its [`Path`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Contiguous)]
+#[repr(u8)]
 #[non_exhaustive]
 pub enum Reason {
     /// Unchanged: nothing has moved.
@@ -57,21 +55,6 @@ pub enum Reason {
     /// found those of the boxes that it reports. With more room steps are cheaper: see
     /// [`Capacity::pairs`](crate::Capacity::pairs).
     NoRoomForSurplus,
-}
-
-impl Reason {
-    pub(crate) const ALL: [Self; 10] = [
-        Self::NoMovers,
-        Self::FewObjects,
-        Self::FewMovers,
-        Self::ManyMovers,
-        Self::Fixed,
-        Self::NothingKept,
-        Self::NoRoom,
-        Self::Outgrown,
-        Self::OutOfBalance,
-        Self::NoRoomForSurplus,
-    ];
 }
 
 /// A path, and why it was taken.

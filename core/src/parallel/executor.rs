@@ -31,21 +31,9 @@ use core::cell::Cell;
 /// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job,
 /// and needs less than 16 KiB of stack. A step never has two jobs at once.
 ///
-/// # When others want the processors
-/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each.
-/// Beside other busy threads an executor that spins and waits can make a step several times slower than one
-/// thread. It never does if it follows these rules, and it keeps its gain where processors are free:
-/// - **Wait only for calls that have begun.** When the caller's own call has returned, no work is left: take
-///   the other calls back. A thread that sleeps or may not run then costs nothing. `trisap::Offer` does that.
-/// - **Spin for microseconds only,** in the caller that waits for a call and a thread that waits for a job.
-///   Then let others run (`yield_now`), then sleep, so that a thread that holds a block but no processor gets
-///   this one.
-/// - **Work alone after a long wait,** for many times as long as the wait was, longer each time that it happens
-///   again. To work alone, [`workers`](Self::workers) returns 1, or `fork_join` makes one call.
-/// - **Compare.** Who works on what never changes a byte, so time may decide. If shared steps are no faster
-///   than steps alone, stay alone and try again later. [`enter`](Self::enter) tells when steps begin and end.
-///
-/// `trisap::Rayon` does all of this, and `ffi/examples/job_system.hpp` all but the last in C++.
+/// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. So
+/// beside other busy threads an executor that spins and waits can make a step several times slower than one
+/// thread. `trisap::Offer` says how it never does, and has the hardest part.
 ///
 /// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
 /// [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly

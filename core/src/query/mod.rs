@@ -8,11 +8,8 @@
 
 // In the order of use, in which the documentation lists the methods.
 mod region;
-
 mod cast;
-
 mod nearest;
-
 mod among;
 
 pub use among::Among;

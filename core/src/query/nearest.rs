@@ -178,6 +178,7 @@ impl Probe for Around<'_> {
 
 struct Near<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
+    boxes: &'q [KeyBox],
     point: &'q [f32; 3],
     /// The leaf or sub-leaf of the point.
     home: usize,
@@ -195,7 +196,8 @@ fn visit_around<S: Simd, I: Index>(
 ) -> ControlFlow<()> {
     let parts = &world.parts;
     let home = world.has_tree().then(|| home_of(&parts.tree, parts.state, &point.map(key)));
-    let search = &mut Near { world, point: &point, home: home.unwrap_or(0), limit, visit };
+    let search =
+        &mut Near { world, boxes: parts.boxes.given(), point: &point, home: home.unwrap_or(0), limit, visit };
     walk(simd, world, home.map(|home| home >> parts.state.tree.sub_levels()), search)
 }
 
@@ -234,7 +236,7 @@ impl<'q, I: Index> Search for Near<'q, '_, I> {
         if self.limit.squared == 0.0 && slot > self.limit.slot as usize {
             return ControlFlow::Continue(());
         }
-        let now = KeyBox::of(self.world.parts.boxes.given(), slot).to_aabb();
+        let now = KeyBox::of(self.boxes, slot).to_aabb();
         let distance = now.squared_distance(self.point);
         if let (true, Some(id)) = (distance <= self.limit.squared, self.world.id_of(slot)) {
             self.limit = (self.visit)(Hit { id, distance });

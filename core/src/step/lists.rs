@@ -29,18 +29,17 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let Parts { state, boxes, order: [order, kept, _], output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
-    // Each eighth step and when objects are new: which axes are best, and whether `f32` is too coarse.
+    // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse.
     let looks = state.lists.scan_in == 0 || has_inserted != 0;
     state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
     let mut spared = 0;
     let found = if has_list {
         if looks {
-            choose_axes(&mut state.lists, boxes);
+            choose_axis(&mut state.lists, boxes);
         }
-        let ListState { axis, second_axis, .. } = state.lists;
         let order = order.span_mut(0, live as usize);
-        links::repair(order, boxes, axis.into());
+        links::repair(order, boxes, state.lists.axis.into());
         context.executor.enter(Stage::Sweep);
         let mut order = &*order;
         if let Some(pair_filter) = pair_filter.filter(PairFilter::tells_apart) {
@@ -48,7 +47,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
             let pairs = |of: usize| (of * of.saturating_sub(1) / 2) as u64;
             (spared, order) = (pairs(order.len()) - pairs(met), kept.span(0, met));
         }
-        small::sweep(order, boxes, [axis, second_axis], pair_filter, output.pairs)
+        small::sweep(order, boxes, state.lists.axis, pair_filter, output.pairs)
     } else {
         context.executor.enter(Stage::Sweep);
         small::test_all(boxes, pair_filter.as_ref(), output.pairs)
@@ -58,8 +57,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
 }
 
-/// Chooses the axes along which the fewest boxes overlap. O(slots).
-fn choose_axes(lists: &mut ListState, boxes: &[KeyBox]) {
+/// Chooses the axis along which the fewest boxes overlap. O(slots).
+fn choose_axis(lists: &mut ListState, boxes: &[KeyBox]) {
     let mut near = [0; 3];
     for (slot, a) in (0u32..).zip(boxes) {
         // Multiples of the golden ratio are spread evenly.
@@ -68,8 +67,5 @@ fn choose_axes(lists: &mut ListState, boxes: &[KeyBox]) {
     }
     // The list of the last axis is in order already, so another one has to be clearly better.
     let last = (lists.axis as usize).min(2);
-    let axis = (0..3).fold(last, |best, k| if 5 * near[k] < 4 * near[best] { k } else { best });
-    let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-    lists.axis = axis as u8;
-    lists.second_axis = if near[b] < near[a] { b as u8 } else { a as u8 };
+    lists.axis = (0..3).fold(last, |best, k| if 5 * near[k] < 4 * near[best] { k } else { best }) as u8;
 }

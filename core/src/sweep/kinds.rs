@@ -5,6 +5,7 @@ use crate::access::Access;
 use crate::filter::Filter;
 use crate::id::Index;
 use crate::pairs::pair_filter::PairFilter;
+use crate::tree::Record;
 
 /// The most filters that are told apart. Others count as meeting all.
 const KNOWN: usize = 8;
@@ -132,17 +133,17 @@ impl<'g, I: Index> Kinds<'g, I> {
         self.codes.is_empty()
     }
 
-    /// The code of an object.
-    pub(super) fn code(&self, slot: usize) -> usize {
-        self.codes.get(slot).map_or(0, |code| code.at())
+    /// The code of an object, by its record.
+    pub(super) fn code(&self, record: &Record) -> usize {
+        self.codes.get(record.slot() as usize).map_or(0, |code| code.at())
     }
 
     /// Counts the objects of each part, and of none: fewer than 65,536, so in registers.
     #[inline(always)]
-    pub(crate) fn count(&self, slots: impl Iterator<Item = usize>) -> Counts {
+    pub(crate) fn count<'r>(&self, records: impl Iterator<Item = &'r Record>) -> Counts {
         let (mut sums, mut lone) = (0u64, 0);
-        for slot in slots {
-            let code = self.code(slot);
+        for record in records {
+            let code = self.code(record);
             let is_lone = u64::from(code >= LONE);
             sums += (1 - is_lone) << (16 * (code & PART));
             lone += is_lone;

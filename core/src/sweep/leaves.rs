@@ -156,7 +156,7 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     }
     let buckets = [members, scratch.ghosts.span(0, ghosts)];
     if !kinds.are_one() {
-        let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten().map(slot)));
+        let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten()));
         scratch.spared += plan.spared;
         if !plan.whole {
             sweep_passes(simd, swept, (&plan, false), buckets, &mut scratch.leaf_scratch, sink);
@@ -174,11 +174,6 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     );
 }
 
-/// The slot of a record.
-fn slot(record: &Record) -> usize {
-    record.slot() as usize
-}
-
 /// Does the passes of a plan; if `across`, records of the first bucket meet records of the second alone.
 #[inline(always)]
 fn sweep_passes<S: Simd, I: Index>(
@@ -193,7 +188,7 @@ fn sweep_passes<S: Simd, I: Index>(
     call!(simd, {
         for Pass { sides, within } in plan.passes(across) {
             let side = |bucket: usize, record: &Record| {
-                sides.as_flattened().at(bucket * CODES + kinds.code(slot(record))).into()
+                sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
             };
             let (parts, along) = ((side, within), (leaf.axis as usize, *boxes));
             bucket::sweep::<{ bucket::PARTS }, S, I>(simd, buckets, parts, along, leaf_scratch, sink);
@@ -220,7 +215,7 @@ fn sweep_tiles<S: Simd, I: Index>(
     let (mut rest, mut counts) = (0..count, Counts::default());
     while !rest.is_empty() && !kinds.are_one() {
         let len = fill(&mut rest, None, left);
-        let tile = kinds.count(left.span(0, len).iter().map(slot));
+        let tile = kinds.count(left.span(0, len).iter());
         counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
     }
     let plan = &kinds.plan(&counts);
@@ -271,7 +266,7 @@ fn fill_tile<S: Simd, I: Index>(
         for at in start..start + len {
             let record = tile.at(at);
             tile.put(kept, record);
-            kept += usize::from(plan.is_none_or(|plan| plan.takes(swept.kinds.code(slot(&record)))));
+            kept += usize::from(plan.is_none_or(|plan| plan.takes(swept.kinds.code(&record))));
         }
     }
     kept

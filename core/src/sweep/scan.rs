@@ -71,7 +71,10 @@ fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
         start += count;
     }
     make_room(simd, lists, masks, ROWS, found);
-    call!(simd, found.finish(simd));
+    call!(simd, {
+        found.test(simd);
+        found.hand_on();
+    });
 }
 
 /// Makes room for so many more masks, at most `ROWS`. Returns how many there are then.
@@ -163,13 +166,6 @@ impl<I: Index> Found<'_, '_, I> {
         if self.found + CANDIDATES_PER_ROUND > self.pairs.len() {
             self.hand_on();
         }
-    }
-
-    /// Tests the last candidates and passes the last pairs on.
-    #[inline(always)]
-    fn finish<S: Simd>(&mut self, simd: S) {
-        self.test(simd);
-        self.hand_on();
     }
 
     /// Passes the pairs on.

@@ -1,7 +1,6 @@
 //! Finds the pairs of few boxes: no records and no batches (paper, section IV). A small processor has no
 //! vectors that would repay them.
 
-use crate::config::TREE;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::pairs::pair_filter::PairFilter;
@@ -51,24 +50,19 @@ pub(crate) fn test_all<I: Index>(
     Found { pairs: all - places.len() + without_room, candidates }
 }
 
-/// Sweeps the boxes themselves along a list of slots by ascending minimum on the first of two axes, and
-/// writes the pairs that fit. The second axis is tested first. O(n + candidates); candidates are at most
-/// n²/2.
+/// Sweeps the boxes themselves along a list of slots by ascending minimum on an axis, and writes the pairs
+/// that fit. Height is tested last: in most scenes few boxes are apart in it. O(n + candidates); candidates
+/// are at most n²/2.
 pub(crate) fn sweep<I: Index>(
     list: &[I],
     boxes: &[KeyBox],
-    axes: [u8; 2],
+    axis: u8,
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> Found {
-    // A small build has three copies, not six. They test y last: in most scenes few boxes are apart in
-    // height.
-    match axes {
-        [0, 1] if TREE => sweep_along::<I, 0, 1, 2>(list, boxes, pair_filter, pairs),
-        [0, _] => sweep_along::<I, 0, 2, 1>(list, boxes, pair_filter, pairs),
-        [1, 2] if TREE => sweep_along::<I, 1, 2, 0>(list, boxes, pair_filter, pairs),
-        [1, _] => sweep_along::<I, 1, 0, 2>(list, boxes, pair_filter, pairs),
-        [_, 1] if TREE => sweep_along::<I, 2, 1, 0>(list, boxes, pair_filter, pairs),
+    match axis {
+        0 => sweep_along::<I, 0, 2, 1>(list, boxes, pair_filter, pairs),
+        1 => sweep_along::<I, 1, 0, 2>(list, boxes, pair_filter, pairs),
         _ => sweep_along::<I, 2, 0, 1>(list, boxes, pair_filter, pairs),
     }
 }

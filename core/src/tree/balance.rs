@@ -2,13 +2,12 @@
 //! empty are joined. So planes follow where objects come and go, and all others stay (paper, section
 //! III.B.2). The first planes are made the same way, from one leaf that holds all objects.
 
-use super::build::{divide, is_divisible};
+use super::build::{divide, is_divisible, sampled};
 use super::cells::Sample;
 use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
 use super::shape::join;
-use super::{Record, are_few, assign, large, most, planned};
+use super::{are_few, assign, large, most, planned};
 use crate::access::Access;
-use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::depth_for;
 use crate::memory::slab::Parts;
@@ -99,7 +98,12 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
             continue;
         }
         let members = tree.records.span(leaf.start as usize, leaf.len as usize);
-        if leaf.stuck > 0 && state.wait == 0 && is_leaf_divisible::<I>(boxes.swept(), members) {
+        let slots = members.iter().map(|record| I::from_slot(record.slot()));
+        let mut sample = [I::default(); LEAF_SAMPLE];
+        if leaf.stuck > 0
+            && state.wait == 0
+            && is_divisible(boxes.swept(), sampled(slots, LEAF_SAMPLE, &mut sample))
+        {
             (leaf.stuck, freed) = (0, true);
         }
         state.uneven |= u8::from(leaf.len > leaf.stuck + leaf.stuck / 2);
@@ -117,19 +121,6 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
 fn put_off(state: &mut TreeState) {
     state.wait = state.waits.max(1);
     state.waits = state.wait.saturating_mul(2).min(PATIENCE);
-}
-
-/// Whether a plane would part the members of a leaf, by a sample.
-fn is_leaf_divisible<I: Index>(boxes: &[KeyBox], members: &[Record]) -> bool {
-    let mut sample = [I::default(); LEAF_SAMPLE];
-    let mut count = 0;
-    // An odd step, since every second object may be of another kind.
-    let step = (members.len() / LEAF_SAMPLE) | 1;
-    for (slot, record) in sample.iter_mut().zip(members.iter().step_by(step)) {
-        *slot = I::from_slot(record.slot());
-        count += 1;
-    }
-    is_divisible(boxes, sample.span(0, count))
 }
 
 /// Notes how many pairs a full step tested in vain, and how many ghosts it had. If there stay far more than

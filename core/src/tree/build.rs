@@ -43,7 +43,7 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
         let is_full = levels > 0 && (len * share) as u64 > most;
         let mut plane = UNSPLIT;
         if is_full {
-            let sample = sampled(part, sample);
+            let sample = sampled(part.iter().copied(), AXIS_SAMPLE, sample);
             // All records are written anew afterwards.
             let room = bytemuck::try_cast_slice_mut(tree.records).unwrap_or_default();
             plane = best_plane(boxes, sample, room.span_mut(0, sample.len()));
@@ -72,14 +72,16 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
     fits
 }
 
-/// Copies a sample of a list.
-fn sampled<'s, I: Index>(list: &[I], sample: &'s mut [I]) -> &'s [I] {
+/// Copies at most so many of some slots, spread evenly.
+pub(super) fn sampled<I: Index>(
+    slots: impl ExactSizeIterator<Item = I>,
+    most: usize,
+    sample: &mut [I],
+) -> &[I] {
     // An odd step, since every second object may be of another kind.
-    let step = list.len().div_ceil(AXIS_SAMPLE) | 1;
-    let sample = sample.span_mut(0, list.len().div_ceil(step));
-    for (to, slot) in sample.iter_mut().zip(list.iter().step_by(step)) {
-        *to = *slot;
-    }
+    let step = slots.len().div_ceil(most) | 1;
+    let sample = sample.span_mut(0, slots.len().div_ceil(step));
+    sample.iter_mut().zip(slots.step_by(step)).for_each(|(to, slot)| *to = slot);
     sample
 }
 

@@ -73,8 +73,10 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
             // A pool of disabled objects.
             return;
         }
-        let block = RewrittenBlock { first, boxes, homes, places, cells, frames, leaves, records, leavers };
-        left.fill(run!(context.kernels, |simd| rewrite_block(simd, block)));
+        let (slots, tree) = ((homes, places), (cells, frames, leaves));
+        left.fill(run!(context.kernels, |simd| {
+            rewrite_block(simd, (first, boxes), slots, tree, records, leavers)
+        }));
     });
     let (list, mut end) = (&mut parts.order[1], 0);
     for (block, left) in left.iter().enumerate() {
@@ -86,22 +88,16 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     end as u32
 }
 
-/// A block of slots, and where their records stand.
-struct RewrittenBlock<'b, 's, I> {
-    first: usize,
-    boxes: &'b [KeyBox],
-    homes: &'b [I],
-    places: &'b [I],
-    cells: &'b [Cell],
-    frames: &'b [Frame],
-    leaves: &'b [Leaf],
-    records: Shared<'s, Record>,
-    leavers: &'b mut [I],
-}
-
+/// The same for some consecutive slots, from a first one on.
 #[inline(always)]
-fn rewrite_block<S: Simd, I: Index>(simd: S, block: RewrittenBlock<'_, '_, I>) -> u32 {
-    let RewrittenBlock { first, boxes, homes, places, cells, frames, leaves, records, leavers } = block;
+fn rewrite_block<S: Simd, I: Index>(
+    simd: S,
+    (first, boxes): (usize, &[KeyBox]),
+    (homes, places): (&[I], &[I]),
+    (cells, frames, leaves): (&[Cell], &[Frame], &[Leaf]),
+    records: Shared<'_, Record>,
+    leavers: &mut [I],
+) -> u32 {
     // Of one length, so that one check of an index serves all.
     let (Some(cells), Some(frames)) = (cells.get(..leaves.len()), frames.get(..leaves.len())) else {
         return 0;

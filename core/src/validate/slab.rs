@@ -87,7 +87,7 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         (flags.iter().all(|flag| *flag <= 1), "a number that is neither yes nor no"),
         (objects.slots as usize <= sizes.objects, "more slots than there is room for"),
         (lists.stale != 0 || lists.listed <= objects.slots, "the lists are too long"),
-        (lists.axis < 3 && lists.second_axis < 3, "an axis that there is not"),
+        (lists.axis < 3, "an axis that there is not"),
         (step.margins_in == 0 || sizes.fat > 0, "fat boxes that are not used where there are none"),
         (tree.count as usize <= sizes.whole_leaves, "more leaves than room"),
         (tree.filled <= 2, "leaves that are filled in no known way"),

@@ -2,17 +2,11 @@
 
 // In the order of use, in which the documentation lists the methods.
 mod make;
-
 mod objects;
-
 mod attributes;
-
 mod steps;
-
 mod contents;
-
 mod shift;
-
 mod view;
 
 pub use make::InlineWorld;
@@ -90,7 +84,8 @@ impl<I: Index> World<'_, I> {
         work: impl FnOnce(&mut Parts<'_, I>, StepContext<'_>, bool) -> T,
         conclude: impl FnOnce(&mut Parts<'_, I>, T) -> Result<R, Error>,
     ) -> Result<R, Error> {
-        let unfinished = Unfinished::begin(&mut self.parts);
+        self.parts.state.stepping = 1;
+        let unfinished = Unfinished(&mut self.parts);
         let parts = &mut *unfinished.0;
         let shared = Self::shares(parts, context);
         let executor = OneStep::new(context.executor, shared);
@@ -215,13 +210,6 @@ impl<I: Index> World<'_, I> {
 /// result, and all that the next step needs to find all pairs anew, with events relative to the last complete
 /// step.
 struct Unfinished<'p, 'm, I: Index>(&'p mut Parts<'m, I>);
-
-impl<'p, 'm, I: Index> Unfinished<'p, 'm, I> {
-    fn begin(parts: &'p mut Parts<'m, I>) -> Self {
-        parts.state.stepping = 1;
-        Self(parts)
-    }
-}
 
 impl<I: Index> Drop for Unfinished<'_, '_, I> {
     fn drop(&mut self) {

@@ -4,7 +4,7 @@ use crate::geometry::extent::Extent;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::scratch::Work;
 use crate::memory::stats::{Path, Progress, Reason, Route};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Contiguous as _, Pod, Zeroable};
 
 /// Which objects live, and what the caller has changed: of `objects` and `world`.
 #[repr(C)]
@@ -39,10 +39,9 @@ pub(crate) struct ListState {
     pub(crate) stale: u8,
     /// The axis that a world without a tree is swept along.
     pub(crate) axis: u8,
-    /// The other axis that parts most boxes: candidates are tested on it first.
-    pub(crate) second_axis: u8,
-    /// Steps until the axes are chosen anew.
+    /// Steps until the axis is chosen anew.
     pub(crate) scan_in: u8,
+    pub(crate) unused: u8,
 }
 
 /// Planes and leaves, and how good they are: of `tree`.
@@ -213,8 +212,8 @@ pub(crate) struct StepState {
 impl StepState {
     /// What a step has chosen; `None` if no step can have left this.
     pub(crate) fn route(&self) -> Option<Route> {
-        let path = *Path::ALL.get(usize::from(self.path))?;
-        let reason = *Reason::ALL.get(usize::from(self.reason))?;
+        let path = Path::from_integer(self.path)?;
+        let reason = Reason::from_integer(self.reason)?;
         (self.shared <= 1 && self.coarse <= 1).then_some(Route { path, reason })
     }
 

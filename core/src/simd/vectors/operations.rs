@@ -3,6 +3,67 @@
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
+/// Calls another macro with the operations whose operands and results are all vectors.
+macro_rules! of_vectors {
+    ($then:ident) => {
+        $then! {
+            and(a, b);
+            or(a, b);
+            xor(a, b);
+            /// The bytes of `a` where the mask is set, else of `b`.
+            select(mask, a, b);
+            /// The bytes at these places of the same half; zero for the place [`NO_BYTE`].
+            shuffle(a, places);
+            equal16(a, b);
+            equal32(a, b);
+            /// How much `a` exceeds `b`, or zero.
+            excess16(a, b);
+            /// A lane of 8 bits for each two lanes of `a` and then of `b`: zero where both are.
+            join8(a, b);
+            /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
+            join16(a, b);
+            /// The first lanes, one of `a` and one of `b` in turn.
+            zip_first16(a, b);
+            /// The same of the last lanes.
+            zip_last16(a, b);
+            zip_first32(a, b);
+            zip_last32(a, b);
+            zip_first64(a, b);
+            zip_last64(a, b);
+            /// The last word of `a`, then the first three of `b`.
+            fourth_on(a, b);
+            /// Whether `a` is above `b`, with signs.
+            above32(a, b);
+            /// The upper of two numbers with signs.
+            upper32(a, b);
+            /// The lower of two numbers without signs.
+            least32(a, b);
+            /// The upper of two numbers without signs.
+            most32(a, b);
+            minus32(a, b);
+            /// The absolute value; the least number stays.
+            magnitude32(a);
+            /// The sum of `f32`. Those below are of `f32` too.
+            add(a, b);
+            subtract(a, b);
+            multiply(a, b);
+            /// `a` where it is above `b`, else `b`, also if one is NaN.
+            maximum(a, b);
+            /// `a` where it is below `b`, else `b`, also if one is NaN.
+            minimum(a, b);
+            /// Whether `a` is at most `b`.
+            at_most(a, b);
+        }
+    };
+}
+pub(super) use of_vectors;
+
+macro_rules! declare {
+    ($($(#[$doc:meta])* $name:ident($($operand:ident),+);)+) => {
+        $($(#[$doc])* fn $name(self, $($operand: Self::Vector),+) -> Self::Vector;)+
+    };
+}
+
 /// The operations of one instruction set on vectors of one half or two halves, of 16 bytes each: lanes of 8,
 /// 16 or 32 bits, as the name of an operation says. Both halves do the same. A value of the type is the proof
 /// that the CPU has the instructions. A mask has lanes of all ones or all zeros.
@@ -33,11 +94,8 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     /// One word everywhere.
     fn splat(self, word: u32) -> Self::Vector;
 
-    fn and(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn or(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn xor(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The bytes of `a` where the mask is set, else of `b`.
-    fn select(self, mask: Self::Vector, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    of_vectors!(declare);
+
     /// Whether a bit is set.
     fn any(self, a: Self::Vector) -> bool;
     /// Whether a bit is set in the first three words of a half.
@@ -45,40 +103,7 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn any_of_three(self, a: Self::Vector) -> bool {
         self.any(self.and(a, self.words([u32::MAX, u32::MAX, u32::MAX, 0])))
     }
-    /// The bytes at these places of the same half; zero for the place [`NO_BYTE`].
-    fn shuffle(self, a: Self::Vector, places: Self::Vector) -> Self::Vector;
 
-    fn equal16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn equal32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// How much `a` exceeds `b`, or zero.
-    fn excess16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// A lane of 8 bits for each two lanes of `a` and then of `b`: zero where both are.
-    fn join8(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
-    fn join16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-
-    /// The first lanes, one of `a` and one of `b` in turn.
-    fn zip_first16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The same of the last lanes.
-    fn zip_last16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn zip_first32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn zip_last32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn zip_first64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn zip_last64(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The last word of `a`, then the first three of `b`.
-    fn fourth_on(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-
-    /// Whether `a` is above `b`, with signs.
-    fn above32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The upper of two numbers with signs.
-    fn upper32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The lower of two numbers without signs.
-    fn least32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The upper of two numbers without signs.
-    fn most32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn minus32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The absolute value; the least number stays.
-    fn magnitude32(self, a: Self::Vector) -> Self::Vector;
     /// The keys of `f32`: see [`key`](crate::geometry::key::key).
     #[inline(always)]
     fn keys(self, a: Self::Vector) -> Self::Vector {
@@ -92,16 +117,6 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     fn floats(self, a: Self::Vector) -> Self::Vector {
         self.or(self.magnitude32(a), self.and(a, self.splat(1 << 31)))
     }
-    /// The sum of `f32`. Those below are of `f32` too.
-    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a` where it is above `b`, else `b`, also if one is NaN.
-    fn maximum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a` where it is below `b`, else `b`, also if one is NaN.
-    fn minimum(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Whether `a` is at most `b`.
-    fn at_most(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
 }
 
 /// Vectors of one half.

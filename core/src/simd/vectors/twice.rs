@@ -1,7 +1,7 @@
 //! Vectors of two registers.
 
 use super::fours;
-use super::operations::{Half, HalfOf, Halves, Vectors, ends, places};
+use super::operations::{Half, HalfOf, Halves, Vectors, ends, of_vectors, places};
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
@@ -11,7 +11,7 @@ pub(crate) struct Twice<V>(V);
 
 /// Operations on each register.
 macro_rules! on_both {
-    ($($name:ident($($operand:ident),+);)+) => {$(
+    ($($(#[$_:meta])* $name:ident($($operand:ident),+);)+) => {$(
         #[inline(always)]
         fn $name(self, $($operand: Self::Vector),+) -> Self::Vector {
             (self.0.$name($($operand.0),+), self.0.$name($($operand.1),+))
@@ -61,38 +61,9 @@ impl<V: Half> Vectors for Twice<V> {
         self.0.any_of_three(self.0.or(a.0, a.1))
     }
 
-    on_both! {
-        and(a, b);
-        or(a, b);
-        xor(a, b);
-        select(mask, a, b);
-        shuffle(a, places);
-        equal16(a, b);
-        equal32(a, b);
-        excess16(a, b);
-        join8(a, b);
-        join16(a, b);
-        zip_first16(a, b);
-        zip_last16(a, b);
-        zip_first32(a, b);
-        zip_last32(a, b);
-        zip_first64(a, b);
-        zip_last64(a, b);
-        fourth_on(a, b);
-        above32(a, b);
-        upper32(a, b);
-        least32(a, b);
-        most32(a, b);
-        minus32(a, b);
-        magnitude32(a);
-        keys(a);
-        add(a, b);
-        subtract(a, b);
-        multiply(a, b);
-        maximum(a, b);
-        minimum(a, b);
-        at_most(a, b);
-    }
+    of_vectors!(on_both);
+
+    on_both! { keys(a); }
 }
 
 impl<V: Half> Halves for Twice<V> {
