@@ -203,14 +203,14 @@ const BUDGETS: [(&str, usize); 15] = [
     ("objects", 631),
     ("pairs", 539),
     ("parallel", 484),
-    ("query", 1272),
+    ("query", 1274),
     ("simd", 2172),
     ("snapshot", 583),
     ("step", 597),
     ("sweep", 1368),
-    ("tree", 2191),
+    ("tree", 2173),
     ("validate", 379),
-    ("world", 1682),
+    ("world", 1694),
 ];
 
 #[test]

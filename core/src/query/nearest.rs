@@ -219,8 +219,10 @@ impl<'q, I: Index> Search for Near<'q, '_, I> {
             let touching = limit(&region);
             for leaf in bits::of_word(near & some).map(|part| first + part) {
                 for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
-                    let mask = simd.touching(eight, touching) & first_of_eight(left);
-                    for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
+                    let mut mask = simd.touching(eight, touching) & first_of_eight(left);
+                    while mask != 0 {
+                        let slot = eight.at(mask.trailing_zeros() as usize).slot() as usize;
+                        mask &= mask - 1;
                         if is_current(parts, slot) {
                             self.object(simd, slot)?;
                         }

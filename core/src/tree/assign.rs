@@ -200,8 +200,10 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, 
     let row = histogram_row(leaf_count);
     let boxes = parts.boxes.swept();
     let large_list = parts.state.tree.large_list();
-    let (homes, cells, frames, leaves) =
-        (&*parts.home, &*parts.tree.cells, &*parts.tree.frames, &*parts.tree.leaves);
+    let homes = &*parts.home;
+    let (cells, frames, leaves) =
+        (parts.tree.cells.span(0, leaf_count), &*parts.tree.frames, parts.tree.leaves.span(0, leaf_count));
+    let tree = (cells, frames, leaves);
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
     let blocks = (
         Chunks::new(parts.place.span_mut(0, slots), len),
@@ -209,44 +211,24 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, 
     );
     context.each(blocks, |block, (places, histogram)| {
         let first = block * len;
-        let block = ScatterBlock {
-            first,
-            boxes: boxes.span(first, places.len()),
-            homes: homes.span(first, places.len()),
-            places,
-            cells: cells.span(0, leaf_count),
-            frames: frames.span(0, leaf_count),
-            leaves: leaves.span(0, leaf_count),
-            records,
-            straddlers,
-            large_list,
-            listed,
-            histogram,
-        };
-        run!(context.kernels, |simd| scatter_block(simd, block));
+        let boxes = (first, boxes.span(first, places.len()));
+        let slots = (homes.span(first, places.len()), places);
+        let list = (straddlers, (!listed).then_some(large_list));
+        run!(context.kernels, |simd| scatter_block(simd, boxes, slots, tree, records, list, histogram));
     });
 }
 
-/// A block of slots, where its boxes are and where its records go.
-struct ScatterBlock<'b, 's, I> {
-    first: usize,
-    boxes: &'b [KeyBox],
-    homes: &'b [I],
-    places: &'b mut [I],
-    cells: &'b [Cell],
-    frames: &'b [Frame],
-    leaves: &'b [Leaf],
-    records: Shared<'s, Record>,
-    straddlers: Shared<'s, Straddler>,
-    large_list: usize,
-    listed: bool,
-    histogram: &'b mut [u32],
-}
-
+/// The same for some consecutive slots, from a first one on. `large_list`: where the large objects go.
 #[inline(always)]
-fn scatter_block<S: Simd, I: Index>(simd: S, block: ScatterBlock<'_, '_, I>) {
-    let ScatterBlock { first, boxes, homes, places, cells, frames, leaves, records, straddlers, .. } = block;
-    let ScatterBlock { large_list, listed, histogram, .. } = block;
+fn scatter_block<S: Simd, I: Index>(
+    simd: S,
+    (first, boxes): (usize, &[KeyBox]),
+    (homes, places): (&[I], &mut [I]),
+    (cells, frames, leaves): (&[Cell], &[Frame], &[Leaf]),
+    records: Shared<'_, Record>,
+    (straddlers, large_list): (Shared<'_, Straddler>, Option<usize>),
+    histogram: &mut [u32],
+) {
     let (next, large) = histogram.as_chunks_mut::<2>();
     // Of one length, for the same reason.
     let (Some(next), Some(cells), Some(frames)) =
@@ -271,7 +253,7 @@ fn scatter_block<S: Simd, I: Index>(simd: S, block: ScatterBlock<'_, '_, I>) {
                 straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, long: 0 });
                 *straddler += 1;
             }
-        } else if *home == I::LARGE && !listed {
+        } else if let (true, Some(large_list)) = (*home == I::LARGE, large_list) {
             let at = large.at(0);
             large.put(0, at + 1);
             *place = I::from_slot(at);

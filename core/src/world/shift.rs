@@ -3,14 +3,15 @@
 use crate::access::Access;
 use crate::error::Error;
 use crate::geometry::aabb::{Aabb, round_down, round_up, widened};
-use crate::geometry::key::{KeyBox, key};
+use crate::geometry::key::{KeyBox, key, value};
 use crate::id::Index;
+use crate::tree::{Split, axis_of, key_of, plane};
 use crate::world::World;
 
 /// Large scenes.
 impl<I: Index> World<'_, I> {
     /// Moves the origin to the point `by`: subtracts it from all boxes. Give boxes relative to the new origin
-    /// from then on. The next step makes the tree anew. O(n).
+    /// from then on. The next step fills all leaves anew. O(n).
     ///
     /// If a difference is no `f32`, minima are rounded down and maxima up: no pair is lost, but boxes may
     /// come to overlap. Returns the number of objects whose boxes were rounded. It is zero for shifts by
@@ -74,9 +75,20 @@ impl<I: Index> World<'_, I> {
             }
             rounded += u32::from(!exact);
         }
-        // Planes and records are as the old origin had them.
+        // Records are as the old origin had them.
         parts.state.objects.dirty = 1;
-        parts.state.tree.forget();
+        parts.state.tree.filled = 0;
+        for Split { plane, .. } in
+            parts.tree.splits.iter_mut().take(2 * parts.state.tree.count as usize).skip(1)
+        {
+            let axis = axis_of(*plane);
+            *plane = self::plane(axis, key(round_down(widened(value(key_of(*plane))), by[axis])));
+        }
+        let extent = &mut parts.state.tree.extent;
+        for (k, by) in by.into_iter().enumerate() {
+            extent.low[k] = key(round_down(widened(value(extent.low[k])), by));
+            extent.high[k] = key(round_up(widened(value(extent.high[k])), by));
+        }
         Ok(rounded)
     }
 }
