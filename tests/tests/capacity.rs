@@ -273,6 +273,10 @@ fn slabs_are_checked() {
 
 #[test]
 fn capacities_beyond_the_index_width_are_refused() {
+    assert_eq!(
+        (Capacity::default(), Config::default().capacity),
+        (Capacity::for_objects(1024), Capacity::default())
+    );
     let objects = |objects: u32| Config::new(Capacity::for_objects(objects).with_leaf_refs(0).with_pairs(0));
     assert!(layout::<u16>(&objects(65_534)).is_some());
     assert!(layout::<u16>(&objects(65_535)).is_none());

@@ -73,6 +73,7 @@ impl<'a> Boxes<'a> {
     /// let bodies = [Body { mass: 1.0, aabb: Aabb::new([0.0; 3], [1.0; 3]) }; 2];
     /// let boxes = Boxes::of(&bodies, |body| &body.aabb).unwrap();
     /// assert_eq!((boxes.len(), boxes.get(1)), (2, Some(bodies[1].aabb)));
+    /// assert!(boxes.iter().eq(bodies.map(|body| body.aabb)));
     /// ```
     #[must_use]
     pub fn of<T: NoUninit>(items: &'a [T], aabb: impl Fn(&T) -> &Aabb) -> Option<Self> {
