@@ -197,7 +197,7 @@ fn no_file_is_too_long() {
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
     ("", 1490),
-    ("geometry", 1204),
+    ("geometry", 1205),
     ("lists", 67),
     ("memory", 1840),
     ("objects", 631),
