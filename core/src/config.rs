@@ -82,8 +82,8 @@ pub enum Mode {
 /// In [`Mode::Fat`] these boxes are what the pairs are of. In an exact world a margin changes no pair. It pays
 /// there where many objects rest or move little; it is enough that the moving ones have one: see
 /// [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are
-/// left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, an exact world's fat boxes
-/// are also [predicted](Config::predicted), so that they hold objects that move steadily.
+/// left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, what is swept is also
+/// [predicted](Config::predicted), so that it holds objects that move steadily.
 #[doc(alias("fat_aabb", "skin", "speculative_margin"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
