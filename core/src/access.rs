@@ -167,9 +167,4 @@ pub(crate) mod bits {
             (word != 0).then_some(bit)
         })
     }
-
-    /// The set bits in ascending order.
-    pub(crate) fn ones(words: &[u32]) -> impl Iterator<Item = usize> + '_ {
-        (0..).zip(words).flat_map(|(index, word)| of_word(*word).map(move |bit| index * 32 + bit))
-    }
 }

@@ -187,16 +187,17 @@ impl KeyBox {
 
     /// Boxes that hold each of some boxes and, if it goes on as it came from an old one, the next [`AHEAD`],
     /// each with a little around it, at least a margin: a share of its smallest side. A motion beyond that
-    /// predicts nothing.
+    /// predicts nothing. Or the boxes grown by their margins, unless one `predicts`.
     #[inline(always)]
     pub(crate) fn predicted<const N: usize>(
         now: &[Self; N],
         old: &[Self; N],
         margins: [f32; N],
+        predicts: bool,
     ) -> [Self; N] {
         let mut reach = [[0.0; 2]; N];
         for ((reach, now), margin) in reach.iter_mut().zip(now).zip(margins) {
-            let smallest = now.smallest_extent();
+            let smallest = if predicts { now.smallest_extent() } else { 0.0 };
             let size = if smallest < f32::MAX { smallest } else { 0.0 };
             *reach = [size, flushed(margin.max(size * AROUND))];
         }

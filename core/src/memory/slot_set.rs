@@ -113,11 +113,19 @@ impl<'m> SlotSet<'m> {
         count
     }
 
-    /// The slots in ascending order.
-    pub(crate) fn slots(&self) -> impl Iterator<Item = usize> + '_ {
-        let marked =
-            (0..).zip(self.words.chunks(32)).filter(|(group, _)| !TREE || self.groups.at(*group) != 0);
-        marked.flat_map(|(group, words)| bits::ones(words).map(move |slot| group * GROUP + slot))
+    /// The first slot from one on.
+    #[inline(never)]
+    pub(crate) fn first_from(&self, slot: usize) -> Option<usize> {
+        let mut word = slot / 32;
+        let mut bits = self.words.get(word)? & u32::MAX << (slot % 32);
+        while bits == 0 {
+            word += 1;
+            while word.is_multiple_of(32) && self.groups.get(word / 32) == Some(&0) {
+                word += 32;
+            }
+            bits = *self.words.get(word)?;
+        }
+        Some(word * 32 + bits.trailing_zeros() as usize)
     }
 
     /// How many slots there are.

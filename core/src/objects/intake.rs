@@ -218,7 +218,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
     let before = before.get_mut(word..end).unwrap_or_default();
     let given = given.get_mut(word..end).unwrap_or_default();
     let (mut taken, mut changed, mut contained) = (0, 0, 0);
-    let (all, mut room) = ([KeyBox::ALL; 4], [0; 8 * CORNER]);
+    let mut room = [0; 8 * CORNER];
     let (before, given) = (before.as_chunks_mut::<4>().0, given.as_chunks_mut::<4>().0);
     for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let first = 4 * four;
@@ -238,19 +238,12 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
         } else {
             fat.boxes.get(word + first..).and_then(|held| held.first_chunk())
         };
-        let quiet = held.and_then(|held| simd.encode_four(boxes, held, last, &mut new));
-        let mut others = match quiet {
-            Some(others) => others,
-            None => match simd.encode_four(boxes, &all, last, &mut new) {
-                Some(others) => others,
-                None => continue,
-            },
-        };
+        let Some((mut others, quiet)) = simd.encode_four(boxes, held, last, &mut new) else { continue };
         taken |= 0b1111 << first;
         let mut from = None;
         if let Some(given) = given {
             let last = core::mem::replace(given, new);
-            if quiet.is_some() {
+            if quiet {
                 continue;
             }
             let came;
@@ -265,7 +258,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
         } else if EVENTS && let Some(before) = before.get_mut(four) {
             bits::of_word(unkept).for_each(|bit| before.put(bit, *KeyBox::of(old, bit)));
         }
-        if quiet.is_some() {
+        if quiet {
             fat.motions.moved_inside_margin |= others != 0;
             contained |= others << first;
         } else if FAT {

@@ -107,7 +107,7 @@ impl FatBoxes<'_> {
         let stay = if self.renews { 0 } else { contained };
         self.motions.moved_inside_margin |= stay != 0;
         if others != stay {
-            let made = Self::made(TREE && self.predicted, around, old, new);
+            let made = KeyBox::predicted(new, old, around, TREE && self.predicted);
             bits::of_word(others & !stay).for_each(|bit| fat.put(bit, made.at(bit)));
         }
         stay
@@ -125,17 +125,6 @@ impl FatBoxes<'_> {
         if self.exist() && is_wide(&self.boxes.at(at), bounds, around) {
             self.boxes.put(at, KeyBox::EMPTY);
         }
-    }
-
-    /// The fat boxes of objects that have come from old boxes.
-    #[inline(always)]
-    pub(crate) fn made<const N: usize>(
-        predicts: bool,
-        around: [f32; N],
-        old: &[KeyBox; N],
-        new: &[KeyBox; N],
-    ) -> [KeyBox; N] {
-        if predicts { KeyBox::predicted(new, old, around) } else { KeyBox::grown_by(new, around) }
     }
 }
 

@@ -78,17 +78,19 @@ fn walk<S: Simd, I: Index>(
     search: &mut impl Search,
 ) -> ControlFlow<()> {
     let parts = &world.parts;
-    let is_living = |slot: &usize| !KeyBox::of(parts.boxes.now, *slot).is_empty();
-    let Some(home) = home else {
-        return (0..parts.state.objects.slots as usize)
-            .filter(is_living)
-            .try_for_each(|slot| search.object(simd, slot));
-    };
-    if parts.state.objects.dirty != 0 {
-        for slot in parts.moved.slots().filter(is_living) {
+    let mut from = 0;
+    // One loop, since each look at an object is inlined.
+    while let Some(slot) = match home {
+        None => (from < parts.state.objects.slots as usize).then_some(from),
+        Some(_) if parts.state.objects.dirty == 0 => None,
+        Some(_) => parts.moved.first_from(from),
+    } {
+        from = slot + 1;
+        if !KeyBox::of(parts.boxes.now, slot).is_empty() {
             search.object(simd, slot)?;
         }
     }
+    let Some(home) = home else { return ControlFlow::Continue(()) };
     if parts.state.tree.large > 0 {
         let large = Large::new(&parts.state.tree, parts.tree.straddlers);
         let mut groups = large.visit(search.probe());

@@ -91,16 +91,17 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The keys of four boxes: bit `k` where box `k` is another one than `old[k]`. `None` where one of them
-    /// is bad or not inside `held[k]`, or one of the old ones empty; the new keys mean nothing then.
+    /// The keys of four boxes: bit `k` where box `k` is another one than `old[k]`, and whether each is inside
+    /// `held[k]`. `None` where one of them is bad or one of the old ones empty; the new keys mean nothing
+    /// then.
     #[inline(always)]
     fn encode_four(
         self,
         _boxes: Four<'_>,
-        _held: &[KeyBox; 4],
+        _held: Option<&[KeyBox; 4]>,
         _old: &[KeyBox; 4],
         _new: &mut [KeyBox; 4],
-    ) -> Option<u32> {
+    ) -> Option<(u32, bool)> {
         None
     }
 

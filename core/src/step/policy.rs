@@ -11,7 +11,6 @@ use crate::memory::limits::TRIAL;
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::{PairState, State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
-use crate::objects::margins::FatBoxes;
 use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
@@ -160,7 +159,7 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
             0 => fat.put(slot, given),
             1 => {
                 let from = KeyBox::before(&[now], &[old], &[given]);
-                let [made] = FatBoxes::made(predicted, [margin], &from, &[now]);
+                let [made] = KeyBox::predicted(&[now], &from, [margin], predicted);
                 fat.put(slot, made);
             }
             _ => return !now.is_empty() && !old.contains(&now),

@@ -14,7 +14,7 @@ const PARTS: usize = 4;
 /// The code of an object: its part, and marks if it has not moved or meets nobody.
 const PART: usize = PARTS - 1;
 const RESTS: usize = PARTS;
-const LONE: usize = 2 * PARTS;
+pub(crate) const LONE: usize = 2 * PARTS;
 pub(crate) const CODES: usize = 2 * LONE;
 /// How many records there are of each part, and of none.
 pub(crate) type Counts = [u64; PARTS + 1];
@@ -195,28 +195,25 @@ impl Plan {
         code < LONE && self.meets.at(self.part(code)) != 0
     }
 
-    /// The passes over two buckets; if `across`, each record of the first bucket with each of the second.
-    pub(crate) fn passes(&self, across: bool) -> impl Iterator<Item = Pass> {
-        // Of each part the moved records, then the rest.
-        let passes = (0..PARTS).flat_map(|first| [(first, false), (first, true)]);
-        passes.filter_map(move |(first, resting)| {
-            let meets = self.meets.at(first);
-            let later = if across { meets } else { meets & u8::MAX << first << 1 };
-            let within = !across && !resting && meets >> first & 1 != 0;
-            if later == 0 && !within || resting && !self.moved_alone {
-                return None;
-            }
-            let side = |bucket: usize, code: usize| {
+    /// A pass over two buckets, below [`LONE`]: of each part the moved records, then the rest. If `across`,
+    /// each record of the first bucket meets each of the second. `None` if nobody would meet.
+    pub(crate) fn pass(&self, number: usize, across: bool) -> Option<Pass> {
+        let (first, resting) = (number / 2, number & 1 != 0);
+        let meets = self.meets.at(first);
+        let later = if across { meets } else { meets & u8::MAX << first << 1 };
+        let within = !across && !resting && meets >> first & 1 != 0;
+        if later == 0 && !within || resting && !self.moved_alone {
+            return None;
+        }
+        let mut sides = [[2; CODES]; 2];
+        for (bucket, sides) in sides.iter_mut().enumerate() {
+            for (code, side) in sides.iter_mut().take(LONE).enumerate() {
                 let (part, rests) = (self.part(code), code & RESTS != 0);
                 let is_other = later >> part & 1 != 0 && (!across || bucket == 1) && !(resting && rests);
                 let is_first = part == first && rests == resting && !(across && bucket == 1);
-                if is_first { 0 } else { 2 - u8::from(is_other || within && part == first && rests) }
-            };
-            let mut sides = [[2; CODES]; 2];
-            for (bucket, sides) in sides.iter_mut().enumerate() {
-                sides.iter_mut().take(LONE).enumerate().for_each(|(code, to)| *to = side(bucket, code));
+                *side = if is_first { 0 } else { 2 - u8::from(is_other || within && part == first && rests) };
             }
-            Some(Pass { sides, within })
-        })
+        }
+        Some(Pass { sides, within })
     }
 }

@@ -5,7 +5,7 @@
 //! component-wise maximum of its two minimum corners (erratum E9). If one box is at home here, that is this
 //! cell. If both are ghosts, there must be no axis on which both minima are below the cell.
 
-use super::kinds::{CODES, Counts, Kinds, Pass, Plan};
+use super::kinds::{CODES, Counts, Kinds, LONE, Pass, Plan};
 use super::{Sink, bucket};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
@@ -186,7 +186,8 @@ fn sweep_passes<S: Simd, I: Index>(
 ) {
     let Swept { tree_view: TreeView { boxes, .. }, kinds, leaf, .. } = swept;
     call!(simd, {
-        for Pass { sides, within } in plan.passes(across) {
+        for number in 0..LONE {
+            let Some(Pass { sides, within }) = plan.pass(number, across) else { continue };
             let side = |bucket: usize, record: &Record| {
                 sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
             };

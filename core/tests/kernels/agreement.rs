@@ -106,11 +106,11 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         2 => KeyBox { min: near.min.map(|k| k.saturating_sub(random.below(3) as i32 - 1)), ..near },
         _ => near,
     });
-    let found = simd.encode_four(four, &held, &old, &mut new);
-    let good = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
-    let good = good && !old.iter().any(KeyBox::is_empty);
+    let found = simd.encode_four(four, Some(&held), &old, &mut new);
+    let are_held = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
+    let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
-    let expected = if good && S::ENCODES_FOUR { Some(others) } else { None };
+    let expected = if good && S::ENCODES_FOUR { Some((others, are_held)) } else { None };
     let same = expected.is_none() || new.map(Some) == keys;
     rounds.check([("encode_four", found == expected && same)]);
 }

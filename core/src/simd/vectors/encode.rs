@@ -10,6 +10,10 @@ use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 /// The places of the bytes of two boxes, six each, as lanes of eight bytes.
 const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 11, NO_BYTE, NO_BYTE];
 
+/// Where minima stand in these vectors.
+const MINIMA: [[u32; 4]; 3] =
+    [[u32::MAX, u32::MAX, u32::MAX, 0], [0, 0, u32::MAX, u32::MAX], [u32::MAX, 0, 0, 0]];
+
 /// The 24 numbers of four boxes.
 #[inline(always)]
 fn numbers<W: Halves>(w: W, boxes: Four<'_>) -> [W::Vector; 3] {
@@ -41,26 +45,26 @@ fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] 
 pub(super) fn encode_four<W: Halves>(
     w: W,
     boxes: Four<'_>,
-    held: &[KeyBox; 4],
+    held: Option<&[KeyBox; 4]>,
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
-) -> Option<u32> {
+) -> Option<(u32, bool)> {
     let [a, b, c] = numbers(w, boxes);
     let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
-    let [held_a, held_b, held_c] = three(w, bytemuck::cast_ref(held));
     let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
     // The minima above the maxima of the first box, then of the second one. Nothing behind them counts.
     let second_maxima = w.shuffle(c, w.both(&places([1, 2, 3, 0])));
     let first = w.above32(a, w.fourth_on(a, b));
     let second = w.above32(w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c), second_maxima);
     let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
-    let outside = w.or(
-        outside(w, a, held_a, [u32::MAX, u32::MAX, u32::MAX, 0]),
-        w.or(outside(w, b, held_b, [0, 0, u32::MAX, u32::MAX]), outside(w, c, held_c, [u32::MAX, 0, 0, 0])),
-    );
     // No key of an object is above +infinity, but the first one of an empty box is.
     let empty = w.above32(w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
-    if w.any(w.or(w.or(upside_down, outside), empty)) {
+    let wrong = w.or(upside_down, empty);
+    let are_held = match held {
+        Some(held) => !w.any(w.or(wrong, outside(w, [a, b, c], held))),
+        None => false,
+    };
+    if !are_held && w.any(w.or(wrong, outside(w, [a, b, c], &[KeyBox::ALL; 4]))) {
         return None;
     }
     let [first, second, third, fourth, fifth, sixth]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);
@@ -70,12 +74,17 @@ pub(super) fn encode_four<W: Halves>(
     // Two bytes for each two keys, zero if they are the same.
     let (a, b, c) = (w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c));
     let others = w.join16(w.join16(a, b), w.join16(c, c));
-    Some(!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111)
+    Some((!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111, are_held))
 }
 
-/// Where keys are outside the keys around them, which are minima where the mask is set.
+/// Where the keys of four boxes are outside of other boxes.
 #[inline(always)]
-fn outside<W: Halves>(w: W, keys: W::Vector, held: W::Vector, minima: [u32; 4]) -> W::Vector {
-    let minima = w.words(minima);
-    w.above32(w.select(minima, held, keys), w.select(minima, keys, held))
+fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &[KeyBox; 4]) -> W::Vector {
+    let (held, mut outside) = (three(w, bytemuck::cast_ref(held)), w.splat(0));
+    for k in 0..3 {
+        let minima = w.words(MINIMA[k]);
+        let (low, high) = (w.select(minima, held[k], keys[k]), w.select(minima, keys[k], held[k]));
+        outside = w.or(outside, w.above32(low, high));
+    }
+    outside
 }

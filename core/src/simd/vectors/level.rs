@@ -63,10 +63,10 @@ impl<W: Halves> Simd for Level<W> {
     fn encode_four(
         self,
         boxes: Four<'_>,
-        held: &[KeyBox; 4],
+        held: Option<&[KeyBox; 4]>,
         old: &[KeyBox; 4],
         new: &mut [KeyBox; 4],
-    ) -> Option<u32> {
+    ) -> Option<(u32, bool)> {
         encode::encode_four(self.0, boxes, held, old, new)
     }
 
