@@ -40,17 +40,26 @@ pub(crate) fn partition<I: Index>(
         return to_front(pairs);
     }
     let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
-    let blocks = pairs.len().div_ceil(len);
     let mut fronts = [0; PAIR_BLOCKS];
     context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
         front.fill(to_front(pairs));
     });
-    let border = fronts.iter().sum();
-    let ends = || (0..blocks).map(|block| (block * len, block * len + fronts.at(block)));
-    let late = ends().flat_map(|(start, end)| start.max(border)..end);
-    let early = ends().flat_map(|(start, end)| end..(start + len).min(border));
-    for (late, early) in late.zip(early) {
-        pairs.swap_at(late, early);
+    let border: usize = fronts.iter().sum();
+    let mut all_late = (0..).step_by(len).zip(&fronts).map(|(start, front)| border.max(start)..start + front);
+    let mut late = 0..0;
+    for (start, front) in (0..).step_by(len).zip(&fronts) {
+        let mut early = start + front..(start + len).min(border);
+        while !early.is_empty() {
+            while late.is_empty() {
+                late = all_late.next().unwrap_or(pairs.len()..usize::MAX);
+            }
+            let count = late.len().min(early.len());
+            let (front, back) = pairs.split_at_mut_checked(late.start).unwrap_or_default();
+            for (early, late) in front.span_mut(early.start, count).iter_mut().zip(back) {
+                core::mem::swap(early, late);
+            }
+            (late.start, early.start) = (late.start + count, early.start + count);
+        }
     }
     border
 }

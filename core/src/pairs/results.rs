@@ -28,9 +28,8 @@ pub(crate) fn sort_out<I: Index>(
     let events = EVENTS && parts.sizes.previous > 0;
     let has_surplus = parts.has_surplus();
     // Without fat boxes a step that keeps pairs has nothing to sort out.
-    let none = PairState::default();
-    let PairState { parked, kept, kept_result, surplus_parked, .. } =
-        if FAT { parts.state.pairs } else { none };
+    let kept_pairs = if FAT { parts.state.pairs } else { PairState::default() };
+    let PairState { parked, kept, kept_result, surplus_parked, .. } = kept_pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
     if FAT && parts.state.objects.moved_inside_margin != 0 {

@@ -40,20 +40,16 @@ use core::cell::Cell;
 /// without the feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
 ///
 /// ```
-/// use trisap_core::Executor;
-///
 /// /// Runs jobs on freshly started threads and on the calling one.
 /// struct Threads(u32);
 ///
-/// impl Executor for Threads {
+/// impl trisap_core::Executor for Threads {
 ///     fn workers(&self) -> u32 {
 ///         self.0
 ///     }
 ///     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
 ///         std::thread::scope(|scope| {
-///             for _ in 1..width {
-///                 scope.spawn(job);
-///             }
+///             (1..width).for_each(|_| drop(scope.spawn(job)));
 ///             job();
 ///         });
 ///     }

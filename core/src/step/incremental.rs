@@ -52,7 +52,9 @@ pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<
     if !relocate_all(parts, moved, context) {
         return None;
     }
-    large::arrange_if_due(parts);
+    if large::is_due(&parts.state.tree) {
+        large::arrange(parts, true);
+    }
     refit_some(parts, moved);
     Some(moved)
 }

@@ -156,7 +156,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
     scatter(parts, leaves, listed, context);
     large::arrange(parts, listed);
     sharpen(parts, context);
-    enclose(parts);
+    enclose(parts, context);
     parts.state.tree.filled = 1;
 }
 

@@ -30,38 +30,38 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
 
 /// Lists the straddlers where [`number_straddlers`] says.
 pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let boxes = parts.boxes.swept();
-    let records = &*parts.tree.records;
-    let straddlers = Shared::new(parts.tree.straddlers);
-    let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
-    context.each(Chunks::new(leaves, 1), |_, leaves| {
-        for leaf in leaves {
-            let members = records.span(leaf.start as usize, leaf.len as usize).iter();
-            let marked = members.filter(|record| record.tag & Record::STRADDLES != 0);
-            for (at, slot) in (leaf.straddler_start as usize..).zip(marked.map(Record::slot)) {
-                let bounds = *KeyBox::of(boxes, slot as usize);
-                straddlers.store(at, &Straddler { bounds, slot, long: 0 });
-            }
+    let (boxes, straddlers) = (parts.boxes.swept(), Shared::new(parts.tree.straddlers));
+    let (records, leaves) = (&*parts.tree.records, &*parts.tree.leaves);
+    context.each(parts.state.tree.count as usize, |index, ()| {
+        let leaf = leaves.at(index);
+        let members = records.span(leaf.start as usize, leaf.len as usize).iter();
+        let marked = members.filter(|record| record.tag & Record::STRADDLES != 0);
+        for (at, slot) in (leaf.straddler_start as usize..).zip(marked.map(Record::slot)) {
+            let bounds = *KeyBox::of(boxes, slot as usize);
+            straddlers.store(at, &Straddler { bounds, slot, long: 0 });
         }
     });
 }
 
 /// Makes the box of each node: a leaf's around its cell and straddlers, an inner node's around its children.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
-    let tree = &mut parts.tree;
-    let count = parts.state.tree.count as usize;
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
+    let (tree, count) = (&mut parts.tree, parts.state.tree.count as usize);
     tree.boxes.span_mut(0, 2 * count).fill(KeyBox::NOTHING);
-    for (index, leaf) in tree.leaves.span(0, count).iter().enumerate().filter(|(_, leaf)| leaf.len > 0) {
-        let mut around = tree.cells.at(index).inside();
-        for straddler in tree.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
+    let (leaves, cells, tops) = (&*tree.leaves, &*tree.cells, tree.tops.span(0, count));
+    let (straddlers, nodes) = (&*tree.straddlers, Shared::new(tree.boxes));
+    context.each(count, |index, ()| {
+        let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
+        for straddler in straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
             around.include(&straddler.bounds);
         }
-        expand_ancestors(
-            tree.boxes,
-            |node| tree.parents.at(node / 2) as usize,
-            tree.tops.at(index) as usize,
-            &around,
-        );
+        if leaf.len > 0 {
+            nodes.store(tops.at(index) as usize, &around);
+        }
+    });
+    let above = |node: usize| tree.parents.at(node / 2) as usize;
+    for top in tops {
+        let around = tree.boxes.at(*top as usize);
+        expand_ancestors(tree.boxes, above, above(*top as usize), &around);
     }
 }
 

@@ -29,11 +29,12 @@ const MOST_KEPT: u8 = 32;
 /// leaves are filled then; else they must be filled anew.
 pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let (live, tree, kept) = (parts.state.objects.live, &parts.state.tree, parts.state.step.kept);
-    let leaves = tree.count;
+    let (leaves, filled) = (tree.count, tree.filled);
     if tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept) {
         return false;
     }
     let left = rewrite(parts, context);
+    parts.state.tree.filled = 0;
     if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context) {
         return false;
     }
@@ -46,7 +47,8 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
     large::seat(parts, straddlers, large);
     large::arrange(parts, true);
     list_straddlers(parts, context);
-    enclose(parts);
+    enclose(parts, context);
+    parts.state.tree.filled = filled;
     parts.state.step.kept += 1;
     true
 }

@@ -246,22 +246,15 @@ pub(super) fn renew<I: Index>(parts: &mut Parts<'_, I>) -> bool {
 }
 
 /// Whether the list is to be ordered anew, after some changes.
-const fn is_due(tree: &TreeState) -> bool {
+pub(crate) const fn is_due(tree: &TreeState) -> bool {
     tree.large as usize > GROUP && tree.large_changed / CHANGES > tree.large
 }
 
 /// Brings the list into order if it is not `listed` or that is due, and makes the boxes of the nodes. O(n log
 /// n) if it is due, else O(n).
-pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, listed: bool) {
+pub(crate) fn arrange<I: Index>(parts: &mut Parts<'_, I>, listed: bool) {
     if !listed || is_due(&parts.state.tree) {
         order(parts);
     }
     enclose(parts);
-}
-
-/// The same among movers, whose changes have kept the boxes of the nodes right.
-pub(crate) fn arrange_if_due<I: Index>(parts: &mut Parts<'_, I>) {
-    if is_due(&parts.state.tree) {
-        arrange(parts, true);
-    }
 }

@@ -3,7 +3,7 @@
 use super::enclose::expand_ancestors;
 use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
-use super::{Cell, Straddler, home_of, large};
+use super::{Cell, Leaf, Straddler, home_of, large};
 use crate::access::Access;
 use crate::filter::offer;
 use crate::id::Index;
@@ -69,17 +69,15 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
     }
     if !stays {
         withdraw(parts, slot);
-        let mut target = parts.tree.leaves.at(leaf);
-        if target.len == target.room {
-            if !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
-                return false;
-            }
-            target = parts.tree.leaves.at(leaf);
+        let Leaf { len, room, .. } = parts.tree.leaves.at(leaf);
+        if len == room && !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
+            return false;
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
-        parts.place.put(slot, I::from_slot(target.len));
-        target.len += 1;
-        parts.tree.leaves.put(leaf, target);
+        parts.place.put(slot, I::from_slot(len));
+        if let Some(leaf) = parts.tree.leaves.get_mut(leaf) {
+            leaf.len = len + 1;
+        }
     }
     let at = parts.tree.leaves.at(leaf).start as usize + parts.place.at(slot).at();
     let sub_levels = parts.state.tree.sub_levels();
@@ -92,7 +90,8 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
         bounds.include(&record);
         bounds.tag |= offer(parts.filters.of, slot);
     }
-    let top = parts.tree.tops.at(whole) as usize;
+    // While leaves are not filled, the boxes of nodes are made later.
+    let top = if parts.state.tree.filled == 0 { 0 } else { parts.tree.tops.at(whole) as usize };
     expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
     true
 }
