@@ -146,11 +146,6 @@ impl<P: Parted> BlockQueue<P> {
         self.count as usize
     }
 
-    /// How many parts of the first share have been claimed so far.
-    pub(crate) fn claimed(&self) -> usize {
-        self.next[0].load(Relaxed).min(self.count) as usize
-    }
-
     /// The share that one more worker begins with. The calling thread is the first one, as a rule.
     pub(crate) fn arrive(&self) -> u32 {
         claim_index(&self.arrived, u32::MAX).unwrap_or_default() as u32 % self.shares

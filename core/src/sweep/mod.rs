@@ -1,7 +1,7 @@
 //! Sweeps boxes for overlaps (paper, section IV), and makes one list of the pairs of many workers.
 //!
 //! Work is cut into blocks by counts alone. One worker writes pairs straight to their places. Several workers
-//! write them to chunks, which are then put in the order of their blocks, so the bytes are the same.
+//! write them to chunks, which are then copied in the order of their blocks, so the bytes are the same.
 
 pub(crate) mod bucket;
 pub(crate) mod kinds;
@@ -24,7 +24,7 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Sweeps one block of leaves.
 type BlockWork<'w, I> = dyn Fn(usize, &mut Scratch<'_, I>, &mut Sink<'_, I>) + Sync + 'w;
-/// All chunks of staged pairs and their entries in the table.
+/// Chunks of staged pairs, and for each where its block ends, the next chunk of its block or 0, its length.
 type StagedChunks<'s, I> = (Chunks<'s, Pair<I>>, Chunks<'s, [u32; 3]>);
 
 /// Takes pairs, and writes what the filter lets through to its final place, or to chunks.
@@ -39,8 +39,9 @@ pub(crate) struct Sink<'s, I> {
 
 /// Where the pairs of one block of a shared sweep go.
 struct Staging<'s, I> {
-    block: u32,
+    /// All chunks but the first ones of blocks, and how many these are.
     chunks: &'s BlockQueue<StagedChunks<'s, I>>,
+    blocks: usize,
     /// The entry of the last chunk, whose length is right when the block is done.
     entry: &'s mut [[u32; 3]],
     /// Whether the chunks do not suffice.
@@ -66,12 +67,13 @@ impl<I: Index> Sink<'_, I> {
             let (now, room) = core::mem::take(&mut self.room).split_at_mut(fitting);
             now.copy_in(pairs);
             (self.room, pairs) = (room, pairs.get(fitting..).unwrap_or_default());
-            let Some(Staging { block, chunks, entry, full }) = &mut self.staging else { return };
+            let Some(Staging { chunks, blocks, entry, full }) = &mut self.staging else { return };
             if pairs.is_empty() {
                 return;
             }
             let Some((index, (room, next))) = chunks.claim() else { return full.store(true, Relaxed) };
-            next.fill([*block, index as u32, room.len() as u32]);
+            next.fill([0, 0, CHUNK as u32]);
+            entry.iter_mut().for_each(|[_, next, _]| *next = (*blocks + index) as u32);
             (self.room, *entry) = (room, next);
         }
     }
@@ -131,19 +133,22 @@ impl<I: Index> Collector<'_, '_, I> {
         let Self { output: OutputParts { staged, chunks, scratch, .. }, sizes, pair_filter } = self;
         let area = scratch::records::<I>(sizes.bucket);
         let full = AtomicBool::new(false);
-        let queue = BlockQueue::new(blocks);
-        let chunks = BlockQueue::new((Chunks::new(staged, CHUNK), Chunks::new(chunks, 1)));
+        // The first chunk of each block has its number.
+        let (first, others) = staged.split_at_mut_checked(blocks * CHUNK)?;
+        let (entries, more) = chunks.split_at_mut_checked(blocks)?;
+        let queue = BlockQueue::new((Chunks::new(first, CHUNK), Chunks::new(entries, 1)));
+        let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)));
         let areas = BlockQueue::new(Chunks::new(scratch, area));
         executor::run(executor, areas.count(), blocks, &|| {
             // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim() else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
             while !full.load(Relaxed)
-                && let Some((block, ())) = queue.claim()
+                && let Some((block, (room, entry))) = queue.claim()
             {
-                let staging = Staging { block: block as u32, chunks: &chunks, entry: &mut [], full: &full };
-                let (pair_filter, staging) = (*pair_filter, Some(staging));
-                let mut sink = Sink { pair_filter, room: &mut [], count: 0, staging };
+                entry.fill([0, 0, CHUNK as u32]);
+                let staging = Some(Staging { chunks: &chunks, blocks, entry, full: &full });
+                let mut sink = Sink { pair_filter: *pair_filter, room, count: 0, staging };
                 work(block, &mut scratch, &mut sink);
                 if let Sink { room, staging: Some(Staging { entry: [[.., len]], .. }), .. } = sink {
                     *len -= room.len() as u32;
@@ -151,46 +156,45 @@ impl<I: Index> Collector<'_, '_, I> {
             }
             scratch.finish();
         });
-        let used = chunks.claimed();
         if full.load(Relaxed) {
             // All blocks will be swept once more: nothing must count twice.
             scratch::reset(scratch, area);
             return None;
         }
-        Some(self.merge(executor, from, used))
+        Some(self.merge(executor, from, blocks))
     }
 
     /// Copies the chunks in the order of their blocks.
-    fn merge(&mut self, executor: &dyn Executor, from: u64, used: usize) -> u64 {
+    fn merge(&mut self, executor: &dyn Executor, from: u64, blocks: usize) -> u64 {
         let OutputParts { pairs, staged, chunks, .. } = &mut *self.output;
-        let chunks = chunks.span_mut(0, used);
-        // One worker has claimed the chunks of a block, in ascending order.
-        crate::sort::heapsort(chunks, |a, b| a < b);
-        // Blocks are no longer needed. There now: where each chunk ends among all pairs.
         let mut count = 0;
-        for [end, _, len] in &mut *chunks {
-            count += *len;
-            *end = count;
+        for block in 0..blocks {
+            let [_, next, len] = chunks.at(block);
+            let mut chunk = [0, next, len];
+            count += len;
+            while chunk[1] != 0 {
+                chunk = chunks.at(chunk[1] as usize);
+                count += chunk[2];
+            }
+            chunks.put(block, [count, next, len]);
         }
-        let (chunks, staged) = (&*chunks, &**staged);
+        let (chunks, ends, staged) = (&**chunks, chunks.span(0, blocks), &**staged);
         let room = pairs.get_mut(from as usize..).unwrap_or_default();
         let fitting = room.len().min(count as usize);
-        let room = Chunks::new(room.span_mut(0, fitting), MERGED);
-        each(executor, self.sizes.workers, room, |block, room| gather(chunks, staged, block * MERGED, room));
+        each(executor, self.sizes.workers, Chunks::new(room.span_mut(0, fitting), MERGED), |at, mut room| {
+            let mut skip = at * MERGED;
+            let first = ends.partition_point(|[end, ..]| *end as usize <= skip);
+            skip -= ends.span(0, first).last().map_or(0, |[end, ..]| *end as usize);
+            let (mut block, mut chunk) = (first, first);
+            while !room.is_empty() {
+                let [_, next, len] = chunks.at(chunk).map(|number| number as usize);
+                let (skipped, count) = (skip.min(len), room.len().min(len - skip.min(len)));
+                let (now, later) = room.split_at_mut_checked(count).unwrap_or_default();
+                now.copy_in(staged.span(chunk * CHUNK + skipped, count));
+                block += usize::from(next == 0);
+                (room, skip, chunk) = (later, skip - skipped, if next == 0 { block } else { next });
+            }
+        });
         from + u64::from(count)
-    }
-}
-
-/// Fills `room` with the pairs from number `from` on. `chunks`: each one's end, position, length.
-fn gather<I: Index>(chunks: &[[u32; 3]], staged: &[Pair<I>], mut from: usize, mut room: &mut [Pair<I>]) {
-    let first = chunks.partition_point(|chunk| chunk[0] as usize <= from);
-    for [end, index, len] in chunks.iter().skip(first).map(|chunk| chunk.map(|number| number as usize)) {
-        let rest = (end - from).min(room.len());
-        let (now, later) = core::mem::take(&mut room).split_at_mut_checked(rest).unwrap_or_default();
-        now.copy_in(staged.span(index * CHUNK + len - (end - from), rest));
-        (from, room) = (from + rest, later);
-        if room.is_empty() {
-            return;
-        }
     }
 }

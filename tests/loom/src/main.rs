@@ -77,7 +77,7 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         assert_eq!((*block, pair.len()), (at, if at + 1 == blocks { 1 } else { 2 }));
         assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
     }
-    assert_eq!(claims.claimed(), blocks);
+    assert!(claims.claim().is_none());
 }
 
 /// Every part of all shares is claimed once, by one, also by workers that begin in one share.
@@ -140,28 +140,30 @@ fn an_offer_ends_when_all_who_came_have_left(helpers: usize, jobs: usize) {
     assert_eq!(calls, jobs + came);
 }
 
-/// How a sweep collects pairs: blocks by index, two areas of scratch, chunks of output as they fill, put in order at the
-/// end. Block `b` has `b % 3` chunks of pairs. With fewer chunks than that, everybody notices. Who finds no area leaves the
-/// work to those that have one.
+/// How a sweep collects pairs: blocks with a chunk of output each, two areas of scratch, more chunks as they fill, linked in
+/// order. Block `b` fills `b % 3` chunks beyond its own. With fewer chunks than that, everybody notices. Who finds no area
+/// leaves the work to those that have one.
 fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let chunks_of = |block: usize| block % 3;
     let needed: usize = (0..blocks).map(chunks_of).sum();
-    let next = leak(BlockQueue::new(blocks));
+    let next = leak(BlockQueue::new(Chunks::new(items(blocks), 1)));
     let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1)));
     let areas = leak(BlockQueue::new(Chunks::new(items(2), 1)));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
         let (_, area) = areas.claim()?;
         let mut filled: Vec<([usize; 2], Part)> = Vec::new();
-        while let Some((block, ())) = next.claim() {
+        while let Some((block, first)) = next.claim() {
             add(&area[0], 1);
-            for number in 0..chunks_of(block) {
-                let Some((index, chunk)) = output.claim() else {
+            add(&first[0], 10 * block as u32);
+            filled.push(([block, 0], first));
+            for number in 1..=chunks_of(block) {
+                let Some((_, chunk)) = output.claim() else {
                     full.store(true, Relaxed);
                     break;
                 };
                 add(&chunk[0], (10 * block + number) as u32);
-                filled.push(([block, index], chunk));
+                filled.push(([block, number], chunk));
             }
         }
         Some((area[0].get(), filled))
@@ -169,13 +171,13 @@ fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let (swept, filled): (Vec<u32>, Vec<_>) = fork_join(width, job).into_iter().flatten().unzip();
     let mut all: Vec<_> = filled.into_iter().flatten().collect();
     assert_eq!(full.load(Relaxed), chunks < needed);
-    assert_eq!((output.claimed(), all.len()), (needed.min(chunks), needed.min(chunks)));
+    assert_eq!(all.len(), blocks + needed.min(chunks));
     assert_eq!(swept.iter().sum::<u32>() as usize, blocks, "every block is swept once");
     if chunks >= needed {
         all.sort_unstable_by_key(|&(entry, _)| entry);
         let merged: Vec<u32> = all.iter().map(|(_, chunk)| chunk[0].get()).collect();
         let serial =
-            (0..blocks).flat_map(|block| (0..chunks_of(block)).map(move |n| (10 * block + n) as u32));
+            (0..blocks).flat_map(|block| (0..=chunks_of(block)).map(move |n| (10 * block + n) as u32));
         assert_eq!(merged, serial.collect::<Vec<_>>());
     }
 }
