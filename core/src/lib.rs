@@ -55,12 +55,12 @@ pub use object::Object;
 pub use parallel::executor::{Executor, Serial, Stage};
 pub use query::{Among, Cast, Hit, Planes, Region, Side, Volume};
 pub use simd::kernels::Kernels;
+#[doc(hidden)]
+pub use sort::heapsort;
 #[cfg(feature = "validate")]
 pub use {parallel::block_queue::before_claims, snapshot::check::Invalid};
 
-pub use world::{InlineWorld, Inserted};
-pub use world::{LeafView, PlaneView};
-pub use world::{Step, Stepper, World};
+pub use world::{InlineWorld, Inserted, LeafView, PlaneView, Step, Stepper, World};
 
 #[doc = include_str!("../ARCHITECTURE.md")]
 #[cfg(doc)]

@@ -4,7 +4,7 @@ use crate::access::Access;
 
 /// Sorts items by a total order. O(n log n).
 #[inline(never)]
-pub(crate) fn heapsort<T: Copy + Default>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
+pub fn heapsort<T: Copy + Default>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
     for root in (0..items.len() / 2).rev() {
         sift_down(items, root, &precedes);
     }

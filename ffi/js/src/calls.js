@@ -143,6 +143,12 @@ export class Calls {
     return this.argument;
   }
 
+  /** Writes one id for a call of many, so that the module has no other one. */
+  one(id) {
+    this.memory.view.setBigUint64(this.answer, checkId(id), true);
+    return this.answer;
+  }
+
   /** Writes ids for a call. */
   ids(ids) {
     if (ids.buffer !== this.memory.buffer) {

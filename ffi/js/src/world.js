@@ -158,7 +158,7 @@ export class World {
   }
 
   remove(id) {
-    this.#calls.check(this.#module.trisap_world_remove(this.#world, checkId(id)), "remove", id);
+    this.#calls.check(this.#module.trisap_world_remove_many(this.#world, this.#calls.one(id), 1), "remove", id);
   }
 
   removeMany(ids) {
@@ -240,7 +240,8 @@ export class World {
   setFilter(id, filter = {}) {
     const calls = this.#calls;
     calls.filter(calls.argument, filter);
-    calls.check(this.#module.trisap_world_set_filter(this.#world, checkId(id), calls.argument), "setFilter", id);
+    const status = this.#module.trisap_world_set_filter_many(this.#world, calls.one(id), calls.argument, 0, 1);
+    calls.check(status, "setFilter", id);
   }
 
   setFilters(ids, filters) {
@@ -270,7 +271,10 @@ export class World {
   }
 
   setValue(id, value) {
-    this.#calls.check(this.#module.trisap_world_set_value(this.#world, checkId(id), value), "setValue", id);
+    const calls = this.#calls;
+    const at = calls.one(id);
+    calls.memory.view.setBigUint64(calls.argument, value, true);
+    calls.check(this.#module.trisap_world_set_value_many(this.#world, at, calls.argument, 8, 1), "setValue", id);
   }
 
   setValues(ids, values) {
@@ -286,7 +290,7 @@ export class World {
 
   value(id) {
     const calls = this.#calls;
-    calls.check(this.#module.trisap_world_value(this.#world, checkId(id), calls.out), "value", id);
+    calls.check(this.#module.trisap_world_values(this.#world, calls.one(id), 8, 1, calls.out), "value", id);
     return calls.id(calls.out);
   }
 
