@@ -196,19 +196,19 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1485),
+    ("", 1486),
     ("geometry", 1206),
     ("lists", 67),
-    ("memory", 1848),
-    ("objects", 613),
+    ("memory", 1853),
+    ("objects", 594),
     ("pairs", 547),
     ("parallel", 475),
     ("query", 1276),
-    ("simd", 2182),
+    ("simd", 2186),
     ("snapshot", 583),
-    ("step", 598),
+    ("step", 610),
     ("sweep", 1370),
-    ("tree", 2167),
+    ("tree", 2169),
     ("validate", 379),
     ("world", 1694),
 ];

@@ -70,7 +70,7 @@ fn ingest_blocks<I: Index>(
     slots: usize,
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let ((predicted, renews), len) = (parts.fat_boxes(), block_len(slots));
+    let ((predicted, renews, regrows), len) = (parts.fat_boxes(), block_len(slots));
     let reports_margins = reports_margins(parts.config());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
@@ -87,7 +87,7 @@ fn ingest_blocks<I: Index>(
         let first = block * len;
         let margins = margins.get(first..).unwrap_or_default();
         let motions = Motions::default();
-        let fat = FatBoxes { boxes: fat, margins, reports_margins, predicted, renews, motions };
+        let fat = FatBoxes { boxes: fat, margins, reports_margins, predicted, renews, regrows, motions };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
         let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };
@@ -158,7 +158,7 @@ fn take_in<S: Simd, const EVENTS: bool>(
         for at in bits::of_word(!skipped & u32::MAX >> (32 - count)).map(|bit| word * 32 + bit) {
             match bounds.get(first + at).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
                 _ if objects.now.at(at).is_empty() => {}
-                Some(bounds) => objects.follow(at, bounds, false),
+                Some(bounds) => objects.follow(at, bounds),
                 None => intake.reject(first + at),
             }
         }
@@ -227,29 +227,26 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
         if skipped >> first & 0b1111 != 0 {
             continue;
         }
-        let mut new = [KeyBox::EMPTY; 4];
-        let given = if GIVEN { given.get_mut(four) } else { None };
-        let last = given.as_deref().unwrap_or(old);
+        let (mut new, mut came) = ([KeyBox::EMPTY; 4], None);
         // In most steps all stay in their fat boxes, or in a fat world in the boxes that are reported.
-        let held = if !FAT || fat.renews {
-            None
-        } else if given.is_some() {
-            Some(&*old)
-        } else {
-            fat.boxes.get(word + first..).and_then(|held| held.first_chunk())
-        };
-        let Some((mut others, quiet)) = simd.encode_four(boxes, held, last, &mut new) else { continue };
-        taken |= 0b1111 << first;
-        let mut from = None;
-        if let Some(given) = given {
-            let last = core::mem::replace(given, new);
+        let (others, quiet) = if GIVEN && let Some(given) = given.get_mut(four) {
+            let (last, held) = (*given, if fat.regrows { None } else { Some(&*old) });
+            let Some((_, quiet)) = simd.encode_four(boxes, held, old, given) else { continue };
+            taken |= 0b1111 << first;
             if quiet {
                 continue;
             }
-            let came;
-            (others, came) = fat.report(word + first, old, &last, &mut new, others);
-            from = Some(came);
-        }
+            new = *given;
+            let (others, from) = fat.report(word + first, old, &last, &mut new);
+            came = Some(from);
+            (others, quiet)
+        } else {
+            let held = if FAT && !fat.renews { fat.boxes.get(word + first..) } else { None };
+            let held = held.and_then(|held| held.first_chunk());
+            let Some(encoded) = simd.encode_four(boxes, held, old, &mut new) else { continue };
+            taken |= 0b1111 << first;
+            encoded
+        };
         let unkept = others & !(kept >> first);
         if unkept == 0b1111
             && let Some(before) = before.get_mut(four)
@@ -262,7 +259,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
             fat.motions.moved_inside_margin |= others != 0;
             contained |= others << first;
         } else if FAT {
-            contained |= fat.follow(word + first, from.as_ref().unwrap_or(old), &new, others) << first;
+            contained |= fat.follow(word + first, came.as_ref().unwrap_or(old), &new, others) << first;
         }
         *old = new;
         changed |= others << first;

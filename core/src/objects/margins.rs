@@ -20,6 +20,8 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) predicted: bool,
     /// Whether each new box gets a new fat box.
     pub(crate) renews: bool,
+    /// Whether it gets a new one that is reported, too, if that stays in its fat box.
+    pub(crate) regrows: bool,
     pub(crate) motions: Motions,
 }
 
@@ -38,7 +40,7 @@ impl FatBoxes<'_> {
         FAT && !self.boxes.is_empty()
     }
 
-    fn margins<const N: usize>(&self, at: usize) -> [f32; N] {
+    pub(crate) fn margins<const N: usize>(&self, at: usize) -> [f32; N] {
         let margins = self.margins.get(at..).and_then(|margins| margins.first_chunk());
         margins.copied().unwrap_or([0.0; N])
     }
@@ -48,15 +50,9 @@ impl FatBoxes<'_> {
         if self.reports_margins { [0.0; N] } else { self.margins(at) }
     }
 
-    /// In a fat world: a box as it is reported.
-    pub(crate) fn grown(&self, at: usize, bounds: &KeyBox) -> KeyBox {
-        let [margin] = self.margins(at);
-        bounds.grown(margin)
-    }
-
     /// In a fat world: makes of the boxes given to some objects, `new`, what these are reported as, who were
-    /// reported as `old` and given `last`. Returns whose bit is set among `others` and who are reported as or
-    /// get anything else, and from where their reported boxes have come.
+    /// reported as `old` and given `last`. Returns who are reported as or get anything else, a bit each, and
+    /// from where their reported boxes have come.
     #[inline(always)]
     pub(crate) fn report<const N: usize>(
         &mut self,
@@ -64,15 +60,18 @@ impl FatBoxes<'_> {
         old: &[KeyBox; N],
         last: &[KeyBox; N],
         new: &mut [KeyBox; N],
-        others: u32,
     ) -> (u32, [KeyBox; N]) {
         let given = core::mem::replace(new, *old);
         let grown = KeyBox::grown_by(&given, self.margins(at));
-        let left = others & !held(old, &given);
-        bits::of_word(left).for_each(|bit| new.put(bit, grown.at(bit)));
-        self.motions.outran += left.count_ones();
-        let others = if self.renews { others } else { left };
-        (others, KeyBox::before(new, last, &given))
+        let others = each(last, &given, |last, given| last != given);
+        let mut grows = others & !each(old, &given, KeyBox::contains);
+        self.motions.outran += grows.count_ones();
+        if self.regrows {
+            let fat = self.boxes.get(at..).and_then(|boxes| boxes.first_chunk());
+            grows |= others & fat.map_or(u32::MAX, |fat| each(fat, &grown, KeyBox::contains));
+        }
+        bits::of_word(grows).for_each(|bit| new.put(bit, grown.at(bit)));
+        (if self.renews { others } else { grows }, KeyBox::before(new, last, &given))
     }
 
     /// Makes the fat box of an object whose motion nobody knows.
@@ -102,7 +101,7 @@ impl FatBoxes<'_> {
         let around = self.around(at);
         let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
         let Some(fat) = fat.filter(|_| FAT) else { return 0 };
-        let contained = others & held(fat, new);
+        let contained = others & each(fat, new, KeyBox::contains);
         self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
         let stay = if self.renews { 0 } else { contained };
         self.motions.moved_inside_margin |= stay != 0;
@@ -113,36 +112,22 @@ impl FatBoxes<'_> {
         stay
     }
 
-    /// Whether the box of an object as it is reported in a fat world is far too wide for the one given now.
-    pub(crate) fn is_wide(&self, at: usize, reported: &KeyBox, bounds: &KeyBox) -> bool {
-        let [margin] = self.margins(at);
-        is_wide(reported, bounds, margin)
-    }
-
-    /// Forgets a fat box that has become far too wide for a box, which is to get one around it then.
-    pub(crate) fn forget_wide(&mut self, at: usize, bounds: &KeyBox) {
-        let [around] = self.around(at);
-        if self.exist() && is_wide(&self.boxes.at(at), bounds, around) {
-            self.boxes.put(at, KeyBox::EMPTY);
-        }
+    /// Whether what is around a box, once reported as `old`, is far too wide. No predicted box is at first.
+    pub(crate) fn is_wide(&self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
+        let ([margin], around) = (self.margins(at), self.boxes.get(at).unwrap_or(old));
+        around.largest_extent() > MOST_WIDTH * (bounds.largest_extent() + margin)
     }
 }
 
-/// Which of some boxes are inside others.
+/// A bit for each of some boxes for which something holds.
 #[inline(always)]
-fn held<const N: usize>(boxes: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
-    let each = boxes.iter().zip(inner).enumerate();
-    each.fold(0, |held, (bit, (bounds, inner))| held | u32::from(bounds.contains(inner)) << bit)
+fn each<const N: usize>(a: &[KeyBox; N], b: &[KeyBox; N], holds: impl Fn(&KeyBox, &KeyBox) -> bool) -> u32 {
+    let both = a.iter().zip(b).enumerate();
+    both.fold(0, |bits, (bit, (a, b))| bits | u32::from(holds(a, b)) << bit)
 }
 
-/// A box around another one so many times as wide as that and its margin is far too wide. No predicted one
-/// is at first.
+/// A box around another one so many times as wide as that and its margin is far too wide.
 const MOST_WIDTH: f32 = 16.0;
-
-/// Whether what is around a box is far too wide.
-fn is_wide(around: &KeyBox, bounds: &KeyBox, margin: f32) -> bool {
-    around.largest_extent() > MOST_WIDTH * (bounds.largest_extent() + margin)
-}
 
 /// The most that the size of a box counts, in its smallest sides: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;

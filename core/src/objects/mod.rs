@@ -30,10 +30,11 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// Whether fat boxes are predicted, and whether each new box gets a new one: in worlds with a tree.
-    pub(crate) fn fat_boxes(&self) -> (bool, bool) {
-        let may = !self.sizes.is_small();
-        (may && self.config().predicted, may && self.state.step.renews != 0)
+    /// In worlds with a tree: whether fat boxes are predicted, whether each new box gets a new one, and
+    /// whether it gets a new one that is reported.
+    pub(crate) fn fat_boxes(&self) -> (bool, bool, bool) {
+        let (may, step) = (!self.sizes.is_small(), &self.state.step);
+        (may && self.config().predicted, may && step.renews != 0, may && step.regrows != 0)
     }
 
     /// The box of an object as it was given last.
@@ -44,11 +45,11 @@ impl<I: Index> Parts<'_, I> {
 
     /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
-        let (predicted, renews) = self.fat_boxes();
+        let (predicted, renews, regrows) = self.fat_boxes();
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, motions) = (&*self.boxes.margins, Motions::default());
         let reports_margins = reports_margins(&self.sizes.config);
-        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, motions };
+        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows, motions };
         Objects {
             now: self.boxes.now,
             cut: self.boxes.cut,
@@ -101,33 +102,30 @@ impl Objects<'_> {
         self.changed.set(at);
     }
 
-    /// A new box.
+    /// A new box, given by itself.
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
-        if self.now.at(at).is_empty() {
+        let old = self.now.at(at);
+        if old.is_empty() {
             self.hide(at, bounds);
+        } else if self.fat.is_wide(at, &old, &bounds) {
+            self.anchor(at, bounds);
         } else {
-            self.follow(at, bounds, true);
+            self.follow(at, bounds);
         }
     }
 
-    /// The same for an object that is enabled. What is around the box is made anew also where that has become
-    /// far too wide, if `forgets`.
-    pub(crate) fn follow(&mut self, at: usize, bounds: KeyBox, forgets: bool) {
+    /// A new box of an object that is enabled.
+    pub(crate) fn follow(&mut self, at: usize, bounds: KeyBox) {
         let old = self.now.at(at);
         let (mut new, mut from, mut others) = ([bounds], [old], u32::from(bounds != old));
         if self.is_fat() {
             let last = self.given.at(at);
             self.given.put(at, bounds);
-            let wide = forgets && self.fat.is_wide(at, &old, &bounds);
-            let held = if wide { KeyBox::EMPTY } else { old };
-            (others, from) = self.fat.report(at, &[held], &[last], &mut new, u32::from(bounds != last));
+            (others, from) = self.fat.report(at, &[old], &[last], &mut new);
         }
         if others != 0 {
             self.keep(at);
             self.now.put(at, new.at(0));
-            if forgets {
-                self.fat.forget_wide(at, &new.at(0));
-            }
             let contained = self.fat.follow_apart(at, &from.at(0), &new.at(0));
             self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
         }
@@ -142,7 +140,8 @@ impl Objects<'_> {
     fn place(&mut self, at: usize, mut bounds: KeyBox) {
         if self.is_fat() {
             self.given.put(at, bounds);
-            bounds = self.fat.grown(at, &bounds);
+            let [margin] = self.fat.margins(at);
+            bounds = bounds.grown(margin);
         }
         self.now.put(at, bounds);
         self.fat.anchor(at, &bounds);

@@ -92,8 +92,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
     /// The keys of four boxes: bit `k` where box `k` is another one than `old[k]`, and whether each is inside
-    /// `held[k]`. `None` where one of them is bad or one of the old ones empty; the new keys mean nothing
-    /// then.
+    /// `held[k]`. `None` where one of them is bad or one of the old ones empty: nothing is written then.
     #[inline(always)]
     fn encode_four(
         self,

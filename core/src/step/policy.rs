@@ -33,8 +33,9 @@ pub(super) const SCAN_EVERY: u8 = 8;
 /// Pairs that are sampled to tell how many stay.
 const PAIR_SAMPLE: usize = 256;
 
-/// After this many steps with few movers leaves are divided, since the next steps probably have few, too.
-const CALM: u8 = 2;
+/// After this many steps with few movers leaves are divided, since the next steps probably have few, too; or
+/// after as many as there were before the last full step, where such a step comes again and again.
+const CALM: [u8; 2] = [2, 16];
 
 /// A full step, in the unit of these costs; what new fat boxes cost beyond a quiet step; a quiet step.
 const FULL: u64 = 64;
@@ -42,6 +43,8 @@ const RENEWAL: u64 = 112;
 const QUIET: u64 = 20;
 /// About so many objects tell what all do.
 const SAMPLE: usize = 64;
+/// In a fat world all boxes that are reported are made anew where one in this many is left.
+const REGROWN_SHARE: u64 = 16;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
 /// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
@@ -66,7 +69,7 @@ fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
 }
 
 /// Whether fat boxes are in use that steps may make anew.
-fn renews<I: Index>(parts: &Parts<'_, I>) -> bool {
+fn may_renew<I: Index>(parts: &Parts<'_, I>) -> bool {
     let fixed = parts.config().fixed_margins || parts.config().forced.of(MOVERS_ONLY).is_some();
     let in_use = !parts.boxes.fat.is_empty() && !parts.boxes.tight && !parts.sizes.is_small();
     in_use && !fixed && parts.state.tree.filled == 1
@@ -78,23 +81,31 @@ fn estimate(slots: usize, holds: impl FnMut(&usize) -> bool) -> u64 {
     ((0..slots).step_by(each).filter(holds).count() * each) as u64
 }
 
-/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs.
+/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs; or,
+/// in a fat world, all that are reported, so that these are left in the same steps.
 pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
-    let age = parts.state.step.age.saturating_add(1);
-    if parts.state.step.renews != 0 || !renews(parts) || !pays(&parts.state.step, age, 0) {
-        return;
-    }
+    let BoxParts { now, fat, margins, .. } = &parts.boxes;
+    let reports = reports_margins(parts.config()) && !parts.sizes.is_small();
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
-    let reports = reports_margins(parts.config());
-    let moved = estimate(slots, |&slot| {
-        let (held, now) = (parts.boxes.fat.at(slot), parts.boxes.now.at(slot));
-        let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
-        let leaves = |new: KeyBox| !reports || !now.contains(&new);
-        let around = |new: &KeyBox| if reports { new.grown(parts.boxes.margins.at(slot)) } else { *new };
-        !held.is_empty() && new.is_some_and(|new| leaves(new) && !held.contains(&around(&new)))
-    });
-    let (step, cost) = (&parts.state.step, upkeep(parts.state, moved));
-    parts.state.step.renews = u16::from(is_due(step, age, cost) && pays(step, age, cost));
+    // The new box of an object, if that leaves the box that is reported.
+    let leaves = |slot: &usize| {
+        let new = bounds.get(*slot).and_then(|aabb| KeyBox::from_aabb(&aabb))?;
+        let now = now.at(*slot);
+        if now.is_empty() || reports && now.contains(&new) { None } else { Some(new) }
+    };
+    let (step, age) = (&parts.state.step, parts.state.step.age.saturating_add(1));
+    let mut renews = step.renews != 0;
+    let free = reports && !parts.config().fixed_margins;
+    let regrows = free && estimate(slots, |slot| leaves(slot).is_some()) * REGROWN_SHARE >= slots as u64;
+    if !renews && may_renew(parts) && pays(step, age, 0) {
+        let moved = estimate(slots, |slot| {
+            let grown = |new: KeyBox| if reports { new.grown(margins.at(*slot)) } else { new };
+            leaves(slot).is_some_and(|new| !fat.at(*slot).contains(&grown(new)))
+        });
+        let cost = upkeep(parts.state, moved);
+        renews = is_due(step, age, cost) && pays(step, age, cost);
+    }
+    (parts.state.step.renews, parts.state.step.regrows) = (u8::from(renews), u8::from(renews | regrows));
 }
 
 /// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
@@ -107,10 +118,11 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let crowded = swept.saturating_sub(reported) > CROWD * live + reported;
     let cost = if crowded { FULL } else { upkeep(parts.state, u64::from(moved)) };
     // Without leaves of the last step all objects count as moved.
-    let is_known = renews(parts);
+    let is_known = may_renew(parts);
     parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
     let new = step.renews != 0;
+    (step.renews, step.regrows) = (0, 0);
     if step.margins_in > TRIAL {
         step.margins_in -= 1;
     } else if step.margins_in > 0 {
@@ -120,7 +132,6 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
         }
     } else {
         (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
-        step.renews = 0;
         if !is_known || new || cost == 0 {
             return false;
         }
@@ -131,7 +142,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
             pause(parts);
             return true;
         }
-        step.renews = u16::from(due);
+        step.renews = u8::from(due);
         step.spent = step.spent.saturating_add(cost as u16);
     }
     false
@@ -149,7 +160,7 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
     if steps == 0 {
         (parts.state.step.age, parts.state.step.spent) = (parts.state.objects.slots, 0);
     }
-    let ((predicted, _), sweeps_margins) = (parts.fat_boxes(), sweeps_margins(parts.config()));
+    let ((predicted, ..), sweeps_margins) = (parts.fat_boxes(), sweeps_margins(parts.config()));
     let BoxParts { now, fat, given, margins, tight, .. } = &mut parts.boxes;
     let left = estimate(parts.state.step.age as usize, |&slot| {
         let (now, old) = (now.at(slot), fat.at(slot));
@@ -282,14 +293,15 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
+    let StepState { was_calm, renews, .. } = parts.state.step;
     let (few, due) = match parts.config().forced.of(FINE_LEAVES) {
         // Nor are there few that move while many do inside their fat boxes: a full step comes next.
-        None => (are_few(parts.state, moved.max(parts.changed.count())), CALM),
+        None => (are_few(parts.state, moved.max(parts.changed.count())), was_calm.clamp(CALM[0], CALM[1])),
         Some(true) => (true, 1),
         Some(false) => return,
     };
     // Leaves of which a full step comes next are not divided.
-    let calm = few && matches!(path, Path::Unchanged | Path::Movers) && parts.state.step.renews == 0;
+    let calm = few && matches!(path, Path::Unchanged | Path::Movers) && renews == 0;
     if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm {
         return;
     }

@@ -150,7 +150,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
 
 /// Goes back to whole leaves, which have to be filled. Returns whether leaves were divided.
 pub(crate) fn merge<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    parts.state.step.calm = 0;
+    let step = &mut parts.state.step;
+    step.was_calm = if step.calm > 0 { step.calm } else { step.was_calm };
+    step.calm = 0;
     if parts.state.tree.subdivided == 0 {
         return false;
     }

@@ -8,7 +8,8 @@ usage: trisap-peers [options] SCENE...
        trisap-peers --table [options] [SCENE...]
 a scene: a recording (FILE.aabbs), or KIND:OBJECTS:COUNT for a synthetic one, as in brownian:cubes:32000
 (kinds: brownian, freefall, gravity; objects: cubes, assorted), or SCENE:COUNT
-for one of those of games, as in town:28000 (`trisap run --help` lists them)
+for one of those of games, as in town:28000 (`trisap run --help` lists them), or speed:EDGES:COUNT for cubes that go on
+by so many of their edges a frame
   --kernels auto|NAME   the level that trisap uses (scalar, avx2, ...); auto: the best of this CPU
   --events auto|on|off  whether trisap tells found and lost pairs; auto: against peers that do
   --margin SHARE        the margin of trisap's objects as a share of their extent, in exact mode; by default none

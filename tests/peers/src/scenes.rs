@@ -4,7 +4,7 @@ use crate::recording::Padded;
 use std::{fs, io, path::Path};
 use trisap::{
     Aabb,
-    scene::{Kind, Objects, Setup, Synthetic, real},
+    scene::{Kind, Objects, Random, Setup, Synthetic, real},
 };
 
 /// Frames before the first one used.
@@ -48,10 +48,13 @@ fn synthetic() -> impl Iterator<Item = String> {
 }
 
 /// The frames of a synthetic scene named `kind:objects:count`, as in `brownian:cubes:32000`, or `kind:count` where it is one of
-/// those of games, as in `ground:1e4:8000`.
+/// those of games, as in `ground:1e4:8000`, or `speed:edges:count`, as in `speed:0.01:8000`.
 pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
     let (scene, count) = scene.rsplit_once(':')?;
     let count = count.parse().ok().filter(|&count| count > 0)?;
+    if let Some(speed) = scene.strip_prefix("speed:") {
+        return Some(going(count, speed.parse().ok()?));
+    }
     if let Some(kind) = real::Kind::by_name(scene) {
         let mut scene = real::Scene::new(real::Setup { kind, count, seed: 1 }).ok()?;
         return Some(settled(count, || {
@@ -67,6 +70,28 @@ pub(crate) fn frames(scene: &str) -> Option<Vec<Vec<Padded>>> {
         scene.advance();
         padded(scene.boxes())
     }))
+}
+
+/// Cubes, each of which goes on in a direction of its own by so many of its edges a frame.
+fn going(count: u32, speed: f32) -> Vec<Vec<Padded>> {
+    let mut scene = Synthetic::new(Setup { kind: Kind::Brownian, objects: Objects::Cubes, count, seed: 1 });
+    scene.advance();
+    let mut random = Random::new(11, 0);
+    let ways: Vec<_> = (scene.boxes().iter())
+        .map(|aabb| {
+            let way = random.in_ball(1.0);
+            let length = way.iter().map(|along| along * along).sum::<f32>().sqrt().max(1e-3);
+            way.map(|along| speed * (aabb.max[0] - aabb.min[0]) * along / length)
+        })
+        .collect();
+    let at = |frame: usize| {
+        let moved = |(aabb, way): (&Aabb, &[f32; 3])| {
+            let by = |side: [f32; 3]| std::array::from_fn(|k| side[k] + frame as f32 * way[k]);
+            Aabb::new(by(aabb.min), by(aabb.max))
+        };
+        padded(&scene.boxes().iter().zip(&ways).map(moved).collect::<Vec<_>>())
+    };
+    (0..frames_used(count)).map(at).collect()
 }
 
 /// The frames that are used of a synthetic scene: falling boxes need some time to meet, and what is sudden in a scene of
@@ -95,7 +120,7 @@ mod tests {
     fn every_scene_of_the_table_can_be_opened() {
         let scenes = all().expect("the folders of the recordings");
         assert!(scenes.len() >= 7 + Kind::ALL.len() + real::Kind::ALL.len());
-        for scene in scenes {
+        for scene in scenes.into_iter().chain(["speed:0.01:800".into()]) {
             let recording = Recording::open(&scene).unwrap_or_else(|error| panic!("{scene}: {error}"));
             assert!(recording.objects > 0 && recording.len() > 1, "{scene}");
         }

@@ -46,16 +46,18 @@ impl State {
         }
     }
 
-    /// The state as a snapshot has it: the objects and the last result, without the tree, lists, fat boxes and surplus,
-    /// and without what belongs to the memory, the build or a test. The next step finds all pairs anew.
+    /// The state as a snapshot has it: the objects and the last result, without the tree, lists, fat boxes
+    /// and surplus, and without what belongs to the memory, the build or a test. The next step finds all
+    /// pairs anew.
     pub(crate) fn portable(&self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
+        let step = StepState { calm: 0, was_calm: 0, kept: 0, margins_in: 0, regrows: 0, ..self.step };
         Self {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
             pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
             // Each object gets a new fat box with its next box.
-            step: StepState { calm: 0, kept: 0, margins_in: 0, renews: 1, age: 0, spent: 0, ..self.step },
+            step: StepState { renews: 1, age: 0, spent: 0, ..step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             stepping: 0,

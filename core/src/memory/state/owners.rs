@@ -192,7 +192,8 @@ pub(crate) struct StepState {
     pub(crate) calm: u8,
     /// Steps until fat boxes are used again; zero where they are.
     pub(crate) margins_in: u8,
-    pub(crate) unused: u8,
+    /// How many calm steps there were before the last full step that came after any.
+    pub(crate) was_calm: u8,
     /// Zero if the next step cannot keep the leaves as they are; else one more than the full steps that have
     /// kept them since all were filled.
     pub(crate) kept: u8,
@@ -201,8 +202,10 @@ pub(crate) struct StepState {
     pub(super) shared: u8,
     /// Whether `f32` was too coarse.
     pub(super) coarse: u8,
-    /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
-    pub(crate) renews: u16,
+    /// Whether each new box gets a new fat box.
+    pub(crate) renews: u8,
+    /// In a fat world: whether it gets a new one that is reported, if that stays in its fat box.
+    pub(crate) regrows: u8,
     /// What the steps since that was so last have cost beyond quiet ones.
     pub(crate) spent: u16,
     /// How many these are; while some try fat boxes, the first slots of which some do.
