@@ -1,6 +1,6 @@
 //! A model of many workers on one thread: what a step would take with as many as one likes, whatever the machine has.
 //!
-//! Each call of a job is a coroutine with a stack of its own. One runs at a time, and each time that it claims a block, the call
+//! Each worker is a coroutine with a stack of its own. One runs at a time, and each time that it claims a block, the worker
 //! that is the least far in its own time goes on. So blocks go to the workers that would get them if all ran at once. Times are
 //! read from a clock of the caller's. All workers share the caches of one processor, and none has to share memory with another.
 //!
@@ -19,10 +19,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use crate::Offer;
 use cpu_time::ThreadTime;
-use generator::Gn;
+use generator::{Generator, Gn};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
+use std::mem::ManuallyDrop;
+use std::sync::{Mutex, PoisonError};
 use trisap_core::{Executor, Stage, before_claims};
 
 /// A clock that only counts while the calling thread runs.
@@ -117,33 +120,18 @@ impl Executor for Workers {
 
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
         self.note_serial();
-        let begin = || {
-            Gn::<()>::new_opt(STACK, || {
-                touch_stack();
-                pause();
-                job();
-            })
+        let Self { wake, clock, asking, .. } = *self;
+        let done = Mutex::new((0, 0, 0));
+        let call = || {
+            if COUNTS.get() {
+                pause(true);
+                return job();
+            }
+            // The caller's own call: all workers are coroutines.
+            *done.lock().unwrap_or_else(PoisonError::into_inner) = take_turns(width, wake, clock, asking);
         };
-        let mut calls: Vec<_> = (0..width).map(|_| begin()).collect();
-        let mut times = vec![self.wake; calls.len()];
-        times[0] = 0;
-        for call in &mut calls {
-            call.resume();
-        }
-        let (mut claims, mut work) = (0, 0);
-        COUNTS.set(true);
-        while let Some(next) = (0..calls.len()).filter(|at| !calls[*at].is_done()).min_by_key(|at| times[*at])
-        {
-            let since = (self.clock)();
-            calls[next].resume();
-            let time = ((self.clock)() - since).saturating_sub(self.asking);
-            times[next] += time;
-            work += time;
-            claims += u64::from(!calls[next].is_done());
-        }
-        COUNTS.set(false);
-        let span = times.iter().copied().max().unwrap_or_default();
-        drop(calls);
+        OFFER.with(|offer| offer.lend(width, &call, || ()));
+        let (claims, work, span) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (stage, since, course) = &mut *self.now.borrow_mut();
         course.jobs.push(Job { stage: *stage, width, claims, work, span });
         *since = (self.clock)();
@@ -158,17 +146,53 @@ impl Executor for Workers {
     }
 }
 
-/// Of a call of a job, in words. It needs less than 16 KiB; more where nothing is optimised.
+/// Has so many workers do the job on offer. Returns how often they claimed, the sum of their times, and the last one's.
+fn take_turns(width: u32, wake: u64, clock: Clock, asking: u64) -> (u64, u64, u64) {
+    let mut workers = WORKERS.take();
+    while workers.len() < width as usize {
+        // They stay for later jobs, as threads do, so their stacks are in the cache; for as long as there is their thread.
+        workers.push(ManuallyDrop::new(Gn::new_opt(STACK, || {
+            touch_stack();
+            loop {
+                OFFER.with(Offer::take_part);
+                pause(false);
+            }
+        })));
+    }
+    COUNTS.set(true);
+    let mut times: Vec<_> = (0..width).map(|worker| (if worker == 0 { 0 } else { wake }, true)).collect();
+    for worker in workers.iter_mut().take(times.len()) {
+        worker.resume();
+    }
+    let (mut claims, mut work) = (0, 0);
+    while let Some(next) =
+        (0..times.len()).filter(|worker| times[*worker].1).min_by_key(|worker| times[*worker].0)
+    {
+        let since = clock();
+        let goes_on = workers[next].resume() == Some(true);
+        let time = (clock() - since).saturating_sub(asking);
+        times[next] = (times[next].0 + time, goes_on);
+        work += time;
+        claims += u64::from(goes_on);
+    }
+    COUNTS.set(false);
+    WORKERS.set(workers);
+    (claims, work, times.iter().map(|(time, _)| *time).max().unwrap_or_default())
+}
+
+/// Of a worker, in words. It needs less than 16 KiB; more where nothing is optimised.
 const STACK: usize = 0x4000;
 
-/// The pages that a call will need are there before its time is taken.
+/// The pages that a worker will need are there before its time is taken.
 #[inline(never)]
 fn touch_stack() {
     black_box(&mut [0u8; 16 << 10]);
 }
 
 thread_local! {
-    /// Whether this thread is in one of the calls of a job.
+    static OFFER: Offer = Offer::new();
+    static WORKERS: RefCell<Vec<ManuallyDrop<Generator<'static, (), bool>>>> = const { RefCell::new(Vec::new()) };
+    /// Whether this thread is one of the workers.
     static COUNTS: Cell<bool> = const { Cell::new(false) };
     static CLAIMED: Cell<u64> = const { Cell::new(0) };
 }
@@ -188,13 +212,13 @@ pub fn nanoseconds() -> u64 {
 fn claim() {
     CLAIMED.set(CLAIMED.get() + 1);
     if COUNTS.get() {
-        pause();
+        pause(true);
     }
 }
 
-/// Ends the turn of the call that this is in.
+/// Ends the turn of the worker that this is in, which goes on with its call or has ended it.
 // Where blocks are claimed no scope of the generator is at hand.
 #[expect(deprecated)]
-fn pause() {
-    generator::yield_with(());
+fn pause(goes_on: bool) {
+    generator::yield_with(goes_on);
 }

@@ -3,8 +3,12 @@
 use crate::args::EngineArgs;
 use anyhow::{Context, Result, anyhow};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::cell::{Cell, RefCell};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::thread;
+use std::time::Instant;
 use trisap::model::{Workers, nanoseconds};
-use trisap::{Executor, Kernels, Rayon, Serial};
+use trisap::{Executor, Kernels, Rayon, Serial, Stage};
 
 /// What to step with.
 pub(crate) struct Engine {
@@ -13,10 +17,12 @@ pub(crate) struct Engine {
     pool: Option<ThreadPool>,
     /// Modelled workers, in place of threads.
     pub(crate) model: Option<Workers>,
+    /// How many nanoseconds after the caller another thread began with the first job of each step, and with later ones.
+    pub(crate) begins: RefCell<[Vec<f64>; 2]>,
 }
 
-/// Nanoseconds after a job is on offer until other workers than the caller begin, in models.
-pub(crate) const WAKE: u64 = 2_000;
+/// Nanoseconds after a job is on offer until other workers than the caller begin, in models: as threads do that are awake.
+pub(crate) const WAKE: u64 = 1_000;
 
 impl Engine {
     pub(crate) fn new(args: &EngineArgs) -> Result<Self> {
@@ -28,13 +34,15 @@ impl Engine {
                 Some(pool.context("cannot start threads")?)
             }
         };
-        Ok(Self { kernels: kernels(&args.kernels)?, threads: args.threads, pool, model: None })
+        let begins = RefCell::default();
+        Ok(Self { kernels: kernels(&args.kernels)?, threads: args.threads, pool, model: None, begins })
     }
 
     /// A model of so many workers.
     pub(crate) fn modelled(args: &EngineArgs, workers: u32) -> Result<Self> {
         let model = Some(Workers::new(workers, WAKE, nanoseconds));
-        Ok(Self { kernels: kernels(&args.kernels)?, threads: workers, pool: None, model })
+        let begins = RefCell::default();
+        Ok(Self { kernels: kernels(&args.kernels)?, threads: workers, pool: None, model, begins })
     }
 
     /// Calls `f` with an executor of as many workers as threads were asked for.
@@ -42,8 +50,45 @@ impl Engine {
         match (&self.model, &self.pool) {
             (Some(model), _) => f(model),
             (None, None) => f(&Serial),
-            (None, Some(pool)) => f(&Rayon::in_pool(pool)),
+            (None, Some(pool)) => {
+                let executor = Rayon::in_pool(pool);
+                f(&Noted { executor, begins: &self.begins, is_first: Cell::new(true) })
+            }
         }
+    }
+}
+
+/// Notes when other threads begin.
+struct Noted<'e> {
+    executor: Rayon<'e>,
+    begins: &'e RefCell<[Vec<f64>; 2]>,
+    /// The step has had no job yet.
+    is_first: Cell<bool>,
+}
+
+impl Executor for Noted<'_> {
+    fn workers(&self) -> u32 {
+        self.executor.workers()
+    }
+
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        let (begun, caller) = (Instant::now(), thread::current().id());
+        let other = AtomicU64::new(u64::MAX);
+        self.executor.fork_join(width, &|| {
+            if thread::current().id() != caller {
+                other.fetch_min(begun.elapsed().as_nanos() as u64, Relaxed);
+            }
+            job();
+        });
+        let (is_first, other) = (self.is_first.replace(false), other.into_inner());
+        if other != u64::MAX {
+            self.begins.borrow_mut()[usize::from(!is_first)].push(other as f64);
+        }
+    }
+
+    fn enter(&self, stage: Stage) {
+        self.is_first.set(self.is_first.get() || stage == Stage::Done);
+        self.executor.enter(stage);
     }
 }
 

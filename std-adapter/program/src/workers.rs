@@ -94,16 +94,18 @@ pub(crate) fn print(source: &mut Source, mut config: Config, args: &EngineArgs, 
         }
     }
     let (mut real, mut modelled) = (Vec::new(), Vec::new());
+    let mut begins = [Vec::new(), Vec::new()];
     for _ in 0..ROUNDS {
-        let mut one_and_two = |engine: [Engine; 2]| -> Result<(f64, Vec<Course>)> {
-            let [one, two] = &engine;
+        let mut one_and_two = |[one, two]: &[Engine; 2]| -> Result<(f64, Vec<Course>)> {
             let alone = steps(source, &mut config, one)?;
             let both = steps(source, &mut config, two)?;
             Ok((median(&alone.times) / median(&both.times), [alone.courses, both.courses].concat()))
         };
         let threads = |threads| Engine::new(&EngineArgs { threads, kernels: args.kernels.clone() });
-        real.push(one_and_two([threads(1)?, threads(2)?])?.0);
-        let (_, courses) = one_and_two([Engine::modelled(args, 1)?, Engine::modelled(args, 2)?])?;
+        let real_threads = [threads(1)?, threads(2)?];
+        real.push(one_and_two(&real_threads)?.0);
+        begins.iter_mut().zip(real_threads[1].begins.take()).for_each(|(all, these)| all.extend(these));
+        let (_, courses) = one_and_two(&[Engine::modelled(args, 1)?, Engine::modelled(args, 2)?])?;
         let (one, two) = courses.split_at(courses.len() / 2);
         modelled.push(milliseconds(one, Course::length) / milliseconds(two, Course::length));
     }
@@ -113,6 +115,16 @@ pub(crate) fn print(source: &mut Source, mut config: Config, args: &EngineArgs, 
         "two workers, {ROUNDS} times in turn: threads {real:.2} times one, the model {modelled:.2}: {:+.0} %",
         100.0 * (modelled / real - 1.0)
     )?;
+    for (begins, which) in begins.iter_mut().zip(["first job of a step", "later jobs"]) {
+        begins.sort_unstable_by(f64::total_cmp);
+        let at = |part: usize| begins.get(begins.len() * part / 4).map_or(0.0, |begin| begin / 1e3);
+        let (low, middle, high) = (at(1), at(2), at(3));
+        writeln!(
+            out,
+            "the second thread began the {which} {low:.1}, {middle:.1}, {high:.1} us late (quartiles of {})",
+            begins.len()
+        )?;
+    }
     Ok(())
 }
 
