@@ -44,10 +44,10 @@ pub(crate) fn partition<I: Index>(
     context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
         front.fill(to_front(pairs));
     });
-    let border: usize = fronts.iter().sum();
-    let mut all_late = (0..).step_by(len).zip(&fronts).map(|(start, front)| border.max(start)..start + front);
-    let mut late = 0..0;
-    for (start, front) in (0..).step_by(len).zip(&fronts) {
+    let (border, mut late): (usize, _) = (fronts.iter().sum(), 0..0);
+    let starts = || (0..PAIR_BLOCKS).map(|block| block * len).zip(&fronts);
+    let mut all_late = starts().map(|(start, front)| border.max(start)..start + front);
+    for (start, front) in starts() {
         let mut early = start + front..(start + len).min(border);
         while !early.is_empty() {
             while late.is_empty() {

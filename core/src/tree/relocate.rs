@@ -3,9 +3,10 @@
 use super::enclose::expand_ancestors;
 use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
 use super::slack::borrow_slack;
-use super::{Cell, Leaf, Straddler, home_of, large};
+use super::{Cell, Frame, Leaf, Straddler, home_of, large};
 use crate::access::Access;
 use crate::filter::offer;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
@@ -28,9 +29,9 @@ pub(crate) fn relocate_all<I: Index>(
     // Workers share the walks down the tree. The records move one by one.
     context.each(Chunks::new(leaves.span_mut(0, count), MOVERS_PER_BLOCK), |block, leaves| {
         for (slot, leaf) in movers.iter().skip(block * MOVERS_PER_BLOCK).zip(leaves) {
-            let (min, home) = (&boxes.at(slot.at()).min, all.at(slot.at()));
-            let holds = |cell: Cell| (0..3).all(|k| (cell.low()[k]..cell.high()[k]).contains(&min[k]));
-            let stays = home < I::LARGE && holds(tree.cells.at(home.at()));
+            let (min, home) = (&KeyBox::of(boxes, slot.at()).min, all.at(slot.at()));
+            let holds = |cell: &Cell| (0..3).all(|k| (cell.low()[k]..cell.high()[k]).contains(&min[k]));
+            let stays = tree.cells.get(home.at()).is_some_and(holds);
             *leaf = if stays { home } else { I::from_slot(home_of(tree, state, min) as u32) };
         }
     });
@@ -50,21 +51,21 @@ fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: us
 #[inline(always)]
 fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, budget: &mut usize) -> bool {
     let (slot, leaf) = (parts.order[1].at(index).at(), parts.order[2].at(index));
-    let bounds = parts.boxes.swept().at(slot);
+    let bounds = KeyBox::of(parts.boxes.swept(), slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
         withdraw(parts, slot);
         return true;
     }
-    let keys = simd.keys(&bounds);
-    let (stays, leaf) = (leaf == home, leaf.at());
-    let classified = parts.tree.cells.at(leaf).classify(simd, keys);
+    let (stays, leaf, keys) = (leaf == home, leaf.at(), simd.keys(bounds));
+    let classified = parts.tree.cells.get(leaf).unwrap_or(&Cell::NOWHERE).classify(simd, keys);
     if classified.is_large() {
         let mut place = parts.place.at(slot).at();
         if home != I::LARGE {
             withdraw(parts, slot);
             place = parts.state.tree.large as usize;
         }
+        let bounds = parts.boxes.swept().at(slot);
         return large::put(parts, place, Straddler { bounds, slot: slot as u32, long: 0 });
     }
     if !stays {
@@ -82,7 +83,8 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
     let at = parts.tree.leaves.at(leaf).start as usize + parts.place.at(slot).at();
     let sub_levels = parts.state.tree.sub_levels();
     let whole = leaf >> sub_levels;
-    let record = simd.record(&parts.tree.frames.at(whole), keys, slot as u32 | classified.marks());
+    let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
+    let record = simd.record(frame, keys, slot as u32 | classified.marks());
     parts.tree.records.put(at, record);
     if sub_levels > 0
         && let Some(bounds) = parts.tree.bounds.get_mut(leaf)
@@ -92,7 +94,8 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
     }
     // While leaves are not filled, the boxes of nodes are made later.
     let top = if parts.state.tree.filled == 0 { 0 } else { parts.tree.tops.at(whole) as usize };
-    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
+    let bounds = KeyBox::of(parts.boxes.swept(), slot);
+    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, bounds);
     true
 }
 
@@ -103,10 +106,8 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
     let place = parts.place.at(slot).at();
     if home == I::LARGE {
         large::take(parts, place);
-    } else if home != I::NONE {
-        let mut leaf = parts.tree.leaves.at(home.at());
+    } else if let Some(leaf) = parts.tree.leaves.get_mut(home.at()) {
         leaf.len -= 1;
-        parts.tree.leaves.put(home.at(), leaf);
         let last = parts.tree.records.at((leaf.start + leaf.len) as usize);
         parts.tree.records.put(leaf.start as usize + place, last);
         parts.place.put(last.slot() as usize, I::from_slot(place as u32));
@@ -124,8 +125,7 @@ pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> 
     let starts = parts.tree.histogram.span_mut(0, leaves + 2);
     starts.fill(0);
     let [list, movers, homes] = &mut parts.order;
-    let movers = movers.span(0, count);
-    let all = &*parts.home;
+    let (movers, all) = (movers.span(0, count), &*parts.home);
     // Removed objects come last.
     let place_of = |home: I| if home == I::NONE { leaves + 1 } else { (home.at() >> coarser).min(leaves) };
     for slot in movers {
