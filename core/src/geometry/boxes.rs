@@ -12,6 +12,8 @@ pub struct Boxes<'a> {
     /// Where the maximum corner ends in an item.
     end: usize,
     count: usize,
+    /// The same boxes, if they are one after another and aligned. Others are read byte by byte.
+    pub(crate) packed: &'a [Aabb],
 }
 
 /// The bytes of three `f32`.
@@ -34,14 +36,16 @@ impl<'a> Boxes<'a> {
     /// Boxes one after another.
     #[must_use]
     pub fn new(boxes: &'a [Aabb]) -> Self {
-        Self { bytes: bytemuck::cast_slice(boxes), stride: 24, end: 24, count: boxes.len() }
+        let bytes = bytemuck::cast_slice(boxes);
+        Self { bytes, stride: 2 * CORNER, end: 2 * CORNER, count: boxes.len(), packed: boxes }
     }
 
     /// Boxes whose corners are padded to four floats, as in SIMD maths libraries and `.aabbs` recordings:
     /// `[min x, y, z, _, max x, y, z, _]`.
     #[must_use]
     pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
-        Self { bytes: bytemuck::cast_slice(boxes), stride: 32, end: 16 + CORNER, count: boxes.len() }
+        let bytes = bytemuck::cast_slice(boxes);
+        Self { bytes, stride: 2 * PADDED, end: PADDED + CORNER, count: boxes.len(), packed: &[] }
     }
 
     /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its
@@ -54,7 +58,9 @@ impl<'a> Boxes<'a> {
             return None;
         }
         let count = bytes.len() / stride + usize::from(bytes.len() % stride >= end);
-        Some(Self { bytes, stride, end, count })
+        let is_packed = stride == 2 * CORNER;
+        let packed = if is_packed { bytemuck::try_cast_slice(bytes).unwrap_or_default() } else { &[] };
+        Some(Self { bytes, stride, end, count, packed })
     }
 
     /// The boxes inside the caller's own items: `Boxes::of(&bodies, |body| &body.aabb)`. `None` if the box is
@@ -101,7 +107,19 @@ impl<'a> Boxes<'a> {
     /// The box at `index`.
     #[must_use]
     pub fn get(&self, index: usize) -> Option<Aabb> {
-        self.first(self.items_from(index))
+        self.packed.get(index).copied().or_else(|| self.apart(index))
+    }
+
+    /// The same, number by number.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn apart(&self, index: usize) -> Option<Aabb> {
+        let item = self.items_from(index).get(..self.end)?;
+        let corner = |b: &[u8; CORNER]| {
+            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
+            [word(0), word(4), word(8)]
+        };
+        Some(Aabb { min: corner(item.first_chunk()?), max: corner(item.last_chunk()?) })
     }
 
     /// All boxes in order.
@@ -140,24 +158,6 @@ impl<'a> Boxes<'a> {
                 Some(Four::Packed(room))
             }
         }
-    }
-
-    /// The first of some items, if it is not cut off.
-    pub(crate) fn first(&self, items: &[u8]) -> Option<Aabb> {
-        // Most are packed, which a small processor then need not look at twice.
-        let (min, max) = match items.first_chunk::<{ 2 * CORNER }>() {
-            Some(both) if self.end == 2 * CORNER => (both.first_chunk()?, both.last_chunk()?),
-            _ => {
-                let item = items.get(..self.end)?;
-                (item.first_chunk()?, item.last_chunk()?)
-            }
-        };
-        // Word by word: a copy of twelve bytes would be a call.
-        let corner = |b: &[u8; CORNER]| {
-            let word = |k: usize| f32::from_ne_bytes([b[k], b[k + 1], b[k + 2], b[k + 3]]);
-            [word(0), word(4), word(8)]
-        };
-        Some(Aabb { min: corner(min), max: corner(max) })
     }
 }
 

@@ -5,6 +5,7 @@
 //! mapping is one to one, except that -0.0 becomes 0.0.
 
 use crate::access::note_fault;
+use crate::config::TREE;
 use bytemuck::{Pod, Zeroable};
 
 /// The key of +infinity, the largest that a box can hold.
@@ -221,7 +222,8 @@ impl KeyBox {
             let turned = |key: i32| (key ^ sign).wrapping_sub(*sign);
             let now = value(turned(*side));
             let step = now - value(turned(*old));
-            let step = if (step >= SHORTEST) & (step <= *most) { step * AHEAD } else { 0.0 };
+            // Only worlds with a tree predict.
+            let step = if TREE & (step >= SHORTEST) & (step <= *most) { step * AHEAD } else { 0.0 };
             let to = now + (step + around);
             // Infinite sides stay, and so does one that rounding would move inwards.
             let to = key(if to < f32::MAX { to } else { f32::MAX }).max(turned(*side));

@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS as HAS_EVENTS, MARGINS, TREE};
+use crate::config::{EVENTS, MARGINS};
 use crate::geometry::boxes::{Boxes, CORNER};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -112,11 +112,7 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
         if objects.resting.get(word) == Some(&u32::MAX) {
             continue;
         }
-        if !HAS_EVENTS || objects.before.is_empty() {
-            take_in::<S, false>(simd, first, bounds, &mut objects, word, &mut intake);
-        } else {
-            take_in::<S, true>(simd, first, bounds, &mut objects, word, &mut intake);
-        }
+        take_in(simd, first, bounds, &mut objects, word, &mut intake);
     }
     intake.motions = objects.fat.motions;
     intake
@@ -124,7 +120,7 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
 
 /// Takes in the boxes of the slots of a word of the bit sets, but for resting ones.
 #[inline(always)]
-fn take_in<S: Simd, const EVENTS: bool>(
+fn take_in<S: Simd>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
@@ -137,63 +133,68 @@ fn take_in<S: Simd, const EVENTS: bool>(
     // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to
     // compare a box.
     let (mut changed, mut contained, is_fat) = (0u32, 0u32, objects.is_fat());
+    let (has_fat, has_events) = (objects.fat.exist(), EVENTS && !objects.before.is_empty());
     if S::ENCODES_FOUR {
         // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network;
         // and some for worlds with fat boxes and fat worlds, so that others pay nothing for them.
-        let (has_fat, of) = (objects.fat.exist(), &mut *objects);
+        let of = &mut *objects;
         let (taken, others, stay) = if MARGINS && (cfg!(target_family = "wasm") || is_fat) {
             call!(simd, take_in_fours::<S, true, true, true>(simd, first, bounds, of, word))
         } else if cfg!(target_family = "wasm") || has_fat {
             call!(simd, take_in_fours::<S, true, true, false>(simd, first, bounds, of, word))
+        } else if has_events {
+            take_in_fours::<S, true, false, false>(simd, first, bounds, of, word)
         } else {
-            take_in_fours::<S, EVENTS, false, false>(simd, first, bounds, of, word)
+            take_in_fours::<S, false, false, false>(simd, first, bounds, of, word)
         };
         if taken == u32::MAX >> (32 - count) {
             return objects.note(word, others, stay);
         }
         (skipped, changed, contained) = (skipped | taken, others, stay);
     }
-    if is_fat || !TREE && objects.fat.exist() {
-        objects.note(word, changed, contained);
-        for at in bits::of_word(!skipped & u32::MAX >> (32 - count)).map(|bit| word * 32 + bit) {
-            match bounds.get(first + at).and_then(|aabb| KeyBox::from_aabb(&aabb)) {
-                _ if objects.now.at(at).is_empty() => {}
-                Some(bounds) => objects.follow(at, bounds),
-                None => intake.reject(first + at),
-            }
-        }
-        return;
-    }
-    let Objects { fat, before, changed: kept, .. } = objects;
+    let at = word * 32;
+    // By themselves, as what a call is lent is not in registers.
+    let mut fat = FatBoxes { boxes: &mut *objects.fat.boxes, ..objects.fat };
+    let Objects { now, given, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
-    let kept = if EVENTS { kept.words.at(word) } else { u32::MAX };
-    let (now, before) =
-        (objects.now.span_mut(word * 32, count), before.get_mut(word * 32..).unwrap_or_default());
-    let mut items = bounds.items_from(first + word * 32);
-    for (bit, old) in (0..32).zip(now) {
-        let (item, this) = (items, 1u32 << bit);
-        items = bounds.items_after(1, items);
+    let unkept = if has_events { !kept.words.at(word) } else { 0 };
+    for (bit, old) in (at..).zip(now.span_mut(at, count)) {
+        let this = 1u32 << (bit % 32);
         if skipped & this != 0 || old.is_empty() {
             continue;
         }
-        let Some(bounds) = bounds.first(item).and_then(|aabb| KeyBox::from_aabb(&aabb)) else {
-            intake.reject(first + word * 32 + bit);
+        let room;
+        let aabb = match bounds.packed.get(first + bit) {
+            Some(aabb) => Some(aabb),
+            None => {
+                room = bounds.apart(first + bit);
+                room.as_ref()
+            }
+        };
+        let Some(new) = aabb.and_then(KeyBox::from_aabb) else {
+            intake.reject(first + bit);
             continue;
         };
-        if bounds.is_same(old) {
+        if new.is_same(old) && !is_fat {
             continue;
         }
-        if EVENTS && kept & this == 0 {
+        if is_fat || has_fat {
+            // In a function of its own, so that the loop stays in registers.
+            let (before, to) = (if unkept & this != 0 { before.get_mut(bit) } else { None }, new);
+            if let Some(stays) = fat.replace(given, bit, old, &to, before) {
+                (changed, contained) = (changed | this, contained | if stays { this } else { 0 });
+            }
+            continue;
+        }
+        if unkept & this != 0 {
             // Number by number: a copy from one slice to another would be a call.
             let ([a, b, c], [d, e, f]) = (old.min, old.max);
             before.put(bit, KeyBox { min: [a, b, c], max: [d, e, f] });
         }
-        if TREE && fat.exist() && fat.follow_apart(word * 32 + bit, old, &bounds) {
-            contained |= this;
-        }
-        *old = bounds;
+        *old = new;
         changed |= this;
     }
+    objects.fat.motions = fat.motions;
     objects.note(word, changed, contained)
 }
 

@@ -6,7 +6,7 @@
 //! not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
 use crate::access::{Access, bits};
-use crate::config::{FAT, Margin, TREE};
+use crate::config::{EVENTS, FAT, MARGINS, Margin, TREE};
 use crate::geometry::key::KeyBox;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
@@ -82,14 +82,34 @@ impl FatBoxes<'_> {
         }
     }
 
-    /// Gives an object another box, which has come from an old one. Returns whether it stays in its fat box.
-    /// Not inline, so that the loop around it stays in registers.
+    /// Takes in the box given to an object that is reported as `now`: keeps that, if there is a place for it,
+    /// and makes of it what is reported from now on. Returns whether the object stays in its fat box; `None`
+    /// if nothing changes.
     #[inline(never)]
-    pub(crate) fn follow_apart(&mut self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        self.follow(at, &[*old], &[*bounds], 1) != 0
+    pub(crate) fn replace(
+        &mut self,
+        given: &mut [KeyBox],
+        at: usize,
+        now: &mut KeyBox,
+        new: &KeyBox,
+        before: Option<&mut KeyBox>,
+    ) -> Option<bool> {
+        let (mut to, mut from, mut others) = ([*new], [*now], u32::from(!new.is_same(now)));
+        if MARGINS && let Some(given) = given.get_mut(at) {
+            let last = core::mem::replace(given, *new);
+            (others, from) = self.report(at, &[*now], &[last], &mut to);
+        }
+        if others == 0 {
+            return None;
+        }
+        if EVENTS && let Some(before) = before {
+            *before = *now;
+        }
+        [*now] = to;
+        Some(self.follow(at, &from, &to, 1) != 0)
     }
 
-    /// The same for some objects, whose bit is set. Returns who stays in the fat box.
+    /// Gives some objects other boxes, whose bit is set. Returns who stays in the fat box.
     #[inline(always)]
     pub(crate) fn follow<const N: usize>(
         &mut self,

@@ -4,7 +4,7 @@ pub(crate) mod intake;
 pub(crate) mod margins;
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, MARGINS};
+use crate::config::{EVENTS, FAT, MARGINS};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::layout::reports_margins;
@@ -104,30 +104,15 @@ impl Objects<'_> {
 
     /// A new box, given by itself.
     pub(crate) fn accept(&mut self, at: usize, bounds: KeyBox) {
-        let old = self.now.at(at);
-        if old.is_empty() {
-            self.hide(at, bounds);
-        } else if self.fat.is_wide(at, &old, &bounds) {
-            self.anchor(at, bounds);
-        } else {
-            self.follow(at, bounds);
+        let Some(now) = self.now.get_mut(at).filter(|now| !now.is_empty()) else {
+            return self.hide(at, bounds);
+        };
+        if FAT && self.fat.is_wide(at, now, &bounds) {
+            return self.anchor(at, bounds);
         }
-    }
-
-    /// A new box of an object that is enabled.
-    pub(crate) fn follow(&mut self, at: usize, bounds: KeyBox) {
-        let old = self.now.at(at);
-        let (mut new, mut from, mut others) = ([bounds], [old], u32::from(bounds != old));
-        if self.is_fat() {
-            let last = self.given.at(at);
-            self.given.put(at, bounds);
-            (others, from) = self.fat.report(at, &[old], &[last], &mut new);
-        }
-        if others != 0 {
-            self.keep(at);
-            self.now.put(at, new.at(0));
-            let contained = self.fat.follow_apart(at, &from.at(0), &new.at(0));
-            self.note(at / 32, 1 << (at % 32), u32::from(contained) << (at % 32));
+        let before = self.before.get_mut(at).filter(|_| EVENTS && !bits::test(self.changed.words, at));
+        if let Some(stays) = self.fat.replace(self.given, at, now, &bounds, before) {
+            self.note(at / 32, 1 << (at % 32), u32::from(stays) << (at % 32));
         }
     }
 

@@ -293,6 +293,9 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     moved: u32,
     context: StepContext<'_>,
 ) {
+    if parts.sizes.is_small() || parts.state.tree.filled == 0 {
+        return;
+    }
     let StepState { was_calm, renews, .. } = parts.state.step;
     let (few, due) = match parts.config().forced.of(FINE_LEAVES) {
         // Nor are there few that move while many do inside their fat boxes: a full step comes next.
@@ -302,7 +305,7 @@ pub(crate) fn subdivide_when_calm<I: Index>(
     };
     // Leaves of which a full step comes next are not divided.
     let calm = few && matches!(path, Path::Unchanged | Path::Movers) && renews == 0;
-    if parts.sizes.is_small() || parts.state.tree.filled == 0 || !calm {
+    if !calm {
         return;
     }
     parts.state.step.calm = parts.state.step.calm.saturating_add(1);
