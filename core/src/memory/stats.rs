@@ -1,6 +1,5 @@
 //! The statistics of a step: what it did, and why.
 
-use super::scratch::Work;
 use bytemuck::Contiguous;
 
 /// How a step found its pairs.
@@ -123,15 +122,4 @@ pub struct Stats {
     /// before; shift the origin. Steps that fill all leaves look, which is at least one full step in 33;
     /// worlds without a tree look in every eighth step and when objects are new.
     pub coarse_resolution: bool,
-}
-
-/// What a step has done so far.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Progress {
-    /// Pairs of swept boxes, whether they fit or not.
-    pub(crate) pairs: u64,
-    pub(crate) work: Work,
-    pub(crate) leaves: u32,
-    pub(crate) rebalanced: u32,
-    pub(crate) coarse: Option<bool>,
 }

@@ -5,7 +5,7 @@ use crate::access::Access;
 use crate::id::Index;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
-use crate::memory::stats::{Path, Progress, Route};
+use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -19,12 +19,12 @@ use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance};
 
-/// Fills all leaves and sweeps them.
+/// Fills all leaves and sweeps them. Returns how many pairs there are.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, Progress) {
+) -> (Route, u64) {
     let anew = route.path == Path::Rebuilt;
     let kept = if route.path == Path::MoversByLeaf {
         Some(persistent::persistent(parts, context))
@@ -32,20 +32,25 @@ pub(super) fn full<I: Index>(
         persistent::start_over(parts);
         None
     };
-    let arranged = arrange(parts, anew, context);
+    let (coarse, rebalanced) = arrange(parts, anew, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.tree.count;
     let (pairs, work) = sweep(parts, kept, leaves as usize, context);
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
-    let rebalanced = if anew { parts.state.objects.live } else { arranged.rebalanced };
-    (route, Progress { pairs, work, leaves, rebalanced, ..arranged })
+    let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
+    parts.state.step.did(work, leaves, rebalanced, coarse);
+    (route, pairs)
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
-/// tree. Returns what it has done.
-pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: StepContext<'_>) -> Progress {
+/// tree. Returns whether `f32` is too coarse, if it has looked, and how many objects got new planes otherwise.
+pub(super) fn arrange<I: Index>(
+    parts: &mut Parts<'_, I>,
+    anew: bool,
+    context: StepContext<'_>,
+) -> (Option<bool>, u32) {
     let executor = context.executor;
     let was_filled = parts.state.tree.filled != 0;
     executor.enter(Stage::Build);
@@ -71,7 +76,7 @@ pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: S
         parts.state.step.kept = u8::from(few);
     }
     balance::review(parts);
-    Progress { coarse, rebalanced, ..Progress::default() }
+    (coarse, rebalanced)
 }
 
 /// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for pairs of moved objects. Returns

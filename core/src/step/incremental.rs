@@ -5,7 +5,6 @@ use crate::access::Access;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::Parts;
-use crate::memory::stats::Progress;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -18,8 +17,9 @@ use crate::tree::large;
 use crate::tree::refit::refit_some;
 use crate::tree::relocate::{order_movers, relocate_all};
 
-/// Moves the records of moved objects and tests them. `None` if a leaf had no room.
-pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Progress> {
+/// Moves the records of moved objects and tests them. Returns how many pairs there are; `None` if
+/// a leaf had no room.
+pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<u64> {
     parts.state.step.kept = 0;
     let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);
@@ -41,7 +41,8 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
         let filters = pair_filter.as_ref();
         run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, filters, scratch, sink));
     });
-    Some(Progress { pairs, work, leaves, ..Progress::default() })
+    parts.state.step.did(work, leaves, 0, None);
+    Some(pairs)
 }
 
 /// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they

@@ -10,7 +10,6 @@ use crate::lists::links;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::state::{ListState, ObjectState};
-use crate::memory::stats::Progress;
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -18,8 +17,8 @@ use crate::parallel::executor::Stage;
 use crate::sweep::small;
 use crate::tree::assign;
 
-/// Finds all pairs.
-pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Progress {
+/// Finds all pairs. Returns how many there are.
+pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
     let has_list = LISTS && !parts.sizes.is_tiny();
@@ -54,7 +53,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     };
     let coarse = (TREE && looks).then(|| assign::scan_bounds(boxes.iter()).is_coarse(live));
     let work = Work { candidates: found.candidates as u64, spared, ..Work::default() };
-    Progress { pairs: found.pairs as u64, work, leaves: 1, coarse, ..Progress::default() }
+    state.step.did(work, 1, 0, coarse);
+    found.pairs as u64
 }
 
 /// Chooses the axis along which the fewest boxes overlap. O(slots).

@@ -9,30 +9,31 @@ pub(crate) mod policy;
 
 use crate::config::FAT;
 use crate::id::Index;
+use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
-use crate::memory::stats::{Path, Progress, Reason, Route};
+use crate::memory::stats::{Path, Reason, Route};
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::tree::balance;
 use crate::tree::keep::LEAVERS_SHARE;
 
 /// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path
-/// that was used.
+/// that was used, and how many overlaps there are, whether they fit or not.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, Progress) {
+) -> (Route, u64) {
     parts.state.pairs.unkept = 0;
     match route.path {
         // Without fat boxes nothing is left to do.
         Path::Unchanged if FAT => {
-            let (pairs, leaves) = (persistent::persistent(parts, context), parts.state.leaves());
-            (route, Progress { pairs, leaves, ..Progress::default() })
+            parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
+            (route, persistent::persistent(parts, context))
         }
         _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
         Path::Movers => match incremental::movers(parts, context) {
-            Some(progress) => (route, progress),
+            Some(pairs) => (route, pairs),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Unchanged | Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
@@ -46,11 +47,11 @@ pub(crate) fn find<I: Index>(
 pub(crate) fn find_without_surplus<I: Index>(
     parts: &mut Parts<'_, I>,
     context: StepContext<'_>,
-) -> (Route, Progress) {
+) -> (Route, u64) {
     policy::pause(parts);
     let route = policy::choose(parts, parts.state.objects.live);
-    let (route, progress) = find(parts, route, context);
-    (Route { reason: Reason::NoRoomForSurplus, ..route }, progress)
+    let (route, pairs) = find(parts, route, context);
+    (Route { reason: Reason::NoRoomForSurplus, ..route }, pairs)
 }
 
 /// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all

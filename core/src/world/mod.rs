@@ -20,9 +20,10 @@ use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
 use crate::memory::limits::SHARED_FROM;
+use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
-use crate::memory::stats::{Path, Progress, Route};
+use crate::memory::stats::{Path, Route};
 use crate::objects::intake::ingest;
 use crate::pairs::{persistent, results};
 use crate::parallel::context::StepContext;
@@ -139,16 +140,15 @@ impl<I: Index> World<'_, I> {
             return None;
         }
         results::remember(parts);
-        let (mut route, mut progress) = step::find(parts, route, context);
-        if progress.pairs > parts.output.pairs.len() as u64 && parts.has_surplus() {
-            (route, progress) = step::find_without_surplus(parts, context);
+        let room = parts.output.pairs.len() as u64;
+        let (mut route, mut pairs) = step::find(parts, route, context);
+        if pairs > room && parts.has_surplus() {
+            (route, pairs) = step::find_without_surplus(parts, context);
         }
-        parts.state.step.record(moved, parts.state.objects.outran, route, shared, &progress);
+        parts.state.step.record(moved, parts.state.objects.outran, route, shared);
         context.executor.enter(Stage::Results);
-        let fitting = progress.pairs.min(parts.output.pairs.len() as u64);
-        let complete = progress.pairs == fitting;
-        results::sort_out(parts, fitting as usize, complete, context);
-        Some(progress.pairs)
+        results::sort_out(parts, pairs.min(room) as usize, pairs <= room, context);
+        Some(pairs)
     }
 
     /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused.
@@ -172,9 +172,8 @@ impl<I: Index> World<'_, I> {
 
     /// Nothing has changed: the result stays, and nothing is found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
-        let leaves = parts.state.leaves();
-        let progress = Progress { leaves, ..Progress::default() };
-        parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared, &progress);
+        parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
+        parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared);
         parts.state.pairs.found = 0;
         parts.state.pairs.lost = 0;
         parts.state.objects.dirty = 0;

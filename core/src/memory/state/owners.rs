@@ -3,7 +3,7 @@
 use crate::geometry::extent::Extent;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::scratch::Work;
-use crate::memory::stats::{Path, Progress, Reason, Route};
+use crate::memory::stats::{Path, Reason, Route};
 use bytemuck::{Contiguous as _, Pod, Zeroable};
 
 /// Which objects live, and what the caller has changed: of `objects` and `world`.
@@ -220,18 +220,15 @@ impl StepState {
         (self.shared <= 1 && self.coarse <= 1).then_some(Route { path, reason })
     }
 
+    /// Notes what led to a step.
+    pub(crate) fn record(&mut self, moved: u32, outran: u32, route: Route, shared: bool) {
+        (self.moved, self.outran, self.shared) = (moved, outran, u8::from(shared));
+        (self.path, self.reason) = (route.path as u8, route.reason as u8);
+    }
+
     /// Notes what a step did. Whether `f32` is too coarse stays as it was if the step has not looked.
-    pub(crate) fn record(
-        &mut self,
-        moved: u32,
-        outran: u32,
-        route: Route,
-        shared: bool,
-        progress: &Progress,
-    ) {
-        let Progress { work, leaves, rebalanced, coarse, .. } = *progress;
-        let (path, reason, shared) = (route.path as u8, route.reason as u8, u8::from(shared));
-        let coarse = coarse.map_or(self.coarse, u8::from);
-        *self = Self { work, moved, outran, leaves, rebalanced, path, reason, shared, coarse, ..*self };
+    pub(crate) fn did(&mut self, work: Work, leaves: u32, rebalanced: u32, coarse: Option<bool>) {
+        (self.work, self.leaves, self.rebalanced) = (work, leaves, rebalanced);
+        self.coarse = coarse.map_or(self.coarse, u8::from);
     }
 }
