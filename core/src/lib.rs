@@ -18,7 +18,6 @@ mod error;
 mod filter;
 mod geometry;
 mod id;
-mod lists;
 mod memory;
 mod object;
 mod objects;

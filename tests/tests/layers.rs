@@ -196,18 +196,18 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 15] = [
-    ("", 1486),
+    ("", 1485),
     ("geometry", 1208),
     ("lists", 67),
     ("memory", 1839),
     ("objects", 600),
-    ("pairs", 547),
+    ("pairs", 551),
     ("parallel", 475),
     ("query", 1276),
     ("simd", 2186),
     ("snapshot", 583),
-    ("step", 620),
-    ("sweep", 1370),
+    ("step", 678),
+    ("sweep", 1362),
     ("tree", 2169),
     ("validate", 379),
     ("world", 1693),

@@ -5,7 +5,7 @@
 //! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, FAT, FILTERS};
+use crate::config::{EVENTS, FAT, FILTERS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
@@ -27,6 +27,10 @@ pub(crate) fn sort_out<I: Index>(
     parts.state.pairs.swept = swept as u64;
     let events = EVENTS && parts.sizes.previous > 0;
     let has_surplus = parts.has_surplus();
+    if !TREE && !events && !has_surplus {
+        (parts.state.pairs.reported, parts.state.pairs.found, parts.state.pairs.lost) = (swept as u64, 0, 0);
+        return;
+    }
     // Without fat boxes a step that keeps pairs has nothing to sort out.
     let kept_pairs = if FAT { parts.state.pairs } else { PairState::default() };
     let PairState { parked, kept, kept_result, surplus_parked, .. } = kept_pairs;

@@ -5,24 +5,16 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::pairs::pair_filter::PairFilter;
 
-/// What there is.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
-    /// Overlapping pairs, whether there was room or not.
-    pub(crate) pairs: usize,
-    /// Pairs of boxes that were compared, or that overlap along the swept axis.
-    pub(crate) candidates: usize,
-}
-
-/// Tests every two boxes and writes the pairs that fit. Up to some dozens that takes less than to keep a
-/// list in order and to read boxes by way of it. O(slots²).
+/// Tests every two boxes and writes the pairs that fit. Returns how many pairs there are, whether they fit or
+/// not, and how many were compared. Up to some dozens that takes less than to keep a list in order and to read
+/// boxes by way of it. O(slots²).
 // Not inline, so that the inner loop stays in registers.
 #[inline(never)]
 pub(crate) fn test_all<I: Index>(
     boxes: &[KeyBox],
     pair_filter: Option<&PairFilter<'_>>,
     pairs: &mut [Pair<I>],
-) -> Found {
+) -> (usize, usize) {
     let (all, mut places, mut without_room) = (pairs.len(), pairs.iter_mut(), 0);
     let mut rest = boxes;
     while let Some((&KeyBox { min, max }, others)) = rest.split_first() {
@@ -47,19 +39,19 @@ pub(crate) fn test_all<I: Index>(
         rest = others;
     }
     let candidates = boxes.len() * boxes.len().saturating_sub(1) / 2;
-    Found { pairs: all - places.len() + without_room, candidates }
+    (all - places.len() + without_room, candidates)
 }
 
 /// Sweeps the boxes themselves along a list of slots by ascending minimum on an axis, and writes the pairs
-/// that fit. Height is tested last: in most scenes few boxes are apart in it. O(n + candidates); candidates
-/// are at most n²/2.
+/// that fit. Height is tested last: in most scenes few boxes are apart in it. Returns how many pairs there
+/// are, and how many boxes overlap along the axis, two by two: at most n²/2. O(n + that).
 pub(crate) fn sweep<I: Index>(
     list: &[I],
     boxes: &[KeyBox],
     axis: u8,
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
-) -> Found {
+) -> (usize, usize) {
     match axis {
         0 => sweep_along::<I, 0, 2, 1>(list, boxes, pair_filter, pairs),
         1 => sweep_along::<I, 1, 0, 2>(list, boxes, pair_filter, pairs),
@@ -74,7 +66,7 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     boxes: &[KeyBox],
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
-) -> Found {
+) -> (usize, usize) {
     let (all, mut places, mut without_room) = (pairs.len(), pairs.iter_mut(), 0);
     let (mut rest, mut candidates) = (list.iter(), 0);
     while let Some(slot) = rest.next() {
@@ -100,5 +92,5 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
         }
         candidates -= ahead.len();
     }
-    Found { pairs: all - places.len() + without_room, candidates }
+    (all - places.len() + without_room, candidates)
 }
