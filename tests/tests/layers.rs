@@ -7,13 +7,12 @@ use std::fs;
 use std::path::Path;
 
 /// From the ground up. What stands beside each other does not know each other.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 12] = [
     &["access", "config", "error", "filter", "id", "sort"],
     &["contacts", "geometry"],
     &["object", "simd"],
     &["parallel"],
     &["memory"],
-    &["lists"],
     &["objects"],
     &["tree"],
     &["pairs"],
@@ -195,12 +194,11 @@ fn no_file_is_too_long() {
 
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
-const BUDGETS: [(&str, usize); 15] = [
+const BUDGETS: [(&str, usize); 14] = [
     ("", 1485),
     ("geometry", 1208),
-    ("lists", 67),
     ("memory", 1839),
-    ("objects", 600),
+    ("objects", 603),
     ("pairs", 551),
     ("parallel", 475),
     ("query", 1276),

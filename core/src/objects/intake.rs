@@ -153,11 +153,11 @@ fn take_in<S: Simd>(
         (skipped, changed, contained) = (skipped | taken, others, stay);
     }
     let at = word * 32;
-    // By themselves, as what a call is lent is not in registers.
-    let mut fat = FatBoxes { boxes: &mut *objects.fat.boxes, ..objects.fat };
-    let Objects { now, given, before, changed: kept, .. } = objects;
+    let Objects { now, given, fat, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
     let unkept = if has_events { !kept.words.at(word) } else { 0 };
+    let has_margins = is_fat || has_fat;
+    let apart = if has_margins { u32::MAX } else { unkept };
     for (bit, old) in (at..).zip(now.span_mut(at, count)) {
         let this = 1u32 << (bit % 32);
         if skipped & this != 0 || old.is_empty() {
@@ -178,23 +178,26 @@ fn take_in<S: Simd>(
         if new.is_same(old) && !is_fat {
             continue;
         }
-        if is_fat || has_fat {
-            // In a function of its own, so that the loop stays in registers.
-            let (before, to) = (if unkept & this != 0 { before.get_mut(bit) } else { None }, new);
-            if let Some(stays) = fat.replace(given, bit, old, &to, before) {
-                (changed, contained) = (changed | this, contained | if stays { this } else { 0 });
+        if apart & this != 0 {
+            let before = if unkept & this != 0 { before.get_mut(bit) } else { None };
+            if has_margins {
+                // In a function of its own, which is lent copies, so that the loop stays in registers.
+                let (mut fat_boxes, to) = (FatBoxes { boxes: &mut *fat.boxes, ..*fat }, new);
+                if let Some(stays) = fat_boxes.replace(given, bit, old, &to, before) {
+                    (changed, contained) = (changed | this, contained | if stays { this } else { 0 });
+                }
+                fat.motions = fat_boxes.motions;
+                continue;
             }
-            continue;
-        }
-        if unkept & this != 0 {
-            // Number by number: a copy from one slice to another would be a call.
-            let ([a, b, c], [d, e, f]) = (old.min, old.max);
-            before.put(bit, KeyBox { min: [a, b, c], max: [d, e, f] });
+            if let Some(before) = before {
+                // Number by number: a copy from one slice to another would be a call.
+                let ([a, b, c], [d, e, f]) = (old.min, old.max);
+                *before = KeyBox { min: [a, b, c], max: [d, e, f] };
+            }
         }
         *old = new;
         changed |= this;
     }
-    objects.fat.motions = fat.motions;
     objects.note(word, changed, contained)
 }
 
