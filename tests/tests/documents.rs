@@ -253,7 +253,7 @@ fn constants(file: &str) -> BTreeMap<String, String> {
         let (name, rest) = text.split_once(':')?;
         let (_, value) = rest.split_once(" = ")?;
         let value = value.split(';').next()?;
-        let value = value.replace('_', "");
+        let value = value.replace(['_', ','], "");
         let value = match value.trim().strip_prefix("Duration::from") {
             Some(time) => time.trim_end_matches(')').split('(').rev().collect::<Vec<_>>().join(" "),
             None => value.trim().to_owned(),
