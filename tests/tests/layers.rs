@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1485),
     ("geometry", 1208),
-    ("memory", 1839),
-    ("objects", 603),
+    ("memory", 1837),
+    ("objects", 601),
     ("pairs", 551),
     ("parallel", 475),
     ("query", 1276),
     ("simd", 2186),
     ("snapshot", 583),
-    ("step", 678),
+    ("step", 686),
     ("sweep", 1362),
     ("tree", 2169),
     ("validate", 379),
-    ("world", 1693),
+    ("world", 1694),
 ];
 
 #[test]

@@ -37,20 +37,22 @@ impl Intake {
 }
 
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
-/// objects whose new box is refused.
+/// objects whose new box is refused. In a fat world each new box `regrows` the one that is reported, or not.
 pub(crate) fn ingest<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
+    regrows: bool,
     context: StepContext<'_>,
 ) -> Intake {
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     if parts.sizes.is_small() {
         let mut objects = parts.objects();
         objects.now = core::mem::take(&mut objects.now).span_mut(0, slots);
+        objects.fat.regrows = regrows;
         return ingest_block(context.kernels, 0, bounds, objects);
     }
     let mut sum = Intake::default();
-    for intake in ingest_blocks(parts, bounds, slots, context) {
+    for intake in ingest_blocks(parts, bounds, (slots, regrows), context) {
         sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
         sum.motions.outran += intake.motions.outran;
         if sum.rejected == 0 {
@@ -67,10 +69,10 @@ pub(crate) fn ingest<I: Index>(
 fn ingest_blocks<I: Index>(
     parts: &mut Parts<'_, I>,
     bounds: &Boxes<'_>,
-    slots: usize,
+    (slots, regrows): (usize, bool),
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let ((predicted, renews, regrows), len) = (parts.fat_boxes(), block_len(slots));
+    let ((predicted, renews), len) = (parts.fat_boxes(), block_len(slots));
     let reports_margins = reports_margins(parts.config());
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
@@ -234,7 +236,7 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
         let (mut new, mut came) = ([KeyBox::EMPTY; 4], None);
         // In most steps all stay in their fat boxes, or in a fat world in the boxes that are reported.
         let (others, quiet) = if GIVEN && let Some(given) = given.get_mut(four) {
-            let (last, held) = (*given, if fat.regrows { None } else { Some(&*old) });
+            let (last, held) = (*given, if fat.regrows | fat.renews { None } else { Some(&*old) });
             let Some((_, quiet)) = simd.encode_four(boxes, held, old, given) else { continue };
             taken |= 0b1111 << first;
             if quiet {

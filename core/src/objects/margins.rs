@@ -20,7 +20,7 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) predicted: bool,
     /// Whether each new box gets a new fat box.
     pub(crate) renews: bool,
-    /// Whether it gets a new one that is reported, too, if that stays in its fat box.
+    /// In a fat world: whether it gets a new one that is reported.
     pub(crate) regrows: bool,
     pub(crate) motions: Motions,
 }
@@ -64,12 +64,9 @@ impl FatBoxes<'_> {
         let given = core::mem::replace(new, *old);
         let grown = KeyBox::grown_by(&given, self.margins(at));
         let others = each(last, &given, |last, given| last != given);
-        let mut grows = others & !each(old, &given, KeyBox::contains);
-        self.motions.outran += grows.count_ones();
-        if self.regrows {
-            let fat = self.boxes.get(at..).and_then(|boxes| boxes.first_chunk());
-            grows |= others & fat.map_or(u32::MAX, |fat| each(fat, &grown, KeyBox::contains));
-        }
+        let left = others & !each(old, &given, KeyBox::contains);
+        self.motions.outran += left.count_ones();
+        let grows = if self.regrows { others } else { left };
         bits::of_word(grows).for_each(|bit| new.put(bit, grown.at(bit)));
         (if self.renews { others } else { grows }, KeyBox::before(new, last, &given))
     }

@@ -30,11 +30,10 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// In worlds with a tree: whether fat boxes are predicted, whether each new box gets a new one, and
-    /// whether it gets a new one that is reported.
-    pub(crate) fn fat_boxes(&self) -> (bool, bool, bool) {
-        let (may, step) = (!self.sizes.is_small(), &self.state.step);
-        (may && self.config().predicted, may && step.renews != 0, may && step.regrows != 0)
+    /// Whether fat boxes are predicted, and whether each new box gets a new one: in worlds with a tree.
+    pub(crate) fn fat_boxes(&self) -> (bool, bool) {
+        let may = !self.sizes.is_small();
+        (may && self.config().predicted, may && self.state.step.renews != 0)
     }
 
     /// The box of an object as it was given last.
@@ -45,11 +44,11 @@ impl<I: Index> Parts<'_, I> {
 
     /// The arrays of all slots.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
-        let (predicted, renews, regrows) = self.fat_boxes();
+        let (predicted, renews) = self.fat_boxes();
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, motions) = (&*self.boxes.margins, Motions::default());
         let reports_margins = reports_margins(&self.sizes.config);
-        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows, motions };
+        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows: false, motions };
         Objects {
             now: self.boxes.now,
             cut: self.boxes.cut,

@@ -81,31 +81,39 @@ fn estimate(slots: usize, holds: impl FnMut(&usize) -> bool) -> u64 {
     ((0..slots).step_by(each).filter(holds).count() * each) as u64
 }
 
-/// Before boxes are taken in: has all fat boxes made anew with them, if so many of a sample leave theirs; or,
-/// in a fat world, all that are reported, so that these are left in the same steps.
-pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>) {
-    let BoxParts { now, fat, margins, .. } = &parts.boxes;
-    let reports = reports_margins(parts.config()) && !parts.sizes.is_small();
-    let slots = (parts.state.objects.slots as usize).min(bounds.len());
-    // The new box of an object, if that leaves the box that is reported.
-    let leaves = |slot: &usize| {
-        let new = bounds.get(*slot).and_then(|aabb| KeyBox::from_aabb(&aabb))?;
-        let now = now.at(*slot);
-        if now.is_empty() || reports && now.contains(&new) { None } else { Some(new) }
-    };
-    let (step, age) = (&parts.state.step, parts.state.step.age.saturating_add(1));
-    let mut renews = step.renews != 0;
-    let free = reports && !parts.config().fixed_margins;
-    let regrows = free && estimate(slots, |slot| leaves(slot).is_some()) * REGROWN_SHARE >= slots as u64;
-    if !renews && may_renew(parts) && pays(step, age, 0) {
-        let moved = estimate(slots, |slot| {
-            let grown = |new: KeyBox| if reports { new.grown(margins.at(*slot)) } else { new };
-            leaves(slot).is_some_and(|new| !fat.at(*slot).contains(&grown(new)))
-        });
-        let cost = upkeep(parts.state, moved);
-        renews = is_due(step, age, cost) && pays(step, age, cost);
+/// In a fat world, before boxes are taken in: whether all get new boxes that are reported, as so many of a sample
+/// leave theirs: so these are left in the same steps. By boxes alone, whatever the world's room.
+pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> bool {
+    if !reports_margins(parts.config()) || parts.config().fixed_margins {
+        return false;
     }
-    (parts.state.step.renews, parts.state.step.regrows) = (u8::from(renews), u8::from(renews | regrows));
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    let left = estimate(slots, |&slot| {
+        let (now, new) = (parts.boxes.now.at(slot), bounds.get(slot));
+        let new = new.and_then(|aabb| KeyBox::from_aabb(&aabb));
+        !now.is_empty() && new.is_some_and(|new| !now.contains(&new))
+    });
+    left * REGROWN_SHARE >= slots.max(1) as u64
+}
+
+/// Before boxes are taken in, which may [regrow](regrows) reported ones: has all fat boxes made anew with them,
+/// if so many of a sample leave theirs.
+pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, regrows: bool) {
+    let age = parts.state.step.age.saturating_add(1);
+    if parts.state.step.renews != 0 || !may_renew(parts) || !pays(&parts.state.step, age, 0) {
+        return;
+    }
+    let slots = (parts.state.objects.slots as usize).min(bounds.len());
+    let reports = reports_margins(parts.config());
+    let moved = estimate(slots, |&slot| {
+        let (held, now) = (parts.boxes.fat.at(slot), parts.boxes.now.at(slot));
+        let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
+        let leaves = |new: KeyBox| !reports || regrows || !now.contains(&new);
+        let around = |new: &KeyBox| if reports { new.grown(parts.boxes.margins.at(slot)) } else { *new };
+        !held.is_empty() && new.is_some_and(|new| leaves(new) && !held.contains(&around(&new)))
+    });
+    let (step, cost) = (&parts.state.step, upkeep(parts.state, moved));
+    parts.state.step.renews = u16::from(is_due(step, age, cost) && pays(step, age, cost));
 }
 
 /// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
@@ -122,7 +130,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     parts.state.tree.filled = parts.state.tree.filled.min(1);
     let step = &mut parts.state.step;
     let new = step.renews != 0;
-    (step.renews, step.regrows) = (0, 0);
+    step.renews = 0;
     if step.margins_in > TRIAL {
         step.margins_in -= 1;
     } else if step.margins_in > 0 {
@@ -142,7 +150,7 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
             pause(parts);
             return true;
         }
-        step.renews = u8::from(due);
+        step.renews = u16::from(due);
         step.spent = step.spent.saturating_add(cost as u16);
     }
     false

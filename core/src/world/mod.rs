@@ -159,10 +159,11 @@ impl<I: Index> World<'_, I> {
     ) -> Option<Rejected> {
         let bounds = bounds?;
         context.executor.enter(Stage::Intake);
+        let regrows = policy::regrows(parts, &bounds);
         if cfg!(feature = "large") {
-            policy::foresee(parts, &bounds);
+            policy::foresee(parts, &bounds, regrows);
         }
-        let intake = ingest(parts, &bounds, context);
+        let intake = ingest(parts, &bounds, regrows, context);
         parts.state.objects.note(intake.motions);
         let slot = intake.first_rejected;
         let first =

@@ -51,7 +51,7 @@ impl State {
     /// pairs anew.
     pub(crate) fn portable(&self) -> Self {
         let TreeState { leaves_in_use, fullest_leaf, .. } = self.tree;
-        let step = StepState { calm: 0, was_calm: 0, kept: 0, margins_in: 0, regrows: 0, ..self.step };
+        let step = StepState { calm: 0, was_calm: 0, kept: 0, margins_in: 0, ..self.step };
         Self {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },

@@ -202,10 +202,8 @@ pub(crate) struct StepState {
     pub(super) shared: u8,
     /// Whether `f32` was too coarse.
     pub(super) coarse: u8,
-    /// Whether each new box gets a new fat box.
-    pub(crate) renews: u8,
-    /// In a fat world: whether it gets a new one that is reported, if that stays in its fat box.
-    pub(crate) regrows: u8,
+    /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
+    pub(crate) renews: u16,
     /// What the steps since that was so last have cost beyond quiet ones.
     pub(crate) spent: u16,
     /// How many these are; while some try fat boxes, the first slots of which some do.
