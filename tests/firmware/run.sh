@@ -90,7 +90,9 @@ stack() {
     "$tools/inspect" "$binary" "$@" --stack "$limit" --measured "$CARGO_TARGET_DIR/stack.txt" >"$CARGO_TARGET_DIR/said.txt" ||
         { cat "$CARGO_TARGET_DIR/said.txt" && exit 1; }
     grep -v '^stack of' "$CARGO_TARGET_DIR/said.txt" || true
-    awk -v what="$what" '/^stack of/ && $6 > most { most = $6 } END { printf "| %s | %d |\n", what, most }' \
+    # The names of calls have spaces.
+    awk -v what="$what" '/^stack of/ && sub(/.*: at most /, "") && $1 + 0 > most { most = $1 + 0 }
+        END { printf "| %s | %d |\n", what, most }' \
         "$CARGO_TARGET_DIR/said.txt" | tee -a "$tables"
 }
 for board in "thumbv7em-none-eabihf Cortex-M4" "thumbv6m-none-eabi Cortex-M0"; do

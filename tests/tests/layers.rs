@@ -198,7 +198,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("", 1485),
     ("geometry", 1208),
     ("memory", 1837),
-    ("objects", 601),
+    ("objects", 609),
     ("pairs", 551),
     ("parallel", 475),
     ("query", 1276),

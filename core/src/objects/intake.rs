@@ -233,26 +233,36 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
         if skipped >> first & 0b1111 != 0 {
             continue;
         }
-        let (mut new, mut came) = ([KeyBox::EMPTY; 4], None);
+        let mut given = if GIVEN { given.get_mut(four) } else { None };
         // In most steps all stay in their fat boxes, or in a fat world in the boxes that are reported.
-        let (others, quiet) = if GIVEN && let Some(given) = given.get_mut(four) {
-            let (last, held) = (*given, if fat.regrows | fat.renews { None } else { Some(&*old) });
-            let Some((_, quiet)) = simd.encode_four(boxes, held, old, given) else { continue };
+        let renews = fat.renews | fat.regrows;
+        if !(renews || cfg!(target_family = "wasm"))
+            && let Some(given) = &mut given
+            && simd.encode_four(boxes, Some((old, true)), old, given).is_some()
+        {
             taken |= 0b1111 << first;
+            continue;
+        }
+        let mut new = [KeyBox::EMPTY; 4];
+        let held = if !FAT || renews {
+            None
+        } else if given.is_some() {
+            Some((&*old, false))
+        } else {
+            fat.boxes.get(word + first..).and_then(|held| Some((held.first_chunk()?, false)))
+        };
+        let Some((mut others, quiet)) = simd.encode_four(boxes, held, old, &mut new) else { continue };
+        taken |= 0b1111 << first;
+        let (mut to, mut came) = (new, None);
+        if let Some(given) = &mut given {
+            let last = core::mem::replace(*given, new);
             if quiet {
                 continue;
             }
-            new = *given;
-            let (others, from) = fat.report(word + first, old, &last, &mut new);
+            let from;
+            (others, to, from) = fat.report(word + first, old, &last, &new);
             came = Some(from);
-            (others, quiet)
-        } else {
-            let held = if FAT && !fat.renews { fat.boxes.get(word + first..) } else { None };
-            let held = held.and_then(|held| held.first_chunk());
-            let Some(encoded) = simd.encode_four(boxes, held, old, &mut new) else { continue };
-            taken |= 0b1111 << first;
-            encoded
-        };
+        }
         let unkept = others & !(kept >> first);
         if unkept == 0b1111
             && let Some(before) = before.get_mut(four)
@@ -265,9 +275,9 @@ fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool
             fat.motions.moved_inside_margin |= others != 0;
             contained |= others << first;
         } else if FAT {
-            contained |= fat.follow(word + first, came.as_ref().unwrap_or(old), &new, others) << first;
+            contained |= fat.follow(word + first, came.as_ref().unwrap_or(old), &to, others) << first;
         }
-        *old = new;
+        *old = to;
         changed |= others << first;
     }
     (taken, changed, contained)

@@ -50,25 +50,23 @@ impl FatBoxes<'_> {
         if self.reports_margins { [0.0; N] } else { self.margins(at) }
     }
 
-    /// In a fat world: makes of the boxes given to some objects, `new`, what these are reported as, who were
-    /// reported as `old` and given `last`. Returns who are reported as or get anything else, a bit each, and
-    /// from where their reported boxes have come.
+    /// In a fat world: of the boxes `given` to some objects, who were reported as `old` and given `last`: who are
+    /// reported as or get anything else, a bit each, what all are reported as, and from where that has come.
     #[inline(always)]
     pub(crate) fn report<const N: usize>(
         &mut self,
         at: usize,
         old: &[KeyBox; N],
         last: &[KeyBox; N],
-        new: &mut [KeyBox; N],
-    ) -> (u32, [KeyBox; N]) {
-        let given = core::mem::replace(new, *old);
-        let grown = KeyBox::grown_by(&given, self.margins(at));
-        let others = each(last, &given, |last, given| last != given);
-        let left = others & !each(old, &given, KeyBox::contains);
+        given: &[KeyBox; N],
+    ) -> (u32, [KeyBox; N], [KeyBox; N]) {
+        let (mut to, grown) = (*old, KeyBox::grown_by(given, self.margins(at)));
+        let others = each(last, given, |last, given| last != given);
+        let left = others & !each(old, given, KeyBox::contains);
         self.motions.outran += left.count_ones();
         let grows = if self.regrows { others } else { left };
-        bits::of_word(grows).for_each(|bit| new.put(bit, grown.at(bit)));
-        (if self.renews { others } else { grows }, KeyBox::before(new, last, &given))
+        bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
+        (if self.renews { others } else { grows }, to, KeyBox::before(&to, last, given))
     }
 
     /// Makes the fat box of an object whose motion nobody knows.
@@ -94,7 +92,7 @@ impl FatBoxes<'_> {
         let (mut to, mut from, mut others) = ([*new], [*now], u32::from(!new.is_same(now)));
         if MARGINS && let Some(given) = given.get_mut(at) {
             let last = core::mem::replace(given, *new);
-            (others, from) = self.report(at, &[*now], &[last], &mut to);
+            (others, to, from) = self.report(at, &[*now], &[last], &[*new]);
         }
         if others == 0 {
             return None;

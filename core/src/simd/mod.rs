@@ -91,13 +91,13 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The keys of four boxes: bit `k` where box `k` is another one than `old[k]`, and whether each is inside
-    /// `held[k]`. `None` where one of them is bad or one of the old ones empty: nothing is written then.
+    /// The keys of four boxes: bit `k` where box `k` is not `old[k]`, and whether each is inside `held[k]`.
+    /// `None`, and nothing is written, where one is bad, an old one empty, or one outside that must be inside.
     #[inline(always)]
     fn encode_four(
         self,
         _boxes: Four<'_>,
-        _held: Option<&[KeyBox; 4]>,
+        _held: Option<(&[KeyBox; 4], bool)>,
         _old: &[KeyBox; 4],
         _new: &mut [KeyBox; 4],
     ) -> Option<(u32, bool)> {

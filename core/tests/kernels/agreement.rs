@@ -106,7 +106,7 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         2 => KeyBox { min: near.min.map(|k| k.saturating_sub(random.below(3) as i32 - 1)), ..near },
         _ => near,
     });
-    let found = simd.encode_four(four, Some(&held), &old, &mut new);
+    let found = simd.encode_four(four, Some((&held, false)), &old, &mut new);
     let are_held = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
     let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();

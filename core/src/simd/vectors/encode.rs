@@ -45,7 +45,7 @@ fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] 
 pub(super) fn encode_four<W: Halves>(
     w: W,
     boxes: Four<'_>,
-    held: Option<&[KeyBox; 4]>,
+    held: Option<(&[KeyBox; 4], bool)>,
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
 ) -> Option<(u32, bool)> {
@@ -60,11 +60,11 @@ pub(super) fn encode_four<W: Halves>(
     // No key of an object is above +infinity, but the first one of an empty box is.
     let empty = above(w, w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
     let wrong = w.or(upside_down, empty);
-    let are_held = match held {
-        Some(held) => !w.any(w.or(wrong, outside(w, [a, b, c], held))),
-        None => false,
+    let (are_held, must) = match held {
+        Some((held, must)) => (!w.any(w.or(wrong, outside(w, [a, b, c], held))), must),
+        None => (false, false),
     };
-    if !are_held && w.any(w.or(wrong, outside(w, [a, b, c], &[KeyBox::ALL; 4]))) {
+    if !are_held && (must || w.any(w.or(wrong, outside(w, [a, b, c], &[KeyBox::ALL; 4])))) {
         return None;
     }
     let [first, second, third, fourth, fifth, sixth]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);

@@ -63,7 +63,7 @@ impl<W: Halves> Simd for Level<W> {
     fn encode_four(
         self,
         boxes: Four<'_>,
-        held: Option<&[KeyBox; 4]>,
+        held: Option<(&[KeyBox; 4], bool)>,
         old: &[KeyBox; 4],
         new: &mut [KeyBox; 4],
     ) -> Option<(u32, bool)> {
