@@ -60,11 +60,11 @@ impl FatBoxes<'_> {
         last: &[KeyBox; N],
         given: &[KeyBox; N],
     ) -> (u32, [KeyBox; N], [KeyBox; N]) {
-        let (mut to, grown) = (*old, KeyBox::grown_by(given, self.margins(at)));
         let others = each(last, given, |last, given| last != given);
         let left = others & !each(old, given, KeyBox::contains);
         self.motions.outran += left.count_ones();
-        let grows = if self.regrows { others } else { left };
+        let (mut to, grows) = (*old, if self.regrows { others } else { left });
+        let grown = if grows == 0 { *old } else { KeyBox::grown_by(given, self.margins(at)) };
         bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
         (if self.renews { others } else { grows }, to, KeyBox::before(&to, last, given))
     }
