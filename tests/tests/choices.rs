@@ -268,6 +268,27 @@ fn boxes_that_are_reported_are_made_anew_together() {
     }
 }
 
+/// Boxes that the caller's array has for resting objects are not theirs, so nobody leaves a box by these.
+#[test]
+fn boxes_of_a_pool_that_rests_renew_nothing() {
+    let fat = Config::new(ample(COUNT, 40 * COUNT)).with_mode(Mode::Fat).with_margin(Margin::length(MARGIN));
+    for config in [fat, fat.without_predicted_boxes(), fat.with_mode(Mode::Exact)] {
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::<u32>::new(slab.world(&config));
+        let frames = drift(MARGIN / 200.0, 40);
+        let ids = world.insert_many(&frames[0]);
+        world.set_resting(&ids[..COUNT / 2]);
+        let mut quiet = 0;
+        for frame in &frames {
+            let mut boxes = frame.clone();
+            boxes[..COUNT / 2].fill(Aabb::new([1e3; 3], [1e3; 3]));
+            world.step_over(&boxes, Setup::REFERENCE);
+            quiet += usize::from(world.world().stats().path == Path::Unchanged);
+        }
+        assert!(quiet >= 30, "{quiet} quiet steps of 41");
+    }
+}
+
 /// Their boxes are several times as large, and most steps are quiet all the same.
 #[test]
 fn predicted_boxes_hold_what_goes_on_far() {

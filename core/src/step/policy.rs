@@ -1,7 +1,7 @@
 //! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose
 //! equally. The table of constants in `NOTEBOOK.md` says what was measured.
 
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::config::{FINE_LEAVES, MOVERS_BY_LEAF, MOVERS_ONLY};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
@@ -81,6 +81,12 @@ fn estimate(slots: usize, holds: impl FnMut(&usize) -> bool) -> u64 {
     ((0..slots).step_by(each).filter(holds).count() * each) as u64
 }
 
+/// The box that an object gets, if it does not rest.
+fn next_box<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>, slot: usize) -> Option<KeyBox> {
+    let rests = parts.state.objects.resting != 0 && bits::test(parts.resting, slot);
+    if rests { None } else { KeyBox::from_aabb(&bounds.get(slot)?) }
+}
+
 /// In a fat world, before boxes are taken in: whether all get new boxes that are reported, as so many of a sample
 /// leave theirs: so these are left in the same steps. By boxes alone, whatever the world's room.
 pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> bool {
@@ -89,9 +95,8 @@ pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> boo
     }
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     let left = estimate(slots, |&slot| {
-        let (now, new) = (parts.boxes.now.at(slot), bounds.get(slot));
-        let new = new.and_then(|aabb| KeyBox::from_aabb(&aabb));
-        !now.is_empty() && new.is_some_and(|new| !now.contains(&new))
+        let now = parts.boxes.now.at(slot);
+        !now.is_empty() && next_box(parts, bounds, slot).is_some_and(|new| !now.contains(&new))
     });
     left * REGROWN_SHARE >= slots.max(1) as u64
 }
@@ -107,7 +112,7 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
     let reports = reports_margins(parts.config());
     let moved = estimate(slots, |&slot| {
         let (held, now) = (parts.boxes.fat.at(slot), parts.boxes.now.at(slot));
-        let new = bounds.get(slot).and_then(|aabb| KeyBox::from_aabb(&aabb));
+        let new = next_box(parts, bounds, slot);
         let leaves = |new: KeyBox| !reports || regrows || !now.contains(&new);
         let around = |new: &KeyBox| if reports { new.grown(parts.boxes.margins.at(slot)) } else { *new };
         !held.is_empty() && new.is_some_and(|new| leaves(new) && !held.contains(&around(&new)))

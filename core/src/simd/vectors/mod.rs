@@ -1,11 +1,6 @@
 //! Vectors of 32 bytes, as two halves of 16: a register of AVX2, or two of SSE4.1, NEON of AArch64 or simd128
 //! of WebAssembly. What a step does with them is written once, over the operations of
 //! [`Halves`](operations::Halves). Each instruction set is a file that names its own instructions.
-//!
-//! Why not a crate? `wide` (1.7) chooses instructions when it is compiled: a program for any x86-64 would get
-//! SSE2, which has no byte shuffle. `pulp` (0.22) chooses while the program runs, but its portable part lacks
-//! the byte shuffle and the saturating subtraction of bytes. `fearless_simd` has both since 1.0, which asks
-//! for Rust 1.89, for SSE4.2 with `cmpxchg16b` instead of SSE4.1, and for all of x86-64-v3 instead of AVX2.
 
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod avx2;
