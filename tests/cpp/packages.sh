@@ -8,13 +8,14 @@
 #     vcpkg      the portfile, with stand-ins for vcpkg's own functions
 #     windows    the library by mingw-w64, static and shared; its C tests run under Wine
 #     mingw      the same with rustup's own target for Windows, x86_64-pc-windows-gnu
+#     msvc       the static library by Microsoft's ABI, with clang and lld-link; the C tests run under Wine
 #     macos      the static library, compiled and looked at
 #     small      one level of vectors, optimised for size: a whole program of at most 250 KB
 #
 # A way that this machine has no tools for says that it is skipped; with TRISAP_NO_SKIP=1 it fails.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows mingw macos small
+[ $# -gt 0 ] || set -- cargo-c archive conan vcpkg windows mingw msvc macos small
 
 root="${CARGO_TARGET_DIR:-$PWD/target}/packages"
 mkdir -p "$root"
@@ -45,6 +46,7 @@ consume_by_cmake() {
 packages_for() {
     case $1 in
     windows) echo rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64 g++-mingw-w64-x86-64 wine wine64 ;;
+    msvc) echo rustc-web cargo-web rust-web-src clang llvm lld-22 gcc-mingw-w64-x86-64 wine wine64 ;;
     macos) echo rustc-web cargo-web rust-web-src ;;
     esac
 }
@@ -57,7 +59,7 @@ lacks() {
     case $1 in
     cargo-c) commands=(cargo cc c++ make pkg-config readelf) ;;
     conan) commands=(cargo cc c++ cmake python3) ;;
-    windows | macos) commands=(dpkg apt-get) ;;
+    windows | msvc | macos) commands=(dpkg apt-get) ;;
     mingw) commands=(rustup cmake x86_64-w64-mingw32-gcc) ;;
     esac
     for command in "${commands[@]}"; do
@@ -177,6 +179,31 @@ mingw() {
     done
 }
 
+msvc() {
+    debian msvc
+    local build=$root/msvc system=/usr/x86_64-w64-mingw32
+    # There are no libraries of Microsoft's to try the compiler with.
+    cmake -S ffi -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=clang \
+        -DCMAKE_C_COMPILER_TARGET=x86_64-pc-windows-msvc -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY \
+        -DTRISAP_TARGET=x86_64-pc-windows-msvc -DTRISAP_SHARED=OFF -DTRISAP_CARGO=/usr/bin/cargo \
+        -DTRISAP_CARGO_ARGUMENTS=-Zbuild-std=core -DTRISAP_CARGO_FOLDER="$root/debian"
+    cmake --build "$build"
+    # Microsoft's ABI with headers and import libraries of mingw-w64. The runtime is Windows' own (UCRT), as with Visual Studio; what
+    # its start-up code and its stack probe would bring comes from here.
+    local compile=(clang --target=x86_64-pc-windows-msvc -std=c11 -O2 -Wall -Wextra -Werror -fno-ms-compatibility -fdeclspec -U_MSC_VER
+        -D__MINGW32__ -D__MINGW64__ -D_UCRT -isystem "$system/include" -Iinclude -c)
+    echo '#include <stdlib.h>
+        int main(void); void start(void); int _fltused; void start(void) { exit(main()); }' | "${compile[@]}" -x c - -o "$build/start.obj"
+    for test in life misuse regressions; do
+        "${compile[@]}" "tests/cpp/$test.c" -o "$build/$test.obj"
+        lld-link-22 -nologo -subsystem:console -entry:start -nodefaultlib -alternatename:__chkstk=___chkstk_ms "-out:$build/$test.exe" \
+            "$build/$test.obj" "$build/start.obj" "$build/trisap.lib" "$system/lib/libucrt.a" "$system/lib/libkernel32.a" \
+            "$(x86_64-w64-mingw32-gcc -print-libgcc-file-name)"
+        WINEPREFIX=$root/wine WINEDEBUG=-all /usr/lib/wine/wine64 "$build/$test.exe"
+        echo "$test.exe: passed"
+    done
+}
+
 macos() {
     debian macos
     local build=$root/macos symbols
@@ -214,8 +241,8 @@ for way in "$@"; do
     fi
     case $way in
     cargo-c) (cargo_c) ;;
-    archive | conan | vcpkg | windows | mingw | macos | small) ("$way") ;;
-    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | mingw | macos | small ...]" >&2 && exit 2 ;;
+    archive | conan | vcpkg | windows | mingw | msvc | macos | small) ("$way") ;;
+    *) echo "usage: tests/cpp/packages.sh [cargo-c | archive | conan | vcpkg | windows | mingw | msvc | macos | small ...]" >&2 && exit 2 ;;
     esac
     echo "$way: passed"
 done
