@@ -2,7 +2,7 @@
 
 use crate::border;
 use crate::border::living;
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::filter::trisap_filter;
 use crate::structs::trisap_id;
 use core::ffi::c_void;
@@ -24,11 +24,11 @@ pub unsafe extern "C" fn trisap_world_meets(
     filter: *const trisap_filter,
 ) -> u32 {
     let mut meets = 0;
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::check(filter)?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let filter = unsafe { filter.read() };
-        meets = u32::from(call.world()?.meets(living(id)?, &filter.into()));
+        meets = u32::from(call.world.meets(living(id)?, &filter.into()));
         Ok(())
     };
     // SAFETY: the caller's promise.

@@ -2,7 +2,7 @@
 
 use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Items};
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::jobs::executor;
 use crate::query::{trisap_cast, trisap_region};
 use crate::status::{Refusal, trisap_status};
@@ -32,11 +32,11 @@ pub unsafe extern "C" fn trisap_world_first_hits(
     jobs: *const trisap_jobs,
     hits: *mut trisap_hit,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let casts = unsafe { Items::new(casts, stride, count, &call.range())? };
         let mut block = [Cast::ray([0.0; 3], [0.0; 3], 0.0); BLOCK];
-        let world = call.world()?;
+        let world = &call.world;
         let among = world.among(accepts(condition, user));
         // SAFETY: the caller's promise.
         let (executor, hits) =
@@ -67,11 +67,11 @@ pub unsafe extern "C" fn trisap_world_nearest_many(
     hits: *mut trisap_hit,
     room: usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let points = unsafe { Items::new(points.cast::<[f32; 3]>(), stride, count, &call.range())? };
         let all = count.checked_mul(room).ok_or(trisap_status::InvalidArgument)?;
-        let world = call.world()?;
+        let world = &call.world;
         let among = world.among(accepts(condition, user));
         // SAFETY: the caller's promise.
         let (executor, hits) =
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
     room: usize,
     ends: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let range = call.range();
         // SAFETY: the caller's promise.
         let regions = unsafe { Items::new(regions, stride, count, &range)? };
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
         // SAFETY: the caller's promise.
         let (ids, ends) =
             unsafe { (border::new_ids(ids, room, &range)?, border::zeros(ends, count, &range)?) };
-        let world = call.world()?;
+        let world = &call.world;
         let among = world.among(accepts(condition, user));
         let mut block = [Region::Point([0.0; 3]); BLOCK];
         let mut total = 0usize;

@@ -1,14 +1,15 @@
 //! Enters worlds: one call that changes a world, or any number that look at it.
 //!
 //! The memory of a world starts with a `Header`, a cache line that tells where the core's slab ends and which calls
-//! are inside. The slab follows. A `Call` enters alone, a `Look` beside other looks. Both open the core's world in
-//! the slab, and leave.
+//! are inside. The slab follows. A `Call` enters alone, or looks beside others, and opens the core's world in the
+//! slab.
 
 use crate::border;
 use crate::report;
 use crate::status::{Refusal, trisap_status};
 use crate::version::TRISAP_ABI_VERSION;
 use core::ffi::c_void;
+use core::mem::MaybeUninit;
 use core::ops::{Deref, Range};
 use core::sync::atomic::{
     AtomicU32,
@@ -92,24 +93,61 @@ impl Header {
 pub(crate) struct Inside {
     header: *mut Header,
     slab_bytes: usize,
+    /// Whether the call changes the world.
+    alone: bool,
 }
 
 impl Inside {
     /// # Safety
-    /// As for [`Call::enter`].
-    unsafe fn enter(world: *const trisap_world, next: fn(u32) -> Option<u32>) -> Result<Self, trisap_status> {
+    /// A pointer that is not null points to memory that `trisap_world_init` has made into a world, or at least to as
+    /// much initialised memory as a header.
+    pub(crate) unsafe fn enter(world: *const trisap_world, alone: bool) -> Result<Self, trisap_status> {
         // A caller of a `const` function must not see a change. This crate changes only `inside` and the detail,
         // which are no part of the world for the caller.
         let header = world.cast_mut().cast::<Header>();
         border::check(header)?;
         // SAFETY: aligned, not null, and a header by the caller's promise.
         let slab_bytes = unsafe { check_header(header)? };
+        let next: fn(u32) -> Option<u32> = match alone {
+            true => |inside| (inside == 0).then_some(ALONE),
+            false => |inside| inside.checked_add(1).filter(|inside| *inside != ALONE),
+        };
         // SAFETY: as above; the fields that change are atomic.
         if unsafe { (*header).take(next) } {
-            Ok(Self { header, slab_bytes })
+            Ok(Self { header, slab_bytes, alone })
         } else {
             Err(trisap_status::Busy)
         }
+    }
+
+    pub(crate) fn leave(&self) {
+        if self.alone {
+            self.header().release();
+        } else {
+            self.header().leave();
+        }
+    }
+
+    /// Leaves, having noted what a refusal is about, and reports that.
+    fn end(&self, mut outcome: Result<(), Refusal>) -> trisap_status {
+        if let Err(refusal) = &mut outcome {
+            self.note(refusal);
+        }
+        self.leave();
+        report::conclude(outcome)
+    }
+
+    /// Opens the core's world.
+    ///
+    /// # Safety
+    /// Nothing is written through it unless this call is alone; nothing else is opened while it is used.
+    pub(crate) unsafe fn open<'m>(&self) -> Result<World<'m, u32>, Refusal> {
+        // SAFETY: the header says how long the slab is, and `init` has initialised it. Other calls that look may have
+        // slices of the same bytes, and nothing writes to these then: to open a world writes nothing. By Tree Borrows,
+        // mutable references that nothing writes through may exist beside each other; Miri with -Zmiri-tree-borrows
+        // checks that in ffi/tests/border.rs.
+        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
+        Ok(World::open(slab)?)
     }
 
     fn header(&self) -> &Header {
@@ -147,121 +185,82 @@ impl Inside {
     }
 }
 
-/// A call that changes a world, until it is dropped.
-pub(crate) struct Call(Inside);
-
-impl Call {
-    /// # Safety
-    /// A pointer that is not null points to memory that `trisap_world_init` has made into a world, or at least to as
-    /// much initialised memory as a header.
-    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
-        // SAFETY: the same promise.
-        unsafe { Inside::enter(world, |inside| (inside == 0).then_some(ALONE)) }.map(Self)
-    }
-
-    /// The core's world.
-    pub(crate) fn world(&mut self) -> Result<World<'_, u32>, Refusal> {
-        // SAFETY: the header says how long the slab is, `init` has initialised it, no other call is inside, and the
-        // borrow of `self` keeps the slice the only one.
-        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
-        Ok(World::open(slab)?)
-    }
+/// A call inside of a world. One that looks beside others has a shared reference to this.
+pub(crate) struct Call<'m> {
+    inside: Inside,
+    pub(crate) world: World<'m, u32>,
 }
 
-impl Deref for Call {
+impl Deref for Call<'_> {
     type Target = Inside;
     fn deref(&self) -> &Inside {
-        &self.0
+        &self.inside
     }
 }
 
-impl Drop for Call {
-    fn drop(&mut self) {
-        self.header().release();
-    }
-}
-
-/// A call that looks at a world, beside others that do, until it is dropped.
-pub(crate) struct Look(Inside);
-
-/// A world that is only looked at.
-pub(crate) struct Seen<'m>(World<'m, u32>);
-
-impl Look {
+impl<'m> Call<'m> {
+    /// Enters a world and opens it, in room of the caller's, as it would take long to move; or reports why not. Once for all
+    /// calls, most of which are short; so is the end.
+    ///
     /// # Safety
-    /// As for [`Call::enter`].
-    pub(crate) unsafe fn enter(world: *const trisap_world) -> Result<Self, trisap_status> {
+    /// As for [`Inside::enter`].
+    #[inline(never)]
+    unsafe fn begin(
+        room: &mut MaybeUninit<Self>,
+        world: *const trisap_world,
+        alone: bool,
+    ) -> Result<&mut Self, trisap_status> {
         // SAFETY: the same promise.
-        unsafe { Inside::enter(world, |inside| inside.checked_add(1).filter(|inside| *inside != ALONE)) }
-            .map(Self)
+        let inside = match unsafe { Inside::enter(world, alone) } {
+            Ok(inside) => inside,
+            Err(status) => return Err(report::conclude(Err(status.into()))),
+        };
+        // SAFETY: `look` gives out a shared reference, `with` is alone.
+        match unsafe { inside.open() } {
+            Ok(world) => Ok(room.write(Self { inside, world })),
+            Err(refusal) => Err(inside.end(Err(refusal))),
+        }
     }
 
-    /// The core's world.
-    pub(crate) fn world(&self) -> Result<Seen<'_>, Refusal> {
-        // SAFETY: the header says how long the slab is, and `init` has initialised it. Other looks may have slices of
-        // the same bytes. Nothing writes to them while a look is inside: to open a world writes nothing, and `Seen`
-        // gives out shared references alone. By Tree Borrows, mutable references that nothing writes through may
-        // exist beside each other; Miri with -Zmiri-tree-borrows checks that in ffi/tests/border.rs.
-        let slab = unsafe { core::slice::from_raw_parts_mut(self.slab().cast::<u8>(), self.slab_bytes) };
-        Ok(Seen(World::open(slab)?))
-    }
-}
-
-impl<'m> Deref for Seen<'m> {
-    type Target = World<'m, u32>;
-    fn deref(&self) -> &World<'m, u32> {
-        &self.0
+    #[inline(never)]
+    fn end(&self, outcome: Result<(), Refusal>) -> trisap_status {
+        self.inside.end(outcome)
     }
 }
 
-impl Deref for Look {
-    type Target = Inside;
-    fn deref(&self) -> &Inside {
-        &self.0
-    }
-}
-
-impl Drop for Look {
-    fn drop(&mut self) {
-        self.header().leave();
-    }
-}
-
-/// Does the work of a call that changes a world.
+/// Does the work of a call that changes a world. A panic in it ends the program at the border, as in all functions of C.
 ///
 /// # Safety
-/// As for [`Call::enter`].
+/// As for [`Inside::enter`].
 pub(crate) unsafe fn with(
     world: *const trisap_world,
-    work: impl FnOnce(&mut Call) -> Result<(), Refusal>,
+    work: impl FnOnce(&mut Call<'_>) -> Result<(), Refusal>,
 ) -> trisap_status {
+    let mut room = MaybeUninit::uninit();
     // SAFETY: the same promise.
-    let outcome = unsafe { Call::enter(world) }.map_err(Refusal::from).and_then(|mut call| {
-        let mut outcome = work(&mut call);
-        if let Err(refusal) = &mut outcome {
-            call.note(refusal);
+    match unsafe { Call::begin(&mut room, world, true) } {
+        Ok(call) => {
+            let outcome = work(call);
+            call.end(outcome)
         }
-        outcome
-    });
-    report::conclude(outcome)
+        Err(status) => status,
+    }
 }
 
 /// Does the work of a call that looks at a world.
 ///
 /// # Safety
-/// As for [`Call::enter`].
+/// As for [`Inside::enter`].
 pub(crate) unsafe fn look(
     world: *const trisap_world,
-    work: impl FnOnce(&Look) -> Result<(), Refusal>,
+    work: impl FnOnce(&Call<'_>) -> Result<(), Refusal>,
 ) -> trisap_status {
+    let mut room = MaybeUninit::uninit();
     // SAFETY: the same promise.
-    let outcome = unsafe { Look::enter(world) }.map_err(Refusal::from).and_then(|look| {
-        work(&look).map_err(|mut refusal| {
-            look.note(&mut refusal);
-            refusal
-        })
-    });
-    report::conclude(outcome)
+    match unsafe { Call::begin(&mut room, world, false) } {
+        Ok(call) => call.end(work(call)),
+        Err(status) => status,
+    }
 }
 
 /// The length of the slab behind a header of this version.

@@ -1,7 +1,7 @@
 //! Names pairs by ids, which stay right when slots go to other objects.
 
 use crate::border;
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
 use trisap_core::{Error, Id};
@@ -41,13 +41,13 @@ pub unsafe extern "C" fn trisap_world_pair_ids(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let range = call.range();
         border::span(count, 1, &range)?;
         if room > 0 {
             border::span(pairs, room, &range)?;
         }
-        let world = call.world()?;
+        let world = &call.world;
         let mut written = 0;
         let mut put = |[a, b]: [Id; 2]| {
             if written < room {

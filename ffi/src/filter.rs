@@ -3,7 +3,7 @@
 use crate::aabb::trisap_aabb;
 use crate::border;
 use crate::border::living;
-use crate::call::{Call, Look, look, trisap_world, with};
+use crate::call::{Call, look, trisap_world, with};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_id;
 use trisap_core::{Error, Filter, Object};
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn trisap_world_insert_with(
             // SAFETY: the caller's promise: null, or one of each.
             (border::optional(filter)?.map(Filter::from), border::optional(value)?, border::optional(margin)?)
         };
-        let new = call.world()?.insert(object)?;
+        let new = call.world.insert(object)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn trisap_world_set_filter(
         border::check(filter)?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let filter = unsafe { filter.read() };
-        Ok(call.world()?.set_filter(living(id)?, filter.into())?)
+        Ok(call.world.set_filter(living(id)?, filter.into())?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, set) }
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn trisap_world_set_filter_many(
         let (ids, filters) = unsafe {
             (border::ids(ids, count, &range)?, border::Items::new(filters, stride, count, &range)?)
         };
-        let mut world = call.world()?;
+        let world = &mut call.world;
         let filters = || ids.iter().enumerate().filter_map(|(at, id)| Some((*id, filters.get(at)?)));
         // Everything that the core would refuse is found before anything is done.
         for (id, filter) in filters() {
@@ -143,10 +143,10 @@ pub unsafe extern "C" fn trisap_world_filter(
     id: trisap_id,
     filter: *mut trisap_filter,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(filter, 1, &call.range())?;
         let id = living(id)?;
-        let world = call.world()?;
+        let world = &call.world;
         let refusal = if world.contains(id) { Error::NoFilters } else { Error::StaleId { id } };
         let known = world.filter(id).ok_or(refusal)?;
         // SAFETY: aligned, not null, and outside of the world.
@@ -176,7 +176,7 @@ pub unsafe extern "C" fn trisap_world_set_classes(
         border::span(meets, 1, &call.range())?;
         // SAFETY: aligned, not null, and by the caller's promise as many as there are classes.
         let meets = unsafe { meets.read() };
-        Ok(call.world()?.set_classes(&meets)?)
+        Ok(call.world.set_classes(&meets)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, set) }
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn trisap_world_set_classes(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_refilter(world: *mut trisap_world, id: trisap_id) -> trisap_status {
     // SAFETY: the caller's promise.
-    unsafe { with(world, |call| Ok::<(), Refusal>(call.world()?.refilter(living(id)?)?)) }
+    unsafe { with(world, |call| Ok::<(), Refusal>(call.world.refilter(living(id)?)?)) }
 }
 
 // The header asserts the same on the other side of the border.

@@ -1,7 +1,7 @@
 //! Moves worlds to other memory.
 
 use crate::border;
-use crate::call::{Call, HEADER, Header, Look, check_header, look, memory_range, trisap_world, with};
+use crate::call::{Call, HEADER, Header, Inside, check_header, look, memory_range, trisap_world, with};
 use crate::report;
 use crate::status::trisap_status;
 use crate::structs::trisap_config;
@@ -13,7 +13,10 @@ use core::ffi::c_void;
 #[must_use]
 pub unsafe extern "C" fn trisap_world_bytes(world: *const trisap_world) -> usize {
     // SAFETY: the caller's promise.
-    unsafe { Look::enter(world) }.map_or(0, |look| look.range().len())
+    unsafe { Inside::enter(world, false) }.map_or(0, |inside| {
+        inside.leave();
+        inside.range().len()
+    })
 }
 
 /// Whether full buffers of this world are to be reported: with 1, `TRISAP_STATUS_OBJECTS_FULL` and
@@ -64,9 +67,11 @@ pub unsafe extern "C" fn trisap_world_open(
         // SAFETY: as above.
         unsafe { (*header).report_all() };
         // SAFETY: a world, as far as the header tells.
-        let mut call = unsafe { Call::enter(header.cast())? };
-        call.world()?;
-        drop(call);
+        let inside = unsafe { Inside::enter(header.cast(), true)? };
+        // SAFETY: nobody else is inside.
+        let opened = unsafe { inside.open() };
+        inside.leave();
+        opened?;
         // SAFETY: aligned, not null, and outside of the memory.
         unsafe { world.write(header.cast()) };
         Ok(())
@@ -94,13 +99,13 @@ pub unsafe extern "C" fn trisap_world_move(
     config: *const trisap_config,
     world: *mut *mut trisap_world,
 ) -> trisap_status {
-    let go = |call: &Look| {
+    let go = |call: &Call| {
         border::check(memory.cast::<Header>())?;
         // SAFETY: the caller's promise.
         let config = unsafe { border::read(config)? };
         let core_config = config.to_core()?;
         let taken = call.range();
-        let from = call.world()?;
+        let from = &call.world;
         let make = |slab: &mut [u8]| from.move_into(slab, &core_config).map(|_| ());
         // SAFETY: the caller's promise, and the memory is no part of the other world.
         unsafe { place(memory, bytes, &config, world, &[taken], make) }

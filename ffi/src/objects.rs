@@ -2,7 +2,7 @@
 
 use crate::aabb::trisap_aabb;
 use crate::border::{self, Items, living};
-use crate::call::{Call, Look, look, trisap_world, with};
+use crate::call::{Call, look, trisap_world, with};
 use crate::status::trisap_status;
 use crate::structs::{TRISAP_NULL_ID, trisap_boxes, trisap_id};
 use trisap_core::{Aabb, Error, Id};
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn trisap_world_insert(
         border::span(id, 1, &call.range())?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
-        let new = call.world()?.insert(Aabb::from(aabb))?;
+        let new = call.world.insert(Aabb::from(aabb))?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn trisap_world_insert_at(
         border::span(id, 1, &call.range())?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
-        let new = call.world()?.insert_at(slot, Aabb::from(aabb))?;
+        let new = call.world.insert_at(slot, Aabb::from(aabb))?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(new.to_bits()) };
         Ok(())
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn trisap_world_update(
         border::check(aabb)?;
         // SAFETY: aligned, not null, and initialised by the caller's promise.
         let aabb = unsafe { aabb.read() };
-        Ok(call.world()?.set_aabb(living(id)?, aabb.into())?)
+        Ok(call.world.set_aabb(living(id)?, aabb.into())?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, update) }
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn trisap_world_update(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_remove(world: *mut trisap_world, id: trisap_id) -> trisap_status {
     // SAFETY: the caller's promise.
-    unsafe { with(world, |call| Ok(call.world()?.remove(living(id)?)?)) }
+    unsafe { with(world, |call| Ok(call.world.remove(living(id)?)?)) }
 }
 
 /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts as moved
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn trisap_world_set_margin(
     length: f32,
 ) -> trisap_status {
     // SAFETY: the caller's promise.
-    unsafe { with(world, |call| Ok(call.world()?.set_margin(living(id)?, length)?)) }
+    unsafe { with(world, |call| Ok(call.world.set_margin(living(id)?, length)?)) }
 }
 
 /// Adds objects, all or none, and writes their ids to `ids`, as many as boxes. O(boxes).
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn trisap_world_insert_many(
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
         let ids = unsafe { border::new_ids(ids, boxes.len(), &call.range())? };
-        let mut world = call.world()?;
+        let world = &mut call.world;
         for (id, new) in ids.iter_mut().zip(world.insert_many(boxes)?) {
             *id = Some(new);
         }
@@ -167,7 +167,7 @@ pub unsafe extern "C" fn trisap_world_update_many(
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
         let ids = unsafe { border::ids(ids, boxes.len(), &call.range())? };
-        Ok(call.world()?.update_many(ids, boxes)?)
+        Ok(call.world.update_many(ids, boxes)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, update) }
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn trisap_world_update_strided(
         let boxes = unsafe { border::boxes(boxes, &range)? };
         // SAFETY: the caller's promise.
         let ids = unsafe { Items::new(ids, stride, boxes.len(), &range)? };
-        let mut world = call.world()?;
+        let world = &mut call.world;
         let all = || (0..boxes.len()).filter_map(|at| Some((at, living(ids.get(at)?), boxes.get(at)?)));
         for (at, id, aabb) in all() {
             let id = id?;
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn trisap_world_remove_many(
     let remove = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let ids = unsafe { border::ids(ids, count, &call.range())? };
-        Ok(call.world()?.remove_many(ids)?)
+        Ok(call.world.remove_many(ids)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, remove) }
@@ -233,8 +233,8 @@ pub unsafe extern "C" fn trisap_world_remove_many(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_contains(world: *const trisap_world, id: trisap_id) -> trisap_status {
     let mut lives = false;
-    let ask = |call: &Look| {
-        let world = call.world()?;
+    let ask = |call: &Call| {
+        let world = &call.world;
         lives = Id::from_bits(id).is_some_and(|id| world.contains(id));
         Ok(())
     };
@@ -255,10 +255,10 @@ pub unsafe extern "C" fn trisap_world_aabb(
     id: trisap_id,
     aabb: *mut trisap_aabb,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(aabb, 1, &call.range())?;
         let id = living(id)?;
-        let known = call.world()?.aabb(id).ok_or(Error::StaleId { id })?;
+        let known = call.world.aabb(id).ok_or(Error::StaleId { id })?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { aabb.write(known.into()) };
         Ok(())
@@ -280,14 +280,14 @@ pub unsafe extern "C" fn trisap_world_aabbs(
     count: usize,
     aabbs: *mut trisap_aabb,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let range = call.range();
         // SAFETY: the caller's promise.
         let ids = unsafe { Items::new(ids, stride, count, &range)? };
         if count > 0 {
             border::span(aabbs, count, &range)?;
         }
-        let world = call.world()?;
+        let world = &call.world;
         for at in 0..count {
             let id = living(ids.get(at).unwrap_or_default())?;
             let known = world.aabb(id).ok_or(Error::StaleId { id })?;
@@ -306,8 +306,8 @@ pub unsafe extern "C" fn trisap_world_aabbs(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_id_at(world: *const trisap_world, slot: u32) -> trisap_id {
     let mut id = TRISAP_NULL_ID;
-    let ask = |call: &Look| {
-        id = call.world()?.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
+    let ask = |call: &Call| {
+        id = call.world.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -323,9 +323,9 @@ pub unsafe extern "C" fn trisap_world_find(
     slot: u32,
     id: *mut trisap_id,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(id, 1, &call.range())?;
-        let found = call.world()?.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
+        let found = call.world.id_at(slot).map_or(TRISAP_NULL_ID, Id::to_bits);
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { id.write(found) };
         Ok(())
@@ -338,9 +338,9 @@ pub unsafe extern "C" fn trisap_world_find(
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_count(world: *const trisap_world, count: *mut u32) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(count, 1, &call.range())?;
-        let len = call.world()?.len();
+        let len = call.world.len();
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { count.write(len) };
         Ok(())
@@ -354,8 +354,8 @@ pub unsafe extern "C" fn trisap_world_count(world: *const trisap_world, count: *
 #[must_use]
 pub unsafe extern "C" fn trisap_world_len(world: *const trisap_world) -> u32 {
     let mut len = 0;
-    let ask = |call: &Look| {
-        len = call.world()?.len();
+    let ask = |call: &Call| {
+        len = call.world.len();
         Ok(())
     };
     // SAFETY: the caller's promise.

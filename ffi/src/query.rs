@@ -5,7 +5,7 @@
 use crate::aabb::{point, trisap_aabb};
 use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Answers};
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::status::{Refusal, trisap_status};
 use crate::structs::{trisap_hit, trisap_id};
 use core::ffi::c_void;
@@ -148,11 +148,11 @@ pub unsafe extern "C" fn trisap_world_overlaps(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let (region, answers) =
             unsafe { (self::region(region)?, Answers::new(ids, room, count, &call.range())?) };
-        let world = call.world()?;
+        let world = &call.world;
         collect_ids(answers, accepts(condition, user), |visit| world.visit_overlaps(&region, visit))
     };
     // SAFETY: the caller's promise.
@@ -204,11 +204,11 @@ pub unsafe extern "C" fn trisap_world_visit_overlaps(
     visit: trisap_visit_id,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let mut visit = visitor(visit, user)?;
         // SAFETY: the caller's promise.
         let region = unsafe { self::region(region)? };
-        Ok(call.world()?.visit_overlaps(&region, &mut visit)?)
+        Ok(call.world.visit_overlaps(&region, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -228,11 +228,11 @@ pub unsafe extern "C" fn trisap_world_first_hit(
     user: *mut c_void,
     hit: *mut trisap_hit,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(hit, 1, &call.range())?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
-        let first = call.world()?.among(accepts(condition, user)).first_hit(&cast)?;
+        let first = call.world.among(accepts(condition, user)).first_hit(&cast)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { hit.write(first.map_or(trisap_hit::NONE, Into::into)) };
         Ok(())
@@ -257,12 +257,12 @@ pub unsafe extern "C" fn trisap_world_hits(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let (cast, mut answers) =
             unsafe { (self::cast(cast)?, Answers::new(hits, room, count, &call.range())?) };
         let condition = accepts(condition, user);
-        call.world()?.visit_hits(&cast, &mut |hit| {
+        call.world.visit_hits(&cast, &mut |hit| {
             if condition(hit.id) {
                 answers.push(trisap_hit::from(hit));
             }
@@ -293,13 +293,13 @@ pub unsafe extern "C" fn trisap_world_visit_hits(
     visit: trisap_visit_hit,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let visit = visit.ok_or(trisap_status::NullPointer)?;
         // SAFETY: the caller's promise.
         let cast = unsafe { self::cast(cast)? };
         // SAFETY: called as its contract says.
         let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
-        Ok(call.world()?.visit_hits(&cast, &mut visit)?)
+        Ok(call.world.visit_hits(&cast, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -319,14 +319,14 @@ pub unsafe extern "C" fn trisap_world_visit_nearest(
     visit: trisap_visit_hit,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let visit = visit.ok_or(trisap_status::NullPointer)?;
         border::check(position)?;
         // SAFETY: the caller's promise.
         let position = unsafe { point(position, f32::NAN) };
         // SAFETY: called as its contract says.
         let mut visit = |hit: Hit| unsafe { visit(user, hit.into()) };
-        Ok(call.world()?.visit_nearest(position, distance, &mut visit)?)
+        Ok(call.world.visit_nearest(position, distance, &mut visit)?)
     };
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
@@ -349,13 +349,13 @@ pub unsafe extern "C" fn trisap_world_nearest(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let range = call.range();
         border::check(position)?;
         border::span(count, 1, &range)?;
         // SAFETY: the caller's promise.
         let position = unsafe { point(position, f32::NAN) };
-        let world = call.world()?;
+        let world = &call.world;
         // SAFETY: the caller's promise.
         let mut hits = unsafe { border::Hits::new(hits, room.min(world.len() as usize), &range)? };
         let found = world.among(accepts(condition, user)).nearest(position, hits.as_options());

@@ -50,6 +50,7 @@ pub(crate) fn tell(status: trisap_status, detail: u64, text: *const c_char) {
 }
 
 /// The status of a call, reported if it is a refusal.
+#[inline(never)]
 pub(crate) fn conclude(outcome: Result<(), Refusal>) -> trisap_status {
     match outcome {
         Ok(()) => trisap_status::Ok,

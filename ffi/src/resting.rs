@@ -1,7 +1,7 @@
 //! Objects that the caller knows to rest, and disabled ones.
 
 use crate::border::{self, Answers, living};
-use crate::call::{Call, Look, look, trisap_world, with};
+use crate::call::{Call, look, trisap_world, with};
 use crate::status::trisap_status;
 use crate::structs::{trisap_id, trisap_pair};
 
@@ -19,7 +19,7 @@ pub unsafe extern "C" fn trisap_world_set_resting(
     let rest = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let ids = unsafe { border::ids(ids, count, &call.range())? };
-        Ok(call.world()?.set_resting(ids)?)
+        Ok(call.world.set_resting(ids)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, rest) }
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn trisap_world_wake(
     let wake = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let ids = unsafe { border::ids(ids, count, &call.range())? };
-        Ok(call.world()?.wake(ids)?)
+        Ok(call.world.wake(ids)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, wake) }
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn trisap_world_set_enabled(
     let enable = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let ids = unsafe { border::ids(ids, count, &call.range())? };
-        Ok(call.world()?.set_enabled_many(ids, enabled != 0)?)
+        Ok(call.world.set_enabled_many(ids, enabled != 0)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, enable) }
@@ -72,8 +72,8 @@ pub unsafe extern "C" fn trisap_world_set_enabled(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_is_enabled(world: *const trisap_world, id: trisap_id) -> u32 {
     let mut enabled = 0;
-    let ask = |call: &Look| {
-        enabled = u32::from(call.world()?.is_enabled(living(id)?));
+    let ask = |call: &Call| {
+        enabled = u32::from(call.world.is_enabled(living(id)?));
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -93,10 +93,10 @@ pub unsafe extern "C" fn trisap_world_awake_pairs(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(pairs, room, count, &call.range())? };
-        call.world()?.awake_pairs().for_each(|[a, b]| answers.push(trisap_pair { a, b }));
+        call.world.awake_pairs().for_each(|[a, b]| answers.push(trisap_pair { a, b }));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
@@ -108,8 +108,8 @@ pub unsafe extern "C" fn trisap_world_awake_pairs(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_is_resting(world: *const trisap_world, id: trisap_id) -> u32 {
     let mut rests = 0;
-    let ask = |call: &Look| {
-        rests = u32::from(call.world()?.is_resting(living(id)?));
+    let ask = |call: &Call| {
+        rests = u32::from(call.world.is_resting(living(id)?));
         Ok(())
     };
     // SAFETY: the caller's promise.

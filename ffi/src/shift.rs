@@ -28,7 +28,7 @@ pub unsafe extern "C" fn trisap_world_shift_origin(
         }
         // SAFETY: not null, and the caller's promise.
         let by = unsafe { point(by, f64::NAN) };
-        let count = call.world()?.shift_origin(by)?;
+        let count = call.world.shift_origin(by)?;
         if !rounded.is_null() {
             // SAFETY: aligned, and outside of the world.
             unsafe { rounded.write(count) };

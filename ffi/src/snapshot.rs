@@ -1,7 +1,7 @@
 //! Snapshots: a world as plain bytes, for files and for those who join late.
 
 use crate::border;
-use crate::call::{Call, Look, look, trisap_world, with};
+use crate::call::{Call, look, trisap_world, with};
 use crate::status::trisap_status;
 use core::ffi::c_void;
 use trisap_core::Error;
@@ -11,8 +11,8 @@ use trisap_core::Error;
 #[must_use]
 pub unsafe extern "C" fn trisap_world_snapshot_size(world: *const trisap_world) -> usize {
     let mut size = 0;
-    let ask = |call: &Look| {
-        size = call.world()?.snapshot_size();
+    let ask = |call: &Call| {
+        size = call.world.snapshot_size();
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -35,13 +35,13 @@ pub unsafe extern "C" fn trisap_world_save(
     room: usize,
     bytes: *mut usize,
 ) -> trisap_status {
-    let save = |call: &Look| {
+    let save = |call: &Call| {
         let range = call.range();
         border::span(bytes, 1, &range)?;
         if room > 0 {
             border::span(snapshot.cast::<u8>(), room, &range)?;
         }
-        let world = call.world()?;
+        let world = &call.world;
         let needed = world.snapshot_size();
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { bytes.write(needed) };
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn trisap_world_load(
         border::span(first, bytes, &call.range())?;
         // SAFETY: not null, no longer than a slice may be, outside of the world, and by the caller's promise initialised.
         let snapshot = unsafe { core::slice::from_raw_parts(first, bytes) };
-        Ok(call.world()?.load(snapshot)?)
+        Ok(call.world.load(snapshot)?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, load) }

@@ -1,7 +1,7 @@
 //! Tells what steps did, and checks the whole world.
 
 use crate::border;
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::status::trisap_status;
 use crate::structs::*;
 use trisap_core::{Path, Reason};
@@ -43,10 +43,10 @@ pub unsafe extern "C" fn trisap_world_stats(
     world: *const trisap_world,
     stats: *mut trisap_stats,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         unsafe { border::check_versioned(stats)? };
-        let known = call.world()?.stats();
+        let known = call.world.stats();
         let told = trisap_stats {
             struct_size: size_of::<trisap_stats>() as u32,
             path: match known.path {
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn trisap_world_stats(
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_world_validate(world: *const trisap_world) -> trisap_status {
-    let ask = |call: &Look| call.world()?.validate().map_err(|_| trisap_status::Corrupt.into());
+    let ask = |call: &Call| call.world.validate().map_err(|_| trisap_status::Corrupt.into());
     // SAFETY: the caller's promise.
     unsafe { look(world, ask) }
 }

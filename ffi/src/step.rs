@@ -44,7 +44,7 @@ pub unsafe extern "C" fn trisap_world_step(
     let step = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
-        let outcome = call.world()?.on(&executor).step().map(|step| step.rejected());
+        let outcome = call.world.on(&executor).step().map(|step| step.rejected());
         conclude(call, outcome, result)
     };
     // SAFETY: the caller's promise.
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn trisap_world_step_over(
         let boxes = unsafe { border::boxes(boxes, &call.range())? };
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
-        let outcome = call.world()?.on(&executor).step_over(boxes).map(|step| step.rejected());
+        let outcome = call.world.on(&executor).step_over(boxes).map(|step| step.rejected());
         conclude(call, outcome, result)
     };
     // SAFETY: the caller's promise.
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn trisap_world_refresh(
     let refresh = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let executor = unsafe { executor(jobs, NAME)? };
-        Ok(call.world()?.on(&executor).refresh()?)
+        Ok(call.world.on(&executor).refresh()?)
     };
     // SAFETY: the caller's promise.
     unsafe { with(world, refresh) }
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn trisap_world_step_with_rule(
         // SAFETY: the caller's promise.
         let (executor, result) = unsafe { (executor(jobs, NAME)?, output(result, call)?) };
         let rule = |a: u32, b: u32| rule.meet(a, b);
-        let mut world = call.world()?;
+        let world = &mut call.world;
         let stepper = world.on(&executor).with_rule(&rule);
         let outcome = match boxes {
             Some(boxes) => stepper.step_over(boxes),
@@ -194,7 +194,7 @@ pub unsafe extern "C" fn trisap_world_sort_results(
     let sort = |call: &mut Call| {
         // SAFETY: the caller's promise.
         let result = unsafe { output(result, call)? };
-        call.world()?.sort_results();
+        call.world.sort_results();
         conclude(call, Ok(None), result)
     };
     // SAFETY: the caller's promise.
@@ -225,7 +225,7 @@ fn conclude(
         Err(error) => return Err(error.into()),
     };
     let slab = call.slab();
-    let told = tell(slab, &call.world()?, rejected, full.map(|(needed, _)| needed));
+    let told = tell(slab, &call.world, rejected, full.map(|(needed, _)| needed));
     // SAFETY: `output` has checked the pointer.
     unsafe { result.0.write(told) };
     match full {

@@ -1,7 +1,7 @@
 //! Gives objects values for the caller's use.
 
 use crate::border::{self, Answers, Items, living};
-use crate::call::{Call, Look, look, trisap_world, with};
+use crate::call::{Call, look, trisap_world, with};
 use crate::events::{TRISAP_PAIRS_ALL, TRISAP_PAIRS_FOUND, TRISAP_PAIRS_LOST};
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn trisap_world_set_value(
     value: u64,
 ) -> trisap_status {
     // SAFETY: the caller's promise.
-    unsafe { with(world, |call| Ok(call.world()?.set_value(living(id)?, value)?)) }
+    unsafe { with(world, |call| Ok(call.world.set_value(living(id)?, value)?)) }
 }
 
 /// Gives objects values, all or none: the value of `ids[i]` begins `i * stride` bytes behind that of `ids[0]`. O(n).
@@ -44,9 +44,9 @@ pub unsafe extern "C" fn trisap_world_set_value_many(
         // SAFETY: the caller's promise.
         let (ids, values) =
             unsafe { (border::ids(ids, count, &range)?, Items::new(values, stride, count, &range)?) };
-        let mut world = call.world()?;
+        let world = &mut call.world;
         for id in ids {
-            known(&world, *id)?;
+            known(world, *id)?;
         }
         for (at, id) in ids.iter().enumerate() {
             world.set_value(*id, values.get(at).unwrap_or_default())?;
@@ -65,10 +65,10 @@ pub unsafe extern "C" fn trisap_world_value(
     id: trisap_id,
     value: *mut u64,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         border::span(value, 1, &call.range())?;
-        let world = call.world()?;
-        let known = known(&world, living(id)?)?;
+        let world = &call.world;
+        let known = known(world, living(id)?)?;
         // SAFETY: aligned, not null, and outside of the world.
         unsafe { value.write(known) };
         Ok(())
@@ -88,16 +88,16 @@ pub unsafe extern "C" fn trisap_world_values(
     count: usize,
     values: *mut u64,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let range = call.range();
         // SAFETY: the caller's promise.
         let ids = unsafe { Items::new(ids, stride, count, &range)? };
         if count > 0 {
             border::span(values, count, &range)?;
         }
-        let world = call.world()?;
+        let world = &call.world;
         for at in 0..count {
-            let value = known(&world, living(ids.get(at).unwrap_or_default())?)?;
+            let value = known(world, living(ids.get(at).unwrap_or_default())?)?;
             // SAFETY: not null, aligned, within the caller's room and outside of the world.
             unsafe { values.add(at).write(value) };
         }
@@ -119,10 +119,10 @@ pub unsafe extern "C" fn trisap_world_pair_values(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(pairs, room, count, &call.range())? };
-        let world = call.world()?;
+        let world = &call.world;
         if !world.config().values {
             return Err(Error::NoValues.into());
         }

@@ -2,7 +2,7 @@
 
 use crate::aabb::trisap_aabb;
 use crate::border::Answers;
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
 use trisap_core::{LeafView, PlaneView};
@@ -60,10 +60,10 @@ pub unsafe extern "C" fn trisap_world_leaves(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(leaves, room, count, &call.range())? };
-        call.world()?.leaves().for_each(|leaf| answers.push(leaf.into()));
+        call.world.leaves().for_each(|leaf| answers.push(leaf.into()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
@@ -82,10 +82,10 @@ pub unsafe extern "C" fn trisap_world_planes(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(planes, room, count, &call.range())? };
-        call.world()?.planes().for_each(|plane| answers.push(plane.into()));
+        call.world.planes().for_each(|plane| answers.push(plane.into()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.
@@ -104,10 +104,10 @@ pub unsafe extern "C" fn trisap_world_large(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         let mut answers = unsafe { Answers::new(ids, room, count, &call.range())? };
-        call.world()?.large().for_each(|id| answers.push(id.to_bits()));
+        call.world.large().for_each(|id| answers.push(id.to_bits()));
         answers.conclude()
     };
     // SAFETY: the caller's promise.

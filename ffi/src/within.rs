@@ -3,7 +3,7 @@
 use crate::aabb::trisap_aabb;
 use crate::among::{accepts, trisap_condition};
 use crate::border::{self, Answers};
-use crate::call::{Look, look, trisap_world};
+use crate::call::{Call, look, trisap_world};
 use crate::query::{collect_ids, trisap_visit_id, visitor};
 use crate::status::trisap_status;
 use crate::structs::trisap_id;
@@ -28,7 +28,7 @@ pub unsafe extern "C" fn trisap_world_within(
     room: usize,
     count: *mut usize,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let planes = if plane_count == 0 {
             &[]
         } else {
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn trisap_world_within(
         };
         // SAFETY: the caller's promise.
         let answers = unsafe { Answers::new(ids, room, count, &call.range())? };
-        let world = call.world()?;
+        let world = &call.world;
         collect_ids(answers, accepts(condition, user), |visit| {
             world.visit_within(&Planes(planes), visit);
             Ok(())
@@ -84,10 +84,10 @@ pub unsafe extern "C" fn trisap_world_visit_within(
     visit: trisap_visit_id,
     user: *mut c_void,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         let mut visit = visitor(visit, user)?;
         let sides = Sides { side: side.ok_or(trisap_status::NullPointer)?, user: side_user };
-        call.world()?.visit_within(&sides, &mut visit);
+        call.world.visit_within(&sides, &mut visit);
         Ok(())
     };
     // SAFETY: the caller's promise.

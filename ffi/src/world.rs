@@ -1,7 +1,7 @@
 //! Makes worlds in the caller's memory.
 
 use crate::border;
-use crate::call::{HEADER, Header, Look, look, memory_range};
+use crate::call::{Call, HEADER, Header, Inside, look, memory_range};
 use crate::report;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_config;
@@ -110,7 +110,11 @@ pub(crate) unsafe fn place(
 #[must_use]
 pub unsafe extern "C" fn trisap_world_error_detail(world: *const trisap_world) -> u64 {
     // SAFETY: the caller's promise.
-    unsafe { Look::enter(world) }.map_or(0, |look| look.detail())
+    unsafe { Inside::enter(world, false) }.map_or(0, |inside| {
+        let detail = inside.detail();
+        inside.leave();
+        detail
+    })
 }
 
 /// Writes what the world was made for to `config`, which has to have its `struct_size`. O(1).
@@ -120,10 +124,10 @@ pub unsafe extern "C" fn trisap_world_config(
     world: *const trisap_world,
     config: *mut trisap_config,
 ) -> trisap_status {
-    let ask = |call: &Look| {
+    let ask = |call: &Call| {
         // SAFETY: the caller's promise.
         unsafe { border::check_versioned(config)? };
-        let known = trisap_config::from_core(&call.world()?.config());
+        let known = trisap_config::from_core(&call.world.config());
         // SAFETY: checked above.
         unsafe { config.write(known) };
         Ok(())

@@ -323,8 +323,12 @@ fn exported_symbols_are_those_of_the_header() {
 #[test]
 fn the_shared_library_is_named_by_its_abi() {
     let dynamic = succeed(Command::new("readelf").arg("-dW").arg(PREFIX.join("lib/libtrisap.so")));
-    let name = format!("[libtrisap.so.{}]", trisap_ffi::version::TRISAP_ABI_VERSION);
+    let abi = trisap_ffi::version::TRISAP_ABI_VERSION;
+    let name = format!("[libtrisap.so.{abi}]");
     assert!(dynamic.lines().any(|line| line.contains("SONAME") && line.contains(&name)), "{dynamic}");
+    // cargo-c installs it under the name that the manifest says.
+    let library = include_str!("../Cargo.toml").split("[package.metadata.capi.library]").nth(1);
+    assert!(library.is_some_and(|library| library.contains(&format!("version = \"{abi}.0.0\""))));
 }
 
 /// An installed tree that was moved to another place.

@@ -21,7 +21,7 @@ use crate::geometry::aabb::narrowed;
 use crate::geometry::key::{KeyBox, key};
 use crate::id::{Id, Index};
 use crate::memory::slab::Parts;
-use crate::simd::{Simd, limit};
+use crate::simd::{Simd, call, limit};
 use crate::tree::large::Large;
 use crate::tree::visit::{Probe, Visit};
 use crate::tree::{Frame, Record, sub_leaves_of};
@@ -77,9 +77,7 @@ fn walk<S: Simd, I: Index>(
     home: Option<usize>,
     search: &mut impl Search,
 ) -> ControlFlow<()> {
-    let parts = &world.parts;
-    let mut from = 0;
-    // One loop, since each look at an object is inlined.
+    let (parts, mut from) = (&world.parts, 0);
     while let Some(slot) = match home {
         None => (from < parts.state.objects.slots as usize).then_some(from),
         Some(_) if parts.state.objects.dirty == 0 => None,
@@ -87,7 +85,8 @@ fn walk<S: Simd, I: Index>(
     } {
         from = slot + 1;
         if !KeyBox::of(parts.boxes.now, slot).is_empty() {
-            search.object(simd, slot)?;
+            let search = &mut *search;
+            call!(simd, search.object(simd, slot))?;
         }
     }
     let Some(home) = home else { return ControlFlow::Continue(()) };

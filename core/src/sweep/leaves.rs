@@ -63,27 +63,28 @@ impl<'g> TreeView<'g> {
     /// out the first `skip` of them, and writes as many as fit. Returns how many there are in all.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, ghosts: &mut [Record]) -> usize {
-        let cell = self.cells.at(index);
-        let (low, entrance) = (cell.low_keys(simd), cell.entrance(simd));
-        let mut gathered =
-            Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
-        // The cell is half-open: minima at its high side are in the next cell.
-        let mut visit = Visit::new(self.nodes, cell.inside());
-        visit.start(simd, index);
-        while let Some(other) = visit.next(simd) {
-            if other != index {
-                let leaf = self.leaves.at(other);
-                gathered
-                    .add(self.straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize));
+        call!(simd, {
+            let cell = self.cells.at(index);
+            let (low, entrance) = (cell.low_keys(simd), cell.entrance(simd));
+            let mut gathered =
+                Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
+            // The cell is half-open: minima at its high side are in the next cell.
+            let mut visit = Visit::new(self.nodes, cell.inside());
+            visit.start(simd, index);
+            while let Some(other) = visit.next(simd) {
+                if other != index {
+                    let Leaf { straddler_start: start, straddler_len: len, .. } = self.leaves.at(other);
+                    gathered.add(self.straddlers.span(start as usize, len as usize));
+                }
             }
-        }
-        if !self.large.is_empty() {
-            let mut visit = self.large.visit(cell.inside());
-            while let Some(group) = visit.next(simd) {
-                gathered.add(self.large.group(group));
+            if !self.large.is_empty() {
+                let mut visit = self.large.visit(cell.inside());
+                while let Some(group) = visit.next(simd) {
+                    gathered.add(self.large.group(group));
+                }
             }
-        }
-        gathered.count
+            gathered.count
+        })
     }
 }
 
