@@ -430,6 +430,30 @@ fn walks_with(predicted: bool, chunk: usize, frames: usize, shifts: bool, looks:
     assert!(most <= 3 * median, "{most} of work in a step, {median} in most");
 }
 
+/// Fast objects gather on one side, so that leaves become too full one by one. To divide one means to count all objects again: so some
+/// are divided together, and sweeps test no more than with new planes.
+#[test]
+fn leaves_that_fill_up_one_by_one_are_divided_together() {
+    const COUNT: usize = 64_000;
+    let (mut scene, side) = (Brownian::new(COUNT, 41), scenes::side(COUNT));
+    let config = Config::new(ample(COUNT, 20 * COUNT)).without_predicted_boxes();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = slab.world::<u32>(&config);
+    world.insert_many(Boxes::new(scene.boxes())).expect("room");
+    let (mut divided, mut boxes) = (0, Vec::new());
+    for frame in 0..50 {
+        scene.advance();
+        let share = frame as f32 / 50.0;
+        let place = |b: &Aabb| shifted(b, [share * b.min[0] * (b.min[0] / side - 1.0), 0.0, 0.0]);
+        boxes = scene.advance().iter().map(place).collect();
+        let stats = world.step_over(Boxes::new(&boxes)).expect("room").stats();
+        divided += u32::from(stats.path == Path::Full && stats.rebalanced > 0);
+    }
+    assert!((2..=8).contains(&divided), "in {divided} of 50 steps");
+    let (stats, fresh) = (world.stats(), fresh(&boxes).0);
+    assert!(stats.candidates * 20 <= fresh.candidates * 21, "{stats:?}\n{fresh:?}");
+}
+
 #[test]
 fn a_window_that_walks_has_no_cliffs() {
     for shifts in [false, true] {

@@ -127,13 +127,8 @@ pub(crate) struct BlockQueue<P> {
 }
 
 impl<P: Parted> BlockQueue<P> {
-    /// One share: parts are claimed in ascending order.
-    pub(crate) fn new(parts: P) -> Self {
-        Self::shared(parts, 1)
-    }
-
-    /// A share for each worker.
-    pub(crate) fn shared(parts: P, workers: usize) -> Self {
+    /// A share for each worker. Parts of one share are claimed in ascending order.
+    pub(crate) fn new(parts: P, workers: usize) -> Self {
         // Callers have far fewer blocks than this.
         let count = parts.count().min(u32::MAX as usize / 2 / SHARES) as u32;
         let shares = NonZeroU32::new(workers.min(SHARES) as u32).unwrap_or(NonZeroU32::MIN);

@@ -36,7 +36,7 @@ pub(crate) fn each<P: Parted>(
     work: impl Fn(usize, P::Part) + Sync,
 ) {
     let workers = (executor.workers() as usize).min(workers);
-    let queue = BlockQueue::shared(parts, workers);
+    let queue = BlockQueue::new(parts, workers);
     executor::run(executor, workers, queue.count(), &|| {
         let mut share = queue.arrive();
         while let Some((index, part)) = queue.claim_from(&mut share) {

@@ -64,15 +64,15 @@ pub(super) fn arrange<I: Index>(
     let (mut coarse, mut rebalanced) = (None, 0);
     if anew || was_subdivided || refined || !keep(parts, context) {
         let (mut bounds_scan, left) = assign::count(parts, context);
+        let few = was_filled && left <= parts.state.objects.live / LEAVERS_SHARE;
         executor.enter(Stage::Build);
-        rebalanced = balance::balance(parts);
+        rebalanced = balance::balance(parts, &bounds_scan.extent, was_filled && !few);
         executor.enter(Stage::Fill);
         if rebalanced > 0 {
             bounds_scan = assign::count(parts, context).0;
         }
         assign::fill(parts, &bounds_scan, context);
         coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
-        let few = was_filled && left <= parts.state.objects.live / LEAVERS_SHARE;
         parts.state.step.kept = u8::from(few);
     }
     balance::review(parts);

@@ -136,9 +136,9 @@ impl<I: Index> Collector<'_, '_, I> {
         // The first chunk of each block has its number.
         let (first, others) = staged.split_at_mut_checked(blocks * CHUNK)?;
         let (entries, more) = chunks.split_at_mut_checked(blocks)?;
-        let queue = BlockQueue::new((Chunks::new(first, CHUNK), Chunks::new(entries, 1)));
-        let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)));
-        let areas = BlockQueue::new(Chunks::new(scratch, area));
+        let queue = BlockQueue::new((Chunks::new(first, CHUNK), Chunks::new(entries, 1)), 1);
+        let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)), 1);
+        let areas = BlockQueue::new(Chunks::new(scratch, area), 1);
         executor::run(executor, areas.count(), blocks, &|| {
             // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim() else { return };

@@ -28,8 +28,7 @@ use crate::tree::{Frame, Record};
 /// the boxes are like, and how many objects left their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
-        let leaves = parts.state.tree.count as usize;
-        let extent = parts.state.tree.extent;
+        let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
         let (nodes, cells) = parts.tree.nodes_and_cells();
         cut(nodes, &extent, cells.span_mut(0, leaves));
         let counted = count_in(parts, leaves, context);
@@ -84,8 +83,7 @@ fn count_in<I: Index>(
         let boxes = boxes.span(block * len, homes.len());
         found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, splits, cells, histogram)));
     });
-    let mut sum = BoundsScan::NONE;
-    let mut left = 0;
+    let (mut sum, mut left) = (BoundsScan::NONE, 0);
     for (bounds_scan, leavers) in &found {
         left += leavers;
         sum.extent.union(&bounds_scan.extent);

@@ -4,10 +4,11 @@
 
 use super::build::{divide, is_divisible, sampled};
 use super::cells::Sample;
-use super::limits::{GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
+use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
 use super::shape::join;
-use super::{are_few, assign, large, most, planned};
+use super::{are_few, large, most, planned};
 use crate::access::Access;
+use crate::geometry::extent::Extent;
 use crate::id::Index;
 use crate::memory::limits::depth_for;
 use crate::memory::slab::Parts;
@@ -29,25 +30,27 @@ pub(crate) fn needs_planes(state: &State) -> bool {
 /// No leaf is to be divided.
 const STAYS: u32 = u32::MAX;
 
-/// Divides and joins leaves by their counts. Returns how many objects were in leaves that were divided; if
-/// there are any, all must be counted anew.
-pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>) -> u32 {
+/// Divides and joins leaves by their counts. `extent` is that of all minima. Returns how many objects were in
+/// leaves that were divided; if there are any, all must be counted anew. So where all leaves are filled in
+/// each step, full ones wait until they have many members together, or one has far too many.
+pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits: bool) -> u32 {
     let (count, most) = (parts.state.tree.count as usize, most(parts.state));
-    let mut members = 0;
+    let (mut members, mut fullest) = (0, 0);
     for leaf in parts.tree.leaves.span_mut(0, count) {
         let is_full = u64::from(leaf.len) > most && leaf.len > leaf.stuck + leaf.stuck / 2;
         leaf.start = if is_full { members } else { STAYS };
         members += if is_full { leaf.len } else { 0 };
+        fullest = fullest.max(if is_full { leaf.len } else { 0 });
     }
-    if members == 0 {
+    let share = if waits && u64::from(fullest) <= 2 * most { CROWDED_SHARE } else { u32::MAX };
+    if members <= parts.state.objects.live / share {
         return 0;
     }
     list_members(parts, count);
     if count == 1 {
         let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
         let sample = Sample::of_list(parts.order[0].span(0, members as usize), boxes);
-        let extent = assign::scan_bounds(boxes.iter()).extent.trimmed(&sample);
-        parts.state.tree.extent = extent;
+        parts.state.tree.extent = extent.trimmed(&sample);
     }
     let few = planned(parts.state) * 6 / 5;
     for leaf in (1..count).rev() {

@@ -44,6 +44,8 @@ pub(crate) const SPARSE: f32 = 8.0;
 
 // How much changes in one step.
 
+/// Where all leaves are filled in each step, full ones are divided once they have one in this many objects.
+pub(crate) const CROWDED_SHARE: u32 = 16;
 /// Leaves with one in this many objects are divided in one step.
 pub(crate) const DIVIDED_SHARE: u32 = 64;
 /// Leaves with at least this many objects are divided in one step.

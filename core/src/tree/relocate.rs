@@ -42,22 +42,20 @@ pub(crate) fn relocate_all<I: Index>(
 fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
     let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
     let fits = (0..count).all(|index| relocate(simd, parts, index, &mut budget));
-    if !fits {
-        parts.state.tree.filled = 0;
-    }
+    parts.state.tree.filled *= u8::from(fits);
     fits
 }
 
 #[inline(always)]
 fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, budget: &mut usize) -> bool {
     let (slot, leaf) = (parts.order[1].at(index).at(), parts.order[2].at(index));
-    let bounds = KeyBox::of(parts.boxes.swept(), slot);
+    let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
         withdraw(parts, slot);
         return true;
     }
-    let (stays, leaf, keys) = (leaf == home, leaf.at(), simd.keys(bounds));
+    let (stays, leaf, keys) = (leaf == home, leaf.at(), simd.keys(&bounds));
     let classified = parts.tree.cells.get(leaf).unwrap_or(&Cell::NOWHERE).classify(simd, keys);
     if classified.is_large() {
         let mut place = parts.place.at(slot).at();
@@ -65,7 +63,6 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
             withdraw(parts, slot);
             place = parts.state.tree.large as usize;
         }
-        let bounds = parts.boxes.swept().at(slot);
         return large::put(parts, place, Straddler { bounds, slot: slot as u32, long: 0 });
     }
     if !stays {
@@ -94,8 +91,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
     }
     // While leaves are not filled, the boxes of nodes are made later.
     let top = if parts.state.tree.filled == 0 { 0 } else { parts.tree.tops.at(whole) as usize };
-    let bounds = KeyBox::of(parts.boxes.swept(), slot);
-    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, bounds);
+    expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
     true
 }
 

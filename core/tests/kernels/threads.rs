@@ -6,7 +6,7 @@ use super::shared::Shared;
 #[test]
 fn every_part_is_claimed_once() {
     let (mut a, mut b) = ([0u8; 10], [0u16; 4]);
-    let queue = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)));
+    let queue = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)), 1);
     while let Some((index, (a, b))) = queue.claim() {
         a.fill(index as u8 + 1);
         b.fill(index as u16 + 1);
@@ -20,7 +20,7 @@ fn every_part_is_claimed_once() {
 fn every_part_of_all_shares_is_claimed_once() {
     for (workers, len) in [(0, 7), (1, 7), (2, 7), (3, 2), (3, 10), (9, 20), (2, 0)] {
         let mut items = [0u8; 20];
-        let queue = BlockQueue::shared(Chunks::new(&mut items[..len], 1), workers);
+        let queue = BlockQueue::new(Chunks::new(&mut items[..len], 1), workers);
         let mut shares = [(); 3].map(|()| queue.arrive());
         let mut order = std::vec::Vec::new();
         'all: loop {
@@ -44,8 +44,8 @@ fn every_part_of_all_shares_is_claimed_once() {
 #[test]
 fn threads_share_blocks_and_scratch() {
     let (mut items, mut sums) = ([0u32; 23], [0u32; 2]);
-    let queue = BlockQueue::new(Chunks::new(&mut items, 4));
-    let areas = BlockQueue::new(Chunks::new(&mut sums, 1));
+    let queue = BlockQueue::new(Chunks::new(&mut items, 4), 1);
+    let areas = BlockQueue::new(Chunks::new(&mut sums, 1), 1);
     let job = || {
         // More calls than areas: some leave the work to others.
         let Some((_, area)) = areas.claim() else { return };

@@ -59,7 +59,7 @@ fn fork_join<T: 'static>(width: usize, job: &'static (dyn Fn() -> T + Sync)) -> 
 /// Every block is claimed once, by one, and what was written to it is seen when all calls have returned.
 fn every_block_is_claimed_once(width: usize, blocks: usize) {
     let claims =
-        leak(BlockQueue::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1))));
+        leak(BlockQueue::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1)), 1));
     let job = leak(move || {
         let mut claimed: Vec<(usize, Part, Part)> = Vec::new();
         while let Some((block, (pair, single))) = claims.claim() {
@@ -82,7 +82,7 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
 
 /// Every part of all shares is claimed once, by one, also by workers that begin in one share.
 fn every_part_of_all_shares_is_claimed_once(width: usize, shares: usize, parts: usize) {
-    let claims = leak(BlockQueue::shared(Chunks::new(items(parts), 1), shares));
+    let claims = leak(BlockQueue::new(Chunks::new(items(parts), 1), shares));
     let job = leak(move || {
         let mut claimed: Vec<(usize, Part)> = Vec::new();
         let mut share = claims.arrive();
@@ -146,9 +146,9 @@ fn an_offer_ends_when_all_who_came_have_left(helpers: usize, jobs: usize) {
 fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let chunks_of = |block: usize| block % 3;
     let needed: usize = (0..blocks).map(chunks_of).sum();
-    let next = leak(BlockQueue::new(Chunks::new(items(blocks), 1)));
-    let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1)));
-    let areas = leak(BlockQueue::new(Chunks::new(items(2), 1)));
+    let next = leak(BlockQueue::new(Chunks::new(items(blocks), 1), 1));
+    let output = leak(BlockQueue::new(Chunks::new(items(chunks), 1), 1));
+    let areas = leak(BlockQueue::new(Chunks::new(items(2), 1), 1));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
         let (_, area) = areas.claim()?;
