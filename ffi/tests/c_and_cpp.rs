@@ -156,6 +156,19 @@ fn jobs_of_tbb() {
     succeed(&mut program.with(STATIC).with(["-ltbb"]).build());
 }
 
+/// No package has enkiTS: `TRISAP_ENKITS` names the folder of its sources.
+#[test]
+fn jobs_of_enkits() {
+    let Some(folder) = std::env::var_os("TRISAP_ENKITS") else {
+        writeln!(std::io::stderr(), "skipped: TRISAP_ENKITS names no sources of enkiTS")
+            .expect("an open standard error");
+        return;
+    };
+    let mut program = Program::cpp("-std=c++17", "jobs.cpp", "jobs_enkits").with(["-O2", "-DWITH_ENKITS"]);
+    program.compile.arg("-isystem").arg(Path::new(&folder).join("src"));
+    succeed(&mut program.with(STATIC).build());
+}
+
 #[test]
 fn recorded_pairs_are_those_of_brute_force() {
     // Brute force takes its time under the sanitizers: a few frames there, all of them without.

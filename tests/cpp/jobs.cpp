@@ -18,6 +18,10 @@
 #ifdef WITH_TBB
 #include <trisap_jobs/tbb.hpp>
 #endif
+#ifdef WITH_ENKITS
+#include <TaskScheduler.cpp>
+#include <trisap_jobs/enkits.hpp>
+#endif
 
 enum { OBJECTS = 6000, STEPS = 6 };
 
@@ -299,10 +303,36 @@ static void tasks_of_tbb(const std::vector<unsigned char> &expected) {
 }
 #endif
 
+#ifdef WITH_ENKITS
+/// One scheduler, for a world of the calling thread and for several worlds in tasks of their own.
+static void tasks_of_enkits(const std::vector<unsigned char> &expected) {
+    for (std::uint32_t workers : {1u, 2u, 4u, 8u}) {
+        enki::TaskScheduler scheduler;
+        scheduler.Initialize(workers);
+        const auto play_once = [&scheduler] {
+            auto jobs = trisap::jobs_of(scheduler);
+            const trisap_jobs c = jobs.c();
+            return play(&c);
+        };
+        CHECK(play_once() == expected);
+        std::vector<std::vector<unsigned char>> seen(5);
+        enki::TaskSet worlds(5, [&](enki::TaskSetPartition range, std::uint32_t) {
+            std::generate(seen.begin() + range.start, seen.begin() + range.end, play_once);
+        });
+        scheduler.AddTaskSetToPipe(&worlds);
+        scheduler.WaitforTask(&worlds);
+        CHECK(std::all_of(seen.begin(), seen.end(), [&](const auto &bytes) { return bytes == expected; }));
+    }
+}
+#endif
+
 int main() {
     const std::vector<unsigned char> expected = play(nullptr);
 #ifdef WITH_TBB
     tasks_of_tbb(expected);
+#endif
+#ifdef WITH_ENKITS
+    tasks_of_enkits(expected);
 #endif
     CHECK(play(1, [](std::uint32_t, trisap::Task) { CHECK(!"nobody to call"); }) == expected);
 
