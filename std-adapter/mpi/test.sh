@@ -85,6 +85,11 @@ for ranks in 1 2 3 4 8; do
         # One object in ten has come from another rank.
         [ "$ranks" = 1 ] || above 6 195
     done
+    # Threads in each rank, alone and while messages travel.
+    for overlap in never always; do
+        check "$ranks" --scene brownian -n 20000 --frames 10 --threads 3 --overlap $overlap
+        check "$ranks" --scene lives -n 12000 --frames 10 --threads 2 --overlap $overlap
+    done
     # One reduction a step and no message to a rank that expects none, as long as boxes move by little.
     check "$ranks" --scene brownian -n 4000 --frames 30 --warm-up 12
     if [ "$ranks" != 1 ]; then

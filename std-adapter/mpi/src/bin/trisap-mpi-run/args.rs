@@ -36,6 +36,9 @@ pub(crate) struct Args {
     /// Leaves the planes where the first frame puts them
     #[arg(long)]
     pub(crate) fixed_planes: bool,
+    /// Threads of each rank. Times of the processor are those of the thread that calls, without the others
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(crate) threads: u32,
     /// Whether to sweep while messages travel: auto, never or always
     #[arg(long, default_value = "auto", value_parser = ["auto", "never", "always"])]
     pub(crate) overlap: String,

@@ -9,8 +9,10 @@ mod table;
 use args::{Args, FaultArg};
 use check::Reference;
 use clap::Parser;
+use mpi::Threading;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use rayon::ThreadPoolBuilder;
 use rustix::time::{ClockId, clock_gettime};
 use source::{Frame, Source};
 use std::error::Error;
@@ -20,7 +22,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use table::Sums;
-use trisap::{Capacity, Config, Executor, Serial, Stage};
+use trisap::{Capacity, Config, Executor, Rayon, Serial, Stage};
 use trisap_mpi::{Settings, SplitWorld};
 
 /// How often the first rank tells how far it is.
@@ -28,7 +30,8 @@ const TELL: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let Some(universe) = mpi::initialize() else {
+    // Threads of a rank never call MPI, but for the first one.
+    let Some((universe, _)) = mpi::initialize_with_threading(Threading::Funneled) else {
         eprintln!("MPI cannot be started");
         return ExitCode::FAILURE;
     };
@@ -52,7 +55,7 @@ fn settings(args: &Args, rank: usize, objects: u32) -> Settings {
     let usual = Settings::default();
     let other = args.fault.as_ref().is_some_and(|fault| fault.kind == "version" && fault.rank == rank);
     Settings {
-        config: Config::new(capacity),
+        config: Config::new(capacity).with_workers(args.threads),
         balance: !args.fixed_planes,
         overlap: match args.overlap.as_str() {
             "never" => Some(false),
@@ -74,9 +77,13 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let mut source = Source::new(args)?;
+    let more = args.threads as usize - 1;
+    let pool = (more > 0).then(|| ThreadPoolBuilder::new().num_threads(more).build()).transpose()?;
+    let pool = pool.as_ref().map(Rayon::in_pool);
+    let executor: &dyn Executor = pool.as_ref().map_or(&Serial, |pool| pool);
     let settings = settings(args, rank, args.n / ranks as u32 + 1024);
     let mut world = match &args.load {
-        Some(folder) => load(folder, comm, &settings)?,
+        Some(folder) => load(folder, comm, &settings, executor)?,
         None => SplitWorld::new(comm, &settings)?,
     };
     if rank == 0 {
@@ -104,7 +111,7 @@ fn run(args: &Args, comm: &SimpleCommunicator) -> Result<(), Box<dyn Error>> {
             world.insert(taken, frame.boxes[taken as usize])?;
         }
         let given = [begun.elapsed().as_secs_f64(), processor_time() - processor];
-        world.step(trisap::Kernels::detect(), &Faulty { fault })?;
+        world.step(trisap::Kernels::detect(), &Faulty { fault, executor })?;
         let mut pairs = 0;
         world.visit_pairs(|_| pairs += 1);
         let counts = [pairs, world.found().len() as u64, world.lost().len() as u64];
@@ -161,7 +168,12 @@ fn give(world: &mut SplitWorld, frame: &Frame, time: u64) -> Result<(), Box<dyn 
 }
 
 /// The saved objects. Each rank takes every so many of the files.
-fn load(folder: &Path, comm: &SimpleCommunicator, settings: &Settings) -> Result<SplitWorld, Box<dyn Error>> {
+fn load(
+    folder: &Path,
+    comm: &SimpleCommunicator,
+    settings: &Settings,
+    executor: &dyn Executor,
+) -> Result<SplitWorld, Box<dyn Error>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder)? {
         paths.push(entry?.path());
@@ -169,20 +181,23 @@ fn load(folder: &Path, comm: &SimpleCommunicator, settings: &Settings) -> Result
     paths.sort();
     let mine = paths.iter().skip(comm.rank() as usize).step_by(comm.size() as usize);
     let files = mine.map(|path| File::open(path).map(BufReader::new)).collect::<Result<Vec<_>, _>>()?;
-    Ok(SplitWorld::load(comm, settings, files, trisap::Kernels::detect(), &Serial)?)
+    Ok(SplitWorld::load(comm, settings, files, trisap::Kernels::detect(), executor)?)
 }
 
-/// Everything on the calling thread, and where a test asks for it, a fault in the middle of a sweep.
+/// The threads of a rank, and where a test asks for it, a fault in the middle of a sweep.
 struct Faulty<'f> {
+    executor: &'f dyn Executor,
     fault: Option<&'f FaultArg>,
 }
 
 impl Executor for Faulty<'_> {
     fn workers(&self) -> u32 {
-        1
+        self.executor.workers()
     }
 
-    fn fork_join(&self, _width: u32, _job: &(dyn Fn() + Sync)) {}
+    fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync)) {
+        self.executor.fork_join(width, job);
+    }
 
     fn enter(&self, stage: Stage) {
         let kind = self.fault.filter(|_| stage == Stage::Results).map(|fault| fault.kind.as_str());
@@ -191,5 +206,6 @@ impl Executor for Faulty<'_> {
             Some("hang") => std::thread::sleep(Duration::from_secs(3600)),
             _ => {}
         }
+        self.executor.enter(stage);
     }
 }
