@@ -195,17 +195,17 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1485),
+    ("", 1484),
     ("geometry", 1208),
     ("memory", 1837),
     ("objects", 609),
     ("pairs", 551),
     ("parallel", 470),
-    ("query", 1275),
+    ("query", 1277),
     ("simd", 2181),
     ("snapshot", 583),
     ("step", 691),
-    ("sweep", 1363),
+    ("sweep", 1362),
     ("tree", 2168),
     ("validate", 379),
     ("world", 1694),

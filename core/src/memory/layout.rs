@@ -90,7 +90,7 @@ pub(crate) const fn sweeps_margins(config: &Config) -> bool {
 
 /// Whether objects have a fat box.
 pub(crate) const fn has_fat(config: &Config) -> bool {
-    sweeps_margins(config) || config.predicted && !is_small(config)
+    TREE && (sweeps_margins(config) || config.predicted && !is_small(config))
 }
 
 /// So many, if there are any.

@@ -48,7 +48,7 @@ macro_rules! sections {
                 /// In a fat world with margins: the box as given last, of enabled objects.
                 given: &'m mut [KeyBox] = [KeyBox; s.by_object(reports_margins(&s.config))], used state.objects.slots as usize, saved given [n.slots];
                 /// In an exact world with margins, or with predicted boxes: the fat box (erratum E5).
-                fat: &'m mut [KeyBox] = [KeyBox; if_so(FAT, s.fat)], used state.objects.slots as usize;
+                fat: &'m mut [KeyBox] = [KeyBox; if_so(TREE, s.fat)], used state.objects.slots as usize;
                 /// With margins: the length that the box is grown by (erratum E2).
                 margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events: the box that the last complete step reported, if the object has

@@ -8,7 +8,7 @@ use super::sections::sections;
 use super::slot_set::SlotSet;
 use super::state::State;
 use crate::access::{Access, Watch, bits};
-use crate::config::{Config, EVENTS, FAT, FILTERS, MARGINS, TREE, VALUES};
+use crate::config::{Config, EVENTS, FILTERS, MARGINS, TREE, VALUES};
 use crate::error::Error;
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
@@ -215,7 +215,7 @@ impl TreeParts<'_> {
 impl BoxParts<'_> {
     /// The boxes that lists, planes and sweeps use.
     pub(crate) fn swept(&self) -> &[KeyBox] {
-        if !FAT || self.fat.is_empty() || self.tight { self.now } else { self.fat }
+        if !TREE || self.fat.is_empty() || self.tight { self.now } else { self.fat }
     }
 
     /// The boxes as given last.
@@ -256,7 +256,7 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Whether overlaps of fat boxes may not be pairs.
     pub(crate) fn has_surplus(&self) -> bool {
-        FAT && !self.boxes.fat.is_empty() && !self.boxes.tight
+        TREE && !self.boxes.fat.is_empty() && !self.boxes.tight
     }
 }
 

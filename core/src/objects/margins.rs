@@ -6,7 +6,7 @@
 //! not last even so, the boxes as given are swept: see [`renew`](crate::step::policy::renew).
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, FAT, MARGINS, Margin, TREE};
+use crate::config::{EVENTS, MARGINS, Margin, TREE};
 use crate::geometry::key::KeyBox;
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
@@ -37,7 +37,7 @@ pub(crate) struct Motions {
 impl FatBoxes<'_> {
     /// Whether there are fat boxes in use.
     pub(crate) fn exist(&self) -> bool {
-        FAT && !self.boxes.is_empty()
+        TREE && !self.boxes.is_empty()
     }
 
     pub(crate) fn margins<const N: usize>(&self, at: usize) -> [f32; N] {
@@ -115,7 +115,7 @@ impl FatBoxes<'_> {
     ) -> u32 {
         let around = self.around(at);
         let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
-        let Some(fat) = fat.filter(|_| FAT) else { return 0 };
+        let Some(fat) = fat.filter(|_| TREE) else { return 0 };
         let contained = others & each(fat, new, KeyBox::contains);
         self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
         let stay = if self.renews { 0 } else { contained };

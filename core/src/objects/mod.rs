@@ -4,7 +4,7 @@ pub(crate) mod intake;
 pub(crate) mod margins;
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, FAT, MARGINS};
+use crate::config::{EVENTS, MARGINS, TREE};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::layout::reports_margins;
@@ -106,7 +106,7 @@ impl Objects<'_> {
         let Some(now) = self.now.get_mut(at).filter(|now| !now.is_empty()) else {
             return self.hide(at, bounds);
         };
-        if FAT && self.fat.is_wide(at, now, &bounds) {
+        if (MARGINS || TREE) && self.fat.is_wide(at, now, &bounds) {
             return self.anchor(at, bounds);
         }
         let before = self.before.get_mut(at).filter(|_| EVENTS && !bits::test(self.changed.words, at));

@@ -10,7 +10,7 @@
 //! object of a parked surplus pair is active either.
 
 use crate::access::Access;
-use crate::config::{EVENTS, FAT, TREE};
+use crate::config::{EVENTS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
@@ -56,7 +56,7 @@ pub(super) fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
 
 /// With events: sets aside the kept pairs of the result from a position on, too.
 pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
-    if !FAT {
+    if !TREE {
         return;
     }
     let PairState { kept_result, previous, .. } = &mut parts.state.pairs;

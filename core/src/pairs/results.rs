@@ -5,7 +5,7 @@
 //! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, FAT, FILTERS, TREE};
+use crate::config::{EVENTS, FILTERS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::PairState;
@@ -32,11 +32,11 @@ pub(crate) fn sort_out<I: Index>(
         return;
     }
     // Without fat boxes a step that keeps pairs has nothing to sort out.
-    let kept_pairs = if FAT { parts.state.pairs } else { PairState::default() };
+    let kept_pairs = if TREE { parts.state.pairs } else { PairState::default() };
     let PairState { parked, kept, kept_result, surplus_parked, .. } = kept_pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
-    if FAT && parts.state.objects.moved_inside_margin != 0 {
+    if TREE && parts.state.objects.moved_inside_margin != 0 {
         let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));
@@ -79,7 +79,7 @@ pub(crate) fn sort_out<I: Index>(
         parts.state.pairs.found = 0;
     }
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
-    if !FAT || kept == parked {
+    if !TREE || kept == parked {
         return;
     }
     // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying,

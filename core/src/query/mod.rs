@@ -31,7 +31,7 @@ use core::ops::ControlFlow;
 impl<I: Index> World<'_, I> {
     /// Whether the tree holds every object that has not changed since the last step.
     pub(crate) fn has_tree(&self) -> bool {
-        self.parts.state.tree.filled != 0
+        cfg!(feature = "large") && self.parts.state.tree.filled != 0
     }
 
     /// The large objects in the tree that have not changed.

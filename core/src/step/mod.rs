@@ -7,7 +7,7 @@ mod incremental;
 mod lists;
 pub(crate) mod policy;
 
-use crate::config::FAT;
+use crate::config::TREE;
 use crate::id::Index;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
@@ -27,7 +27,7 @@ pub(crate) fn find<I: Index>(
     parts.state.pairs.unkept = 0;
     match route.path {
         // Without fat boxes nothing is left to do.
-        Path::Unchanged if FAT => {
+        Path::Unchanged if TREE => {
             parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
             (route, persistent::persistent(parts, context))
         }

@@ -43,8 +43,7 @@ pub(crate) fn test_all<I: Index>(
 }
 
 /// Sweeps the boxes themselves along a list of slots by ascending minimum on an axis, and writes the pairs
-/// that fit. Height is tested last: in most scenes few boxes are apart in it. Returns how many pairs there
-/// are, and how many boxes overlap along the axis, two by two: at most n²/2. O(n + that).
+/// that fit. Returns how many there are, and how many boxes overlap along the axis: at most n²/2. O(n + that).
 pub(crate) fn sweep<I: Index>(
     list: &[I],
     boxes: &[KeyBox],

@@ -15,7 +15,7 @@ pub use steps::{Step, Stepper};
 pub use view::{LeafView, PlaneView};
 
 use crate::access::Access;
-use crate::config::{EVENTS, FAT, SHARING, TREE};
+use crate::config::{EVENTS, SHARING, TREE};
 use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
@@ -135,7 +135,7 @@ impl<I: Index> World<'_, I> {
         }
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
-        if route.path == Path::Unchanged && (!FAT || parts.state.objects.moved_inside_margin == 0) {
+        if route.path == Path::Unchanged && (!TREE || parts.state.objects.moved_inside_margin == 0) {
             Self::keep(parts, shared);
             return None;
         }

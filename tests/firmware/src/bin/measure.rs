@@ -15,9 +15,9 @@ const LARGEST: usize = 256;
 const FRAMES: usize = recording::FRAMES;
 
 /// The most instructions that a recorded step of 64 objects may take.
-const TYPICAL: u32 = 30_300;
+const TYPICAL: u32 = 28_600;
 /// The same for 256.
-const TYPICAL_OF_256: u32 = 199_000;
+const TYPICAL_OF_256: u32 = 193_000;
 
 /// What a world has beside pairs.
 #[derive(Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ struct Capability {
 
 const ALONE: Capability = Capability { name: "", costs: [0, 0] };
 const EVENTS: Capability = Capability { name: "events", costs: [80, 130] };
-const MARGINS: Capability = Capability { name: "margins", costs: [200, 60] };
+const MARGINS: Capability = Capability { name: "margins", costs: [0, 0] };
 const FILTERS: Capability = Capability { name: "filters", costs: [60, 60] };
 
 /// The most instructions that any step may take: a function of the number of objects and of the pairs of this step or the
