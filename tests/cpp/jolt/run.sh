@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Jolt on trisap: `tests/cpp/jolt/run.sh`. Its own performance test has to end in the same state, bit for bit, with its own broad phase
 # and with trisap, on one thread and on several; in each step both find the same pairs, and the same answers to casts; and so they do
-# while bodies come, go and change. Prints the steps a second of both. Compiles Jolt, which takes minutes the first time; its sources
-# come in a package of crates.io.
+# while bodies come, go and change. Prints the steps a second of both by the clock, and their processor time. Compiles Jolt, which takes
+# minutes the first time; its sources come in a package of crates.io.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 
@@ -23,8 +23,8 @@ steps=${STEPS:-300}
 for scene in ConvexVsMesh Pyramid; do
     # Motion quality, threads, steps a second, hash.
     lines() {
-        local lines
-        lines=$(./"$1" "-s=$scene" "-i=$2" "$3" | grep '^\(Discrete\|LinearCast\), ')
+        local lines TIMEFORMAT="$1: %U s of processor time"
+        lines=$(time ./"$1" "-s=$scene" "-i=$2" "$3" | grep '^\(Discrete\|LinearCast\), ')
         echo "$lines" | tee >(cat >&2)
     }
     for threads in 1 2; do
