@@ -19,17 +19,13 @@ pub struct Boxes<'a> {
 /// The bytes of three `f32`.
 pub(crate) const CORNER: usize = 12;
 
-/// The bytes of a corner that is padded to four floats.
-const PADDED: usize = 16;
-
-/// Four boxes in the caller's memory.
+/// Items of boxes in the caller's memory, of which the first four are meant. See [`Boxes`].
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "scalar code takes boxes one by one")]
-pub(crate) enum Four<'a> {
-    /// One after another.
-    Packed(&'a [u8; 8 * CORNER]),
-    /// With a float behind each corner.
-    Padded(&'a [u8; 8 * PADDED]),
+pub(crate) struct Four<'a> {
+    pub(crate) items: &'a [u8],
+    pub(crate) stride: usize,
+    pub(crate) end: usize,
 }
 
 impl<'a> Boxes<'a> {
@@ -45,7 +41,7 @@ impl<'a> Boxes<'a> {
     #[must_use]
     pub fn padded(boxes: &'a [[f32; 8]]) -> Self {
         let bytes = bytemuck::cast_slice(boxes);
-        Self { bytes, stride: 2 * PADDED, end: PADDED + CORNER, count: boxes.len(), packed: &[] }
+        Self { bytes, stride: 32, end: 28, count: boxes.len(), packed: &[] }
     }
 
     /// Boxes inside larger items of `stride` bytes. An item starts with its minimum corner and has its
@@ -137,27 +133,12 @@ impl<'a> Boxes<'a> {
         self.bytes.get(index * self.stride..).unwrap_or_default()
     }
 
-    /// All items but the first so many.
-    pub(crate) fn items_after(&self, count: usize, items: &'a [u8]) -> &'a [u8] {
-        items.get(count * self.stride..).unwrap_or_default()
-    }
-
-    /// The first four of some items, if there are as many; in `room`, if their numbers are apart.
+    /// Takes the next four of some items.
     #[inline(always)]
-    pub(crate) fn four<'r>(&self, items: &'r [u8], room: &'r mut [u8; 8 * CORNER]) -> Option<Four<'r>> {
-        match (self.stride, self.end) {
-            (24, _) => items.first_chunk().map(Four::Packed),
-            (32, 28) => items.first_chunk().map(Four::Padded),
-            _ => {
-                let mut items = items;
-                for [min, max] in room.as_chunks_mut::<CORNER>().0.as_chunks_mut::<2>().0 {
-                    let end = items.get(..self.end)?;
-                    (*min, *max) = (*end.first_chunk()?, *end.last_chunk()?);
-                    items = items.get(self.stride..).unwrap_or_default();
-                }
-                Some(Four::Packed(room))
-            }
-        }
+    pub(crate) fn four(&self, items: &mut &'a [u8]) -> Four<'a> {
+        let four = Four { items, stride: self.stride, end: self.end };
+        *items = items.get(4 * self.stride..).unwrap_or_default();
+        four
     }
 }
 

@@ -164,14 +164,7 @@ impl KeyBox {
     /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where
     /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
-        let [fat] = Self::grown_by(&[*self], [length]);
-        fat
-    }
-
-    /// The same for some boxes, each by a length of its own.
-    #[inline(always)]
-    pub(crate) fn grown_by<const N: usize>(boxes: &[Self; N], lengths: [f32; N]) -> [Self; N] {
-        Self::swept(boxes, boxes, lengths.map(|length| [0.0, flushed(length)]))
+        Self::predicted(self, self, length, false)
     }
 
     /// Where some boxes have come from, if they went as others have gone.
@@ -186,50 +179,26 @@ impl KeyBox {
         before
     }
 
-    /// Boxes that hold each of some boxes and, if it goes on as it came from an old one, the next [`AHEAD`],
-    /// each with a little around it, at least a margin: a share of its smallest side. A motion beyond that
-    /// predicts nothing. Or the boxes grown by their margins, unless one `predicts`.
+    /// A box that holds a box and, if it goes on as it came from an old one, the next [`AHEAD`], with a
+    /// little around it, at least a margin: a share of its smallest side. A motion beyond that predicts
+    /// nothing. Or the box grown by its margin, unless it `predicts`.
     #[inline(always)]
-    pub(crate) fn predicted<const N: usize>(
-        now: &[Self; N],
-        old: &[Self; N],
-        margins: [f32; N],
-        predicts: bool,
-    ) -> [Self; N] {
-        let mut reach = [[0.0; 2]; N];
-        for ((reach, now), margin) in reach.iter_mut().zip(now).zip(margins) {
-            let smallest = if predicts { now.smallest_extent() } else { 0.0 };
-            let size = if smallest < f32::MAX { smallest } else { 0.0 };
-            *reach = [size, flushed(margin.max(size * AROUND))];
-        }
-        Self::swept(now, old, reach)
-    }
-
-    /// The same with so much around each, where a side that has gone further predicts nothing. All sides are
-    /// alike and there are no branches, for the sake of vectors.
-    #[inline(always)]
-    fn swept<const N: usize>(now: &[Self; N], old: &[Self; N], reach: [[f32; 2]; N]) -> [Self; N] {
-        let mut swept = *now;
-        let (most, around) = (reach.map(|[most, _]| [most; 6]), reach.map(|[_, around]| [around; 6]));
-        let inwards = [[-1, -1, -1, 0, 0, 0]; N];
-        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut swept);
-        let old: &[i32] = bytemuck::cast_slice(old);
-        let (most, around) = (most.as_flattened(), around.as_flattened());
-        for ((((side, old), most), around), sign) in
-            sides.iter_mut().zip(old).zip(most).zip(around).zip(inwards.as_flattened())
-        {
-            // Minima with the other sign, so that outwards is up.
-            let turned = |key: i32| (key ^ sign).wrapping_sub(*sign);
-            let now = value(turned(*side));
-            let step = now - value(turned(*old));
+    pub(crate) fn predicted(now: &Self, old: &Self, margin: f32, predicts: bool) -> Self {
+        let smallest = if predicts { now.smallest_extent() } else { 0.0 };
+        let most = if smallest < f32::MAX { smallest } else { 0.0 };
+        let around = flushed(margin.max(most * AROUND));
+        // Outwards is up: minima come with the other sign.
+        let side = |side: i32, old: i32| {
+            let (now, step) = (value(side), value(side) - value(old));
             // Only worlds with a tree predict.
-            let step = if TREE & (step >= SHORTEST) & (step <= *most) { step * AHEAD } else { 0.0 };
+            let step = if TREE && step >= SHORTEST && step <= most { step * AHEAD } else { 0.0 };
             let to = now + (step + around);
             // Infinite sides stay, and so does one that rounding would move inwards.
-            let to = key(if to < f32::MAX { to } else { f32::MAX }).max(turned(*side));
-            *side = turned(to);
-        }
-        swept
+            key(if to < f32::MAX { to } else { f32::MAX }).max(side)
+        };
+        let low = |k: usize| side(now.min[k].wrapping_neg(), old.min[k].wrapping_neg()).wrapping_neg();
+        let high = |k: usize| side(now.max[k], old.max[k]);
+        Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
     /// The smallest side that is not flat, as a flat box has the size of its other sides. The largest float

@@ -1,8 +1,8 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, MARGINS};
-use crate::geometry::boxes::{Boxes, CORNER};
+use crate::config::{EVENTS, MARGINS, TREE};
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::layout::reports_margins;
@@ -22,18 +22,7 @@ pub(crate) struct Intake {
     /// Boxes that were refused.
     pub(crate) rejected: u32,
     /// The lowest slot among them.
-    pub(crate) first_rejected: u32,
-}
-
-impl Intake {
-    #[cold]
-    #[inline(never)]
-    fn reject(&mut self, slot: usize) {
-        if self.rejected == 0 {
-            self.first_rejected = slot as u32;
-        }
-        self.rejected += 1;
-    }
+    pub(crate) first_rejected: Option<u32>,
 }
 
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
@@ -55,9 +44,7 @@ pub(crate) fn ingest<I: Index>(
     for intake in ingest_blocks(parts, bounds, (slots, regrows), context) {
         sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
         sum.motions.outran += intake.motions.outran;
-        if sum.rejected == 0 {
-            sum.first_rejected = intake.first_rejected;
-        }
+        sum.first_rejected = sum.first_rejected.or(intake.first_rejected);
         sum.rejected += intake.rejected;
     }
     sum
@@ -104,56 +91,62 @@ fn ingest_block(kernels: Kernels, first: usize, bounds: &Boxes<'_>, objects: Obj
     run!(kernels, |simd| take_in_words(simd, first, bounds, objects))
 }
 
+/// The slots of a word whose boxes are taken in.
+#[derive(Clone, Copy, Default)]
+struct Taken {
+    /// These, and resting ones.
+    done: u32,
+    /// Those among them that have other boxes now, and those that stay in their fat boxes.
+    changed: u32,
+    contained: u32,
+}
+
 #[inline(always)]
 fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects: Objects<'_>) -> Intake {
     let mut intake = Intake::default();
-    let words = objects.now.len().div_ceil(32);
-    // A pool of objects that are not used.
-    let all_rest = objects.resting.get(..words).is_some_and(|all| all.iter().all(|word| *word == u32::MAX));
-    for word in 0..if all_rest { 0 } else { words } {
-        if objects.resting.get(word) == Some(&u32::MAX) {
+    let has_fat = objects.is_fat() || objects.fat.exist();
+    let renews = has_fat && objects.fat.renews | objects.fat.regrows;
+    for word in 0..objects.now.len().div_ceil(32) {
+        let all = u32::MAX >> (32 - (objects.now.len() - word * 32).min(32));
+        let done = objects.resting.get(word).copied().unwrap_or_default();
+        let mut taken = Taken { done, ..Taken::default() };
+        if S::ENCODES_FOUR && !renews && done != u32::MAX {
+            taken = take_in_quiet(simd, first, bounds, &mut objects, word, taken);
+        }
+        if taken.done & all == all {
+            objects.note(word, taken.changed, taken.contained);
             continue;
         }
-        take_in(simd, first, bounds, &mut objects, word, &mut intake);
+        let (of, found) = (&mut objects, &mut intake);
+        if S::ENCODES_FOUR {
+            call!(simd, {
+                if has_fat {
+                    taken = take_in_leavers(simd, first, bounds, of, word, taken);
+                }
+                take_in(first, bounds, of, word, taken, found);
+            });
+        } else {
+            take_in(first, bounds, of, word, taken, found);
+        }
     }
     intake.motions = objects.fat.motions;
     intake
 }
 
-/// Takes in the boxes of the slots of a word of the bit sets, but for resting ones.
+/// Takes in the boxes of the slots of a word one by one, but for those that are done with.
 #[inline(always)]
-fn take_in<S: Simd>(
-    simd: S,
+fn take_in(
     first: usize,
     bounds: &Boxes<'_>,
     objects: &mut Objects<'_>,
     word: usize,
+    taken: Taken,
     intake: &mut Intake,
 ) {
     let count = (objects.now.len() - word * 32).min(32);
-    let mut skipped = objects.resting.get(word).copied().unwrap_or_default();
-    // Noted for all of them at once, since a small processor takes as long to set a bit in memory as to
-    // compare a box.
-    let (mut changed, mut contained, is_fat) = (0u32, 0u32, objects.is_fat());
-    let (has_fat, has_events) = (objects.fat.exist(), EVENTS && !objects.before.is_empty());
-    if S::ENCODES_FOUR {
-        // One call for all kinds of worlds in a module for the web, whose bytes are loaded over a network;
-        // and some for worlds with fat boxes and fat worlds, so that others pay nothing for them.
-        let of = &mut *objects;
-        let (taken, others, stay) = if MARGINS && (cfg!(target_family = "wasm") || is_fat) {
-            call!(simd, take_in_fours::<S, true, true, true>(simd, first, bounds, of, word))
-        } else if cfg!(target_family = "wasm") || has_fat {
-            call!(simd, take_in_fours::<S, true, true, false>(simd, first, bounds, of, word))
-        } else if has_events {
-            take_in_fours::<S, true, false, false>(simd, first, bounds, of, word)
-        } else {
-            take_in_fours::<S, false, false, false>(simd, first, bounds, of, word)
-        };
-        if taken == u32::MAX >> (32 - count) {
-            return objects.note(word, others, stay);
-        }
-        (skipped, changed, contained) = (skipped | taken, others, stay);
-    }
+    let Taken { done, mut changed, mut contained } = taken;
+    let (is_fat, has_fat) = (objects.is_fat(), objects.fat.exist());
+    let has_events = EVENTS && !objects.before.is_empty();
     let at = word * 32;
     let Objects { now, given, fat, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
@@ -162,7 +155,7 @@ fn take_in<S: Simd>(
     let apart = if has_margins { u32::MAX } else { unkept };
     for (bit, old) in (at..).zip(now.span_mut(at, count)) {
         let this = 1u32 << (bit % 32);
-        if skipped & this != 0 || old.is_empty() {
+        if done & this != 0 || old.is_empty() {
             continue;
         }
         let room;
@@ -174,7 +167,8 @@ fn take_in<S: Simd>(
             }
         };
         let Some(new) = aabb.and_then(KeyBox::from_aabb) else {
-            intake.reject(first + bit);
+            intake.first_rejected = intake.first_rejected.or(Some((first + bit) as u32));
+            intake.rejected += 1;
             continue;
         };
         if new.is_same(old) && !is_fat {
@@ -203,82 +197,97 @@ fn take_in<S: Simd>(
     objects.note(word, changed, contained)
 }
 
-/// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live
-/// and do not rest. Returns the bits of the slots that are done with, of slots among them that have other
-/// boxes now, and of slots that stay in their fat boxes.
+/// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live,
+/// do not rest, and stay in their fat boxes, or in a fat world in the boxes that are reported.
 #[inline(always)]
-fn take_in_fours<S: Simd, const EVENTS: bool, const FAT: bool, const GIVEN: bool>(
+fn take_in_quiet<S: Simd>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
     objects: &mut Objects<'_>,
     word: usize,
-) -> (u32, u32, u32) {
+    mut taken: Taken,
+) -> Taken {
     let mut items = bounds.items_from(first + word * 32);
-    let Objects { now, given, fat, changed: kept, before, resting, .. } = objects;
-    let (kept, word) = (if EVENTS { kept.words.get(word) } else { None }, word * 32);
-    let kept = kept.copied().unwrap_or(u32::MAX);
-    let skipped = resting.get(word / 32).copied().unwrap_or_default();
-    let end = now.len().min(word + 32);
-    let now = now.get_mut(word..end).unwrap_or_default();
-    let before = before.get_mut(word..end).unwrap_or_default();
-    let given = given.get_mut(word..end).unwrap_or_default();
-    let (mut taken, mut changed, mut contained) = (0, 0, 0);
-    let mut room = [0; 8 * CORNER];
-    let (before, given) = (before.as_chunks_mut::<4>().0, given.as_chunks_mut::<4>().0);
-    for (four, old) in now.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-        let first = 4 * four;
-        let Some(boxes) = bounds.four(items, &mut room) else { break };
-        items = bounds.items_after(4, items);
-        if skipped >> first & 0b1111 != 0 {
+    let Objects { now, given, fat, changed: kept, before, .. } = objects;
+    let kept = kept.words.get(word).copied().unwrap_or(u32::MAX);
+    let (now, before, given) = (fours(now, word), fours(before, word), fours(given, word));
+    let held = fours(fat.boxes, word);
+    for (four, old) in now.iter_mut().enumerate() {
+        let (first, boxes) = (4 * four, bounds.four(&mut items));
+        if taken.done >> first & 0b1111 != 0 {
             continue;
         }
-        let mut given = if GIVEN { given.get_mut(four) } else { None };
-        // In most steps all stay in their fat boxes, or in a fat world in the boxes that are reported.
-        let renews = fat.renews | fat.regrows;
-        if !(renews || cfg!(target_family = "wasm"))
-            && let Some(given) = &mut given
-            && simd.encode_four(boxes, Some((old, true)), old, given).is_some()
-        {
-            taken |= 0b1111 << first;
+        if MARGINS && let Some(given) = given.get_mut(four) {
+            let stay = simd.encode_four(boxes, old, old, given).is_some();
+            taken.done |= if stay { 0b1111 << first } else { 0 };
+            continue;
+        }
+        let held = if TREE { held.get(four).unwrap_or(&[KeyBox::ALL; 4]) } else { &[KeyBox::ALL; 4] };
+        let mut new = [KeyBox::EMPTY; 4];
+        let Some(others) = simd.encode_four(boxes, held, old, &mut new) else { continue };
+        if EVENTS && let Some(before) = before.get_mut(four) {
+            keep(before, old, others & !(kept >> first));
+        }
+        *old = new;
+        (taken.done, taken.changed) = (taken.done | 0b1111 << first, taken.changed | others << first);
+    }
+    taken.contained = if fat.exist() { taken.changed } else { 0 };
+    taken
+}
+
+/// The boxes of the slots of a word, in fours.
+#[inline(always)]
+fn fours(boxes: &mut [KeyBox], word: usize) -> &mut [[KeyBox; 4]] {
+    let end = boxes.len().min(word * 32 + 32);
+    boxes.get_mut(word * 32..end).unwrap_or_default().as_chunks_mut().0
+}
+
+/// Keeps boxes that events compare with.
+#[inline(always)]
+fn keep(before: &mut [KeyBox; 4], old: &[KeyBox; 4], unkept: u32) {
+    if unkept == 0b1111 {
+        *before = *old;
+    } else {
+        bits::of_word(unkept).for_each(|bit| before.put(bit, *KeyBox::of(old, bit)));
+    }
+}
+
+/// The same of objects that may leave these boxes.
+#[inline(always)]
+fn take_in_leavers<S: Simd>(
+    simd: S,
+    first: usize,
+    bounds: &Boxes<'_>,
+    objects: &mut Objects<'_>,
+    word: usize,
+    mut taken: Taken,
+) -> Taken {
+    let mut items = bounds.items_from(first + word * 32);
+    let Objects { now, given, fat, changed: kept, before, .. } = objects;
+    let (at, kept) = (word * 32, kept.words.get(word).copied().unwrap_or(u32::MAX));
+    let (now, before, given) = (fours(now, word), fours(before, word), fours(given, word));
+    for (four, old) in now.iter_mut().enumerate() {
+        let (first, boxes) = (4 * four, bounds.four(&mut items));
+        if taken.done >> first & 0b1111 != 0 {
             continue;
         }
         let mut new = [KeyBox::EMPTY; 4];
-        let held = if !FAT || renews {
-            None
-        } else if given.is_some() {
-            Some((&*old, false))
-        } else {
-            fat.boxes.get(word + first..).and_then(|held| Some((held.first_chunk()?, false)))
-        };
-        let Some((mut others, quiet)) = simd.encode_four(boxes, held, old, &mut new) else { continue };
-        taken |= 0b1111 << first;
+        let Some(mut others) = simd.encode_four(boxes, &[KeyBox::ALL; 4], old, &mut new) else { continue };
         let (mut to, mut came) = (new, None);
-        if let Some(given) = &mut given {
-            let last = core::mem::replace(*given, new);
-            if quiet {
-                continue;
-            }
+        if let Some(given) = given.get_mut(four) {
+            let last = core::mem::replace(given, new);
             let from;
-            (others, to, from) = fat.report(word + first, old, &last, &new);
+            (others, to, from) = fat.report(simd, at + first, old, &last, &new);
             came = Some(from);
         }
-        let unkept = others & !(kept >> first);
-        if unkept == 0b1111
-            && let Some(before) = before.get_mut(four)
-        {
-            *before = *old;
-        } else if EVENTS && let Some(before) = before.get_mut(four) {
-            bits::of_word(unkept).for_each(|bit| before.put(bit, *KeyBox::of(old, bit)));
+        if EVENTS && let Some(before) = before.get_mut(four) {
+            keep(before, old, others & !(kept >> first));
         }
-        if quiet {
-            fat.motions.moved_inside_margin |= others != 0;
-            contained |= others << first;
-        } else if FAT {
-            contained |= fat.follow(word + first, came.as_ref().unwrap_or(old), &to, others) << first;
-        }
+        let from = came.as_ref().unwrap_or(old);
+        taken.contained |= fat.follow(simd, at + first, from, &to, others) << first;
         *old = to;
-        changed |= others << first;
+        (taken.done, taken.changed) = (taken.done | 0b1111 << first, taken.changed | others << first);
     }
-    (taken, changed, contained)
+    taken
 }

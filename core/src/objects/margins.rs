@@ -8,6 +8,8 @@
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, MARGINS, Margin, TREE};
 use crate::geometry::key::KeyBox;
+use crate::simd::scalar::Scalar;
+use crate::simd::{MAXIMA, MINIMA, Simd};
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
@@ -50,21 +52,29 @@ impl FatBoxes<'_> {
         if self.reports_margins { [0.0; N] } else { self.margins(at) }
     }
 
-    /// In a fat world: of the boxes `given` to some objects, who were reported as `old` and given `last`: who are
-    /// reported as or get anything else, a bit each, what all are reported as, and from where that has come.
+    /// In a fat world: of the boxes `given` to some objects, who were reported as `old` and given `last`: who
+    /// are reported as or get anything else, a bit each, what all are reported as, and from where that has
+    /// come.
     #[inline(always)]
-    pub(crate) fn report<const N: usize>(
+    pub(crate) fn report<S: Simd, const N: usize>(
         &mut self,
+        simd: S,
         at: usize,
         old: &[KeyBox; N],
         last: &[KeyBox; N],
         given: &[KeyBox; N],
     ) -> (u32, [KeyBox; N], [KeyBox; N]) {
-        let others = each(last, given, |last, given| last != given);
-        let left = others & !each(old, given, KeyBox::contains);
+        let mut others = 0;
+        for (bit, (last, given)) in last.iter().zip(given).enumerate() {
+            others |= u32::from(last != given) << bit;
+        }
+        let left = others & !inside(simd, old, given);
         self.motions.outran += left.count_ones();
         let (mut to, grows) = (*old, if self.regrows { others } else { left });
-        let grown = if grows == 0 { *old } else { KeyBox::grown_by(given, self.margins(at)) };
+        let mut grown = *old;
+        if grows != 0 {
+            simd.predicted(given, given, &self.margins(at), false, &mut grown);
+        }
         bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
         (if self.renews { others } else { grows }, to, KeyBox::before(&to, last, given))
     }
@@ -92,7 +102,7 @@ impl FatBoxes<'_> {
         let (mut to, mut from, mut others) = ([*new], [*now], u32::from(!new.is_same(now)));
         if MARGINS && let Some(given) = given.get_mut(at) {
             let last = core::mem::replace(given, *new);
-            (others, to, from) = self.report(at, &[*now], &[last], &[*new]);
+            (others, to, from) = self.report(Scalar, at, &[*now], &[last], &[*new]);
         }
         if others == 0 {
             return None;
@@ -101,13 +111,14 @@ impl FatBoxes<'_> {
             *before = *now;
         }
         [*now] = to;
-        Some(self.follow(at, &from, &to, 1) != 0)
+        Some(self.follow(Scalar, at, &from, &to, 1) != 0)
     }
 
     /// Gives some objects other boxes, whose bit is set. Returns who stays in the fat box.
     #[inline(always)]
-    pub(crate) fn follow<const N: usize>(
+    pub(crate) fn follow<S: Simd, const N: usize>(
         &mut self,
+        simd: S,
         at: usize,
         old: &[KeyBox; N],
         new: &[KeyBox; N],
@@ -116,13 +127,16 @@ impl FatBoxes<'_> {
         let around = self.around(at);
         let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
         let Some(fat) = fat.filter(|_| TREE) else { return 0 };
-        let contained = others & each(fat, new, KeyBox::contains);
+        let contained = others & inside(simd, fat, new);
         self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
         let stay = if self.renews { 0 } else { contained };
-        self.motions.moved_inside_margin |= stay != 0;
         if others != stay {
-            let made = KeyBox::predicted(new, old, around, TREE && self.predicted);
-            bits::of_word(others & !stay).for_each(|bit| fat.put(bit, made.at(bit)));
+            let mut made = *fat;
+            simd.predicted(new, old, &around, TREE && self.predicted, &mut made);
+            match others & !stay {
+                all if all.count_ones() as usize == N => *fat = made,
+                some => bits::of_word(some).for_each(|bit| fat.put(bit, made.at(bit))),
+            }
         }
         stay
     }
@@ -134,11 +148,16 @@ impl FatBoxes<'_> {
     }
 }
 
-/// A bit for each of some boxes for which something holds.
+/// Which of some boxes are inside the outer ones, a bit each (errata E3 and E4).
 #[inline(always)]
-fn each<const N: usize>(a: &[KeyBox; N], b: &[KeyBox; N], holds: impl Fn(&KeyBox, &KeyBox) -> bool) -> u32 {
-    let both = a.iter().zip(b).enumerate();
-    both.fold(0, |bits, (bit, (a, b))| bits | u32::from(holds(a, b)) << bit)
+fn inside<S: Simd, const N: usize>(simd: S, outer: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
+    let mut bits = 0;
+    for (bit, (outer, inner)) in outer.iter().zip(inner).enumerate() {
+        let (outer, inner) = (simd.keys(outer), simd.keys(inner));
+        let beyond = simd.above(outer, inner) & MINIMA | simd.above(inner, outer) & MAXIMA;
+        bits |= u32::from(beyond == 0) << bit;
+    }
+    bits
 }
 
 /// A box around another one so many times as wide as that and its margin is far too wide.

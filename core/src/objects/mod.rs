@@ -134,8 +134,8 @@ impl Objects<'_> {
     /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
     /// boxes.
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
-        let moved = changed & !contained;
-        self.moved.add(word, moved);
+        self.fat.motions.moved_inside_margin |= contained != 0;
+        self.moved.add(word, changed & !contained);
         self.changed.add(word, changed);
     }
 

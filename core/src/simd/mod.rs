@@ -8,9 +8,6 @@
 #[cfg(any(test, agreement))]
 #[path = "../../tests/kernels/agreement.rs"]
 mod agreement;
-#[cfg(test)]
-#[path = "../../tests/kernels/coordinates.rs"]
-mod coordinates;
 pub(crate) mod kernels;
 pub(crate) mod levels;
 pub(crate) mod scalar;
@@ -91,17 +88,32 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The keys of four boxes: bit `k` where box `k` is not `old[k]`, and whether each is inside `held[k]`.
-    /// `None`, and nothing is written, where one is bad, an old one empty, or one outside that must be inside.
+    /// The keys of four boxes: bit `k` where box `k` is not `old[k]`. `None`, and nothing is written, where
+    /// one is bad, an old one empty, or one not inside what it is to be held by.
     #[inline(always)]
     fn encode_four(
         self,
         _boxes: Four<'_>,
-        _held: Option<(&[KeyBox; 4], bool)>,
+        _held: &[KeyBox; 4],
         _old: &[KeyBox; 4],
         _new: &mut [KeyBox; 4],
-    ) -> Option<(u32, bool)> {
+    ) -> Option<u32> {
         None
+    }
+
+    /// As [`KeyBox::predicted`], for one box in scalar code, for four with vectors.
+    #[inline(always)]
+    fn predicted<const N: usize>(
+        self,
+        now: &[KeyBox; N],
+        old: &[KeyBox; N],
+        margins: &[f32; N],
+        predicts: bool,
+        made: &mut [KeyBox; N],
+    ) {
+        for (made, ((now, old), margin)) in made.iter_mut().zip(now.iter().zip(old).zip(margins)) {
+            *made = KeyBox::predicted(now, old, *margin, predicts);
+        }
     }
 
     /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.

@@ -87,8 +87,8 @@ fn next_box<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>, slot: usize) -> 
     if rests { None } else { KeyBox::from_aabb(&bounds.get(slot)?) }
 }
 
-/// In a fat world, before boxes are taken in: whether all get new boxes that are reported, as so many of a sample
-/// leave theirs: so these are left in the same steps. By boxes alone, whatever the world's room.
+/// In a fat world, before boxes are taken in: whether all get new boxes that are reported, as so many of a
+/// sample leave theirs: so these are left in the same steps. By boxes alone, whatever the world's room.
 pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> bool {
     if !reports_margins(parts.config()) || parts.config().fixed_margins {
         return false;
@@ -101,8 +101,8 @@ pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> boo
     left * REGROWN_SHARE >= slots.max(1) as u64
 }
 
-/// Before boxes are taken in, which may [regrow](regrows) reported ones: has all fat boxes made anew with them,
-/// if so many of a sample leave theirs.
+/// Before boxes are taken in, which may [regrow](regrows) reported ones: has all fat boxes made anew with
+/// them, if so many of a sample leave theirs.
 pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, regrows: bool) {
     let age = parts.state.step.age.saturating_add(1);
     if parts.state.step.renews != 0 || !may_renew(parts) || !pays(&parts.state.step, age, 0) {
@@ -182,9 +182,8 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
         match steps {
             0 => fat.put(slot, given),
             1 => {
-                let from = KeyBox::before(&[now], &[old], &[given]);
-                let [made] = KeyBox::predicted(&[now], &from, [margin], predicted);
-                fat.put(slot, made);
+                let [from] = KeyBox::before(&[now], &[old], &[given]);
+                fat.put(slot, KeyBox::predicted(&now, &from, margin, predicted));
             }
             _ => return !now.is_empty() && !old.contains(&now),
         }

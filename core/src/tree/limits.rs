@@ -52,9 +52,3 @@ pub(crate) const DIVIDED_SHARE: u32 = 64;
 pub(crate) const DIVIDED_AT_LEAST: u32 = 1024;
 /// A leaf is made tight for so many times its members as there were movers.
 pub(crate) const REFIT_SHARE: usize = 4;
-/// Leaves on either side that a full leaf asks for room.
-pub(crate) const NEIGHBOURS: usize = 16;
-/// One in this many records may move in one step for leaves that borrow room.
-pub(crate) const SLACK_SHARE: usize = 8;
-/// At least this many records may move for that.
-pub(crate) const SLACK_AT_LEAST: usize = 16_384;

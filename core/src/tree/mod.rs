@@ -25,7 +25,6 @@ pub(crate) mod refit;
 pub(crate) mod relocate;
 pub(crate) mod shape;
 pub(crate) mod sharpen;
-pub(crate) mod slack;
 pub(crate) mod subdivide;
 pub(crate) mod visit;
 

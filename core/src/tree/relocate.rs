@@ -1,8 +1,6 @@
 //! Moves the records of moved objects to their leaves, one by one (paper, section III.B.2).
 
 use super::enclose::expand_ancestors;
-use super::limits::{SLACK_AT_LEAST, SLACK_SHARE};
-use super::slack::borrow_slack;
 use super::{Cell, Frame, Leaf, Straddler, home_of, large};
 use crate::access::Access;
 use crate::filter::offer;
@@ -16,8 +14,8 @@ use crate::simd::Simd;
 use crate::simd::kernels::run;
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the
-/// large objects. Returns whether there was room. If a leaf and its neighbours or the list of large objects
-/// are full, nothing is lost, but all leaves must be filled anew.
+/// large objects. Returns whether there was room. If a leaf or the list of large objects is
+/// full, nothing is lost, but all leaves must be filled anew.
 pub(crate) fn relocate_all<I: Index>(
     parts: &mut Parts<'_, I>,
     count: usize,
@@ -40,14 +38,13 @@ pub(crate) fn relocate_all<I: Index>(
 
 #[inline(always)]
 fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
-    let mut budget = (parts.state.objects.live as usize / SLACK_SHARE).max(SLACK_AT_LEAST);
-    let fits = (0..count).all(|index| relocate(simd, parts, index, &mut budget));
+    let fits = (0..count).all(|index| relocate(simd, parts, index));
     parts.state.tree.filled *= u8::from(fits);
     fits
 }
 
 #[inline(always)]
-fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, budget: &mut usize) -> bool {
+fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) -> bool {
     let (slot, leaf) = (parts.order[1].at(index).at(), parts.order[2].at(index));
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
@@ -68,7 +65,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize, 
     if !stays {
         withdraw(parts, slot);
         let Leaf { len, room, .. } = parts.tree.leaves.at(leaf);
-        if len == room && !borrow_slack(&mut parts.tree, parts.state, leaf, budget) {
+        if len == room {
             return false;
         }
         parts.home.put(slot, I::from_slot(leaf as u32));

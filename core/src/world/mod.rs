@@ -165,9 +165,8 @@ impl<I: Index> World<'_, I> {
         }
         let intake = ingest(parts, &bounds, regrows, context);
         parts.state.objects.note(intake.motions);
-        let slot = intake.first_rejected;
-        let first =
-            if intake.rejected == 0 { None } else { Id::new(slot, parts.generations.at(slot as usize)) };
+        let slot = intake.first_rejected?;
+        let first = Id::new(slot, parts.generations.at(slot as usize));
         first.map(|first| Rejected { first, count: intake.rejected })
     }
 

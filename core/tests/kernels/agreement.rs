@@ -3,10 +3,14 @@
 //! Steps of worlds run the same operations, but do not reach all of their corners. It is a function of the crate
 //! under a feature, so that it can also run in an emulator without std: see `tests/emulated`.
 
+#[cfg(test)]
+#[path = "coordinates.rs"]
+mod coordinates;
+
 use super::{EIGHT, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY};
+use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key, value};
 use crate::geometry::line::{Line, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
@@ -34,6 +38,7 @@ fn play<S: Simd>(simd: S, mut rounds: Rounds<'_>) {
     for _ in 0..rounds.rounds {
         boxes(simd, &mut rounds);
         four_boxes(simd, &mut rounds);
+        predictions(simd, &mut rounds);
         rows(simd, &mut rounds);
         records(simd, &mut rounds);
         candidates::<S, u16>(simd, &mut rounds);
@@ -93,10 +98,10 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         .unwrap_or_default()
     });
     let mut new = [KeyBox::EMPTY; 4];
-    let padded = boxes.map(|Aabb { min: [a, b, c], max: [d, e, f] }| [a, b, c, f32::NAN, d, e, f, -0.5]);
+    let padded = boxes.map(|Aabb { min: [a, b, c], max: [d, e, f] }| [a, b, c, f32::NAN, d, e, f]);
     let four = match random.below(2) {
-        0 => Four::Packed(bytemuck::cast_ref(&boxes)),
-        _ => Four::Padded(bytemuck::cast_ref(&padded)),
+        0 => Four { items: bytemuck::bytes_of(&boxes), stride: 24, end: 24 },
+        _ => Four { items: bytemuck::bytes_of(&padded), stride: 28, end: 28 },
     };
     let (all, near) = (random.below(2) == 0, keys.map(|keys| keys.unwrap_or_default()));
     let held = near.map(|near| match random.below(8) {
@@ -106,13 +111,30 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         2 => KeyBox { min: near.min.map(|k| k.saturating_sub(random.below(3) as i32 - 1)), ..near },
         _ => near,
     });
-    let found = simd.encode_four(four, Some((&held, false)), &old, &mut new);
+    let found = simd.encode_four(four, &held, &old, &mut new);
     let are_held = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
     let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
-    let expected = if good && S::ENCODES_FOUR { Some((others, are_held)) } else { None };
+    let expected = if good && are_held && S::ENCODES_FOUR { Some(others) } else { None };
     let same = expected.is_none() || new.map(Some) == keys;
     rounds.check([("encode_four", found == expected && same)]);
+}
+
+#[inline(always)]
+fn predictions<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
+    let random = &mut rounds.random;
+    let now = [(); 4].map(|()| random.bounds());
+    // Some have gone a little way, on some axes.
+    let old = now.map(|now| {
+        let way = [(); 3].map(|()| (random.below(9) as f32 - 4.0) * [0.0, 0.01, 0.25, 1e30][random.below(4)]);
+        let back = |sides: [i32; 3]| [0, 1, 2].map(|k| key(value(sides[k]) - way[k]));
+        if random.below(4) == 0 { random.bounds() } else { KeyBox { min: back(now.min), max: back(now.max) } }
+    });
+    let margins = [(); 4].map(|()| [0.0, 0.125, 3.0, 1e-38, 1e30, f32::MAX][random.below(6)]);
+    let (predicts, mut made) = (random.below(4) != 0, [KeyBox::EMPTY; 4]);
+    simd.predicted(&now, &old, &margins, predicts, &mut made);
+    let same = (0..4).all(|k| made[k] == KeyBox::predicted(&now[k], &old[k], margins[k], predicts));
+    rounds.check([("predicted", same)]);
 }
 
 #[inline(always)]
@@ -246,9 +268,7 @@ impl Random {
     fn bounds(&mut self) -> KeyBox {
         let mut bounds = KeyBox::default();
         for k in 0..3 {
-            let [a, b] = [(); 2].map(|()| {
-                crate::geometry::key::key(self.float()).clamp(NEGATIVE_INFINITY, POSITIVE_INFINITY)
-            });
+            let [a, b] = [(); 2].map(|()| key(self.float()).clamp(NEGATIVE_INFINITY, POSITIVE_INFINITY));
             // A side of less than four keys now and then.
             let b = if self.below(4) == 0 {
                 a.saturating_add(self.below(5) as i32).min(POSITIVE_INFINITY)

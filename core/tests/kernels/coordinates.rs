@@ -1,12 +1,11 @@
 //! Every level on all coordinates, or on so many that gaps between them are short.
 
-use super::Simd;
-use super::kernels::run;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::boxes::Four;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
 use crate::geometry::record::Frame;
-use crate::simd::kernels::Kernels;
+use crate::simd::Simd;
+use crate::simd::kernels::{Kernels, run};
 use std::vec::Vec;
 
 /// All keys whose lower half is zero, the infinities included.
@@ -98,8 +97,8 @@ fn encodes<S: Simd>(simd: S) -> Option<f32> {
             let expected = if x.is_nan() { None } else { Some(at(key(x))) };
             let mut new = [KeyBox::EMPTY; 4];
             let boxes = [Aabb::new([x; 3], [x; 3]); 4];
-            let four = Four::Packed(bytemuck::cast_ref(&boxes));
-            let changed = simd.encode_four(four, None, &[at(1); 4], &mut new);
+            let four = Four { items: bytemuck::bytes_of(&boxes), stride: 24, end: 24 };
+            let changed = simd.encode_four(four, &[KeyBox::ALL; 4], &[at(1); 4], &mut new);
             let four_right = match expected {
                 Some(keys) if S::ENCODES_FOUR => changed.is_some() && new == [keys; 4],
                 _ => changed.is_none(),

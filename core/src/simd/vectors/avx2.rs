@@ -110,8 +110,6 @@ impl Vectors for Avx2 {
         fourth_on(a, b) = _mm256_alignr_epi8::<12>(b, a);
         above32(a, b) = _mm256_cmpgt_epi32(a, b);
         upper32(a, b) = _mm256_max_epi32(a, b);
-        least32(a, b) = _mm256_min_epu32(a, b);
-        most32(a, b) = _mm256_max_epu32(a, b);
         minus32(a, b) = _mm256_sub_epi32(a, b);
         magnitude32(a) = _mm256_abs_epi32(a);
         keys(a) = _mm256_sign_epi32(_mm256_and_si256(a, _mm256_set1_epi32(i32::MAX)), a);

@@ -1,11 +1,11 @@
-//! The keys of four boxes at a time.
+//! Four boxes at a time: their keys, and what they become if they go on.
 //!
 //! Each half of three vectors has the twelve numbers of two boxes: the first one of a box to the first of its
 //! maxima; its other two maxima and the first two minima of the next box; the rest of that.
 
 use super::operations::{Halves, NO_BYTE, places};
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
+use crate::geometry::key::{AHEAD, AROUND, KeyBox, POSITIVE_INFINITY, SHORTEST};
 
 /// The places of the bytes of two boxes, six each, as lanes of eight bytes.
 const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 11, NO_BYTE, NO_BYTE];
@@ -14,24 +14,27 @@ const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 
 const MINIMA: [[u32; 4]; 3] =
     [[u32::MAX, u32::MAX, u32::MAX, 0], [0, 0, u32::MAX, u32::MAX], [u32::MAX, 0, 0, 0]];
 
-/// The 24 numbers of four boxes.
+/// The 24 numbers of four boxes, if there are as many.
 #[inline(always)]
-fn numbers<W: Halves>(w: W, boxes: Four<'_>) -> [W::Vector; 3] {
-    match boxes {
-        Four::Packed(boxes) => three(w, bytemuck::cast_ref(boxes)),
-        Four::Padded(boxes) => {
-            let [a, b]: &[[[u8; 16]; 4]; 2] = bytemuck::cast_ref(boxes);
-            let (min, max) = (w.pick(&a[0], &b[0]), w.pick(&a[1], &b[1]));
-            let (next_min, next_max) = (w.pick(&a[2], &b[2]), w.pick(&a[3], &b[3]));
-            let max = w.shuffle(max, w.both(&places([1, 2, 2, 0])));
-            let third = w.shuffle(next_min, w.both(&places([2; 4])));
-            [
-                w.select(w.words([u32::MAX, u32::MAX, u32::MAX, 0]), min, max),
-                w.zip_first64(max, next_min),
-                w.fourth_on(third, next_max),
-            ]
-        }
+fn numbers<W: Halves>(w: W, Four { items, stride, end }: Four<'_>) -> Option<[W::Vector; 3]> {
+    if stride == size_of::<KeyBox>() {
+        return Some(three(w, bytemuck::cast_ref(items.first_chunk::<96>()?)));
     }
+    if end < 16 || stride > items.len() / 3 || end > items.len() - 3 * stride {
+        return None;
+    }
+    // SAFETY: of each item the first 16 bytes are read, and the last; the slice has four items.
+    let corners = |a: usize, b: usize| unsafe {
+        w.pick(&*items.as_ptr().add(a).cast(), &*items.as_ptr().add(b).cast())
+    };
+    let (min, max) = (corners(0, 2 * stride), corners(end - 16, 2 * stride + end - 16));
+    let (next_min, next_max) =
+        (corners(stride, 3 * stride), corners(stride + end - 16, 3 * stride + end - 16));
+    // The maxima come last.
+    let max = w.shuffle(max, w.both(&places([2, 3, 3, 1])));
+    let third = w.shuffle(next_min, w.both(&places([2; 4])));
+    let first = w.select(w.words(MINIMA[0]), min, max);
+    Some([first, w.zip_first64(max, next_min), w.select(w.words(MINIMA[2]), third, next_max)])
 }
 
 /// The three vectors of 96 bytes.
@@ -40,41 +43,49 @@ fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] 
     [w.pick(a, d), w.pick(b, e), w.pick(c, f)]
 }
 
+#[inline(always)]
+fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut [KeyBox; 4]) {
+    let [a, b, c, d, e, f]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(boxes);
+    w.put(a, d, x);
+    w.put(b, e, y);
+    w.put(c, f, z);
+}
+
+/// The minima and the maxima of the second of two boxes. Nothing behind them counts.
+#[inline(always)]
+fn second<W: Halves>(w: W, b: W::Vector, c: W::Vector) -> [W::Vector; 2] {
+    let minima = w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c);
+    [minima, w.shuffle(c, w.both(&places([1, 2, 3, 0])))]
+}
+
 /// As [`Simd::encode_four`](crate::simd::Simd::encode_four).
 #[inline(always)]
 pub(super) fn encode_four<W: Halves>(
     w: W,
     boxes: Four<'_>,
-    held: Option<(&[KeyBox; 4], bool)>,
+    held: &[KeyBox; 4],
     old: &[KeyBox; 4],
     new: &mut [KeyBox; 4],
-) -> Option<(u32, bool)> {
-    let [a, b, c] = numbers(w, boxes);
+) -> Option<u32> {
+    let [a, b, c] = numbers(w, boxes)?;
     let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
     let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
     // The minima and the maxima of the first box, then of the second one. Nothing behind them counts.
     let first = above(w, a, w.fourth_on(a, b));
-    let second_minima = w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c);
-    let second = above(w, second_minima, w.shuffle(c, w.both(&places([1, 2, 3, 0]))));
+    let [minima, maxima] = second(w, b, c);
+    let second = above(w, minima, maxima);
     let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
     // No key of an object is above +infinity, but the first one of an empty box is.
     let empty = above(w, w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
-    let wrong = w.or(upside_down, empty);
-    let (are_held, must) = match held {
-        Some((held, must)) => (!w.any(w.or(wrong, outside(w, [a, b, c], held))), must),
-        None => (false, false),
-    };
-    if !are_held && (must || w.any(w.or(wrong, outside(w, [a, b, c], &[KeyBox::ALL; 4])))) {
+    let [left, middle, right] = outside(w, [a, b, c], held);
+    if w.any(w.or(w.or(upside_down, empty), w.or(w.or(left, middle), right))) {
         return None;
     }
-    let [first, second, third, fourth, fifth, sixth]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(new);
-    w.put(first, fourth, a);
-    w.put(second, fifth, b);
-    w.put(third, sixth, c);
+    put_three(w, [a, b, c], new);
     // Two bytes for each two keys, zero if they are the same.
     let (a, b, c) = (w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c));
     let others = w.join16(w.join16(a, b), w.join16(c, c));
-    Some((!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111, are_held))
+    Some(!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111)
 }
 
 /// Not zero where `a` is above `b`. The compiler makes ten operations more of a test of comparisons.
@@ -85,11 +96,74 @@ fn above<W: Halves>(w: W, a: W::Vector, b: W::Vector) -> W::Vector {
 
 /// Not zero where the keys of four boxes are outside of other boxes.
 #[inline(always)]
-fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &[KeyBox; 4]) -> W::Vector {
-    let (held, mut outside) = (three(w, bytemuck::cast_ref(held)), w.splat(0));
+fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &[KeyBox; 4]) -> [W::Vector; 3] {
+    let (held, mut outside) = (three(w, bytemuck::cast_ref(held)), keys);
     for k in 0..3 {
         let inner = w.select(w.words(MINIMA[k]), keys[k], held[k]);
-        outside = w.or(outside, w.xor(w.upper32(keys[k], held[k]), inner));
+        outside[k] = w.xor(w.upper32(keys[k], held[k]), inner);
     }
     outside
+}
+
+/// Which of the two boxes of a half the words of these vectors are of.
+const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
+
+/// As [`KeyBox::predicted`] of four boxes.
+#[inline(always)]
+pub(super) fn predicted<W: Halves>(
+    w: W,
+    now: &[KeyBox; 4],
+    old: &[KeyBox; 4],
+    margins: &[f32; 4],
+    predicts: bool,
+    made: &mut [KeyBox; 4],
+) {
+    let (now, old) = (three(w, bytemuck::cast_ref(now)), three(w, bytemuck::cast_ref(old)));
+    let (shortest, most) = (w.splat(SHORTEST.to_bits()), w.splat(f32::MAX.to_bits()));
+    let size = if predicts { smallest(w, now) } else { w.splat(0) };
+    let margins =
+        w.shuffle(w.both(bytemuck::cast_ref(margins)), w.pick(&places([0, 1, 0, 1]), &places([2, 3, 2, 3])));
+    let around = w.maximum(w.multiply(size, w.splat(AROUND.to_bits())), margins);
+    let around = w.and(w.at_most(shortest, around), around);
+    let mut to = now;
+    for k in 0..3 {
+        let (owners, inwards) = (w.both(&places(OWNERS[k])), w.words(MINIMA[k]));
+        let (size, around) = (w.shuffle(size, owners), w.shuffle(around, owners));
+        let side = turned(w, now[k], inwards);
+        let now = w.floats(side);
+        let mut reach = around;
+        if predicts {
+            let step = w.subtract(now, w.floats(turned(w, old[k], inwards)));
+            let goes_on = w.and(w.at_most(shortest, step), w.at_most(step, size));
+            reach = w.add(w.and(goes_on, w.multiply(step, w.splat(AHEAD.to_bits()))), around);
+        }
+        let moved = w.minimum(w.add(now, reach), most);
+        to[k] = turned(w, w.upper32(w.keys(moved), side), inwards);
+    }
+    put_three(w, to, made);
+}
+
+/// The smallest side of each of the two boxes of a half that is neither flat nor unbounded; zero if none is.
+#[inline(always)]
+fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {
+    let [minima, maxima] = second(w, b, c);
+    let first = w.subtract(w.floats(w.fourth_on(a, b)), w.floats(a));
+    let second = w.subtract(w.floats(maxima), w.floats(minima));
+    // Two sides along the first axis and two along the second one; two along the third one.
+    let (two, third) = (usable(w, w.zip_first32(first, second)), usable(w, w.zip_last32(first, second)));
+    let least = w.minimum(w.minimum(two, w.shuffle(two, w.both(&places([2, 3, 2, 3])))), third);
+    w.select(w.at_most(w.splat(f32::MAX.to_bits()), least), w.splat(0), least)
+}
+
+/// Sides that are neither flat nor unbounded, else the largest float.
+#[inline(always)]
+fn usable<W: Halves>(w: W, sides: W::Vector) -> W::Vector {
+    let most = w.splat(f32::MAX.to_bits());
+    w.minimum(w.select(w.at_most(w.splat(SHORTEST.to_bits()), sides), sides, most), most)
+}
+
+/// Keys with the other sign where all bits of `inwards` are set.
+#[inline(always)]
+fn turned<W: Halves>(w: W, keys: W::Vector, inwards: W::Vector) -> W::Vector {
+    w.minus32(w.xor(keys, inwards), inwards)
 }

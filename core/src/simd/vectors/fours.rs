@@ -108,7 +108,8 @@ fn keep<W: Halves, I: Index>(
     let tags = w.zip_last64(w.zip_last32(a, first), w.zip_last32(b, second));
     let slots = w.and(tags, w.splat(Record::SLOT));
     let crossed = w.shuffle(slots, w.both(&places([1, 0, 3, 2])));
-    let (lower, upper) = (w.least32(slots, crossed), w.most32(slots, crossed));
+    let upper = w.upper32(slots, crossed);
+    let lower = w.xor(w.xor(slots, crossed), upper);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(pairs);
     if size_of::<I>() == 2 {
         let (h, [a, b]) = (w.half(), w.split(w.or(lower, w.shuffle(upper, w.both(&RAISED)))));

@@ -63,11 +63,27 @@ impl<W: Halves> Simd for Level<W> {
     fn encode_four(
         self,
         boxes: Four<'_>,
-        held: Option<(&[KeyBox; 4], bool)>,
+        held: &[KeyBox; 4],
         old: &[KeyBox; 4],
         new: &mut [KeyBox; 4],
-    ) -> Option<(u32, bool)> {
+    ) -> Option<u32> {
         encode::encode_four(self.0, boxes, held, old, new)
+    }
+
+    #[inline(always)]
+    fn predicted<const N: usize>(
+        self,
+        now: &[KeyBox; N],
+        old: &[KeyBox; N],
+        margins: &[f32; N],
+        predicts: bool,
+        made: &mut [KeyBox; N],
+    ) {
+        if let (Some(now), Some(old)) = (now.first_chunk(), old.first_chunk())
+            && let (Some(margins), Some(made)) = (margins.first_chunk(), made.first_chunk_mut())
+        {
+            encode::predicted(self.0, now, old, margins, predicts, made);
+        }
     }
 
     #[inline(always)]

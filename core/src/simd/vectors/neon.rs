@@ -90,8 +90,6 @@ impl Vectors for Neon {
         fourth_on(a, b) = vextq_u8::<12>(a, b);
         above32(a, b) = vreinterpretq_u8_u32(vcgtq_s32(signed(a), signed(b)));
         upper32(a, b) = vreinterpretq_u8_s32(vmaxq_s32(signed(a), signed(b)));
-        least32(a, b) = vreinterpretq_u8_u32(vminq_u32(words(a), words(b)));
-        most32(a, b) = vreinterpretq_u8_u32(vmaxq_u32(words(a), words(b)));
         minus32(a, b) = vreinterpretq_u8_u32(vsubq_u32(words(a), words(b)));
         magnitude32(a) = vreinterpretq_u8_s32(vabsq_s32(signed(a)));
         add(a, b) = vreinterpretq_u8_f32(vaddq_f32(floats(a), floats(b)));

@@ -36,10 +36,6 @@ macro_rules! of_vectors {
             above32(a, b);
             /// The upper of two numbers with signs.
             upper32(a, b);
-            /// The lower of two numbers without signs.
-            least32(a, b);
-            /// The upper of two numbers without signs.
-            most32(a, b);
             minus32(a, b);
             /// The absolute value; the least number stays.
             magnitude32(a);

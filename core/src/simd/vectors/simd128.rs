@@ -58,8 +58,6 @@ impl Vectors for Simd128 {
         fourth_on(a, b) = u32x4_shuffle::<3, 4, 5, 6>(a, b);
         above32(a, b) = i32x4_gt(a, b);
         upper32(a, b) = i32x4_max(a, b);
-        least32(a, b) = u32x4_min(a, b);
-        most32(a, b) = u32x4_max(a, b);
         minus32(a, b) = i32x4_sub(a, b);
         magnitude32(a) = i32x4_abs(a);
         add(a, b) = f32x4_add(a, b);

@@ -86,8 +86,6 @@ impl Vectors for Sse41 {
         fourth_on(a, b) = _mm_alignr_epi8::<12>(b, a);
         above32(a, b) = _mm_cmpgt_epi32(a, b);
         upper32(a, b) = _mm_max_epi32(a, b);
-        least32(a, b) = _mm_min_epu32(a, b);
-        most32(a, b) = _mm_max_epu32(a, b);
         minus32(a, b) = _mm_sub_epi32(a, b);
         magnitude32(a) = _mm_abs_epi32(a);
         // The magnitude with the sign, which turns -0.0 into zero.
