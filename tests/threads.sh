@@ -1,25 +1,42 @@
 #!/usr/bin/env bash
 # ThreadSanitizer over whatever runs on several threads: parts of the core, the executors of the conformance tests, sequences of
 # operations whose twin runs on threads, the pool of the std adapter, and C++ programs with job systems of their own. std is
-# built with it too. Needs a nightly toolchain with rust-src (`rustup component add --toolchain nightly rust-src`) and clang; says
-# so and skips all where they are missing.
+# built with it too. Needs clang and a nightly toolchain, whose runtime it is, and the sources of std: those of nightly (`rustup
+# component add --toolchain nightly rust-src`), or Debian's with its compiler and a linker that finds old names of the C library
+# (packages rustc-web, cargo-web, rust-web-src and lld-22). Says so and skips all where they are missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 target=x86_64-unknown-linux-gnu
 sysroot="$(rustc +nightly --print sysroot 2>/dev/null || true)"
 runtime="$sysroot/lib/rustlib/$target/lib/librustc-nightly_rt.tsan.a"
-if ! [ -d "$sysroot/lib/rustlib/src/rust/library/std" ] || ! [ -f "$runtime" ] || ! command -v clang++ >/dev/null; then
-    echo "skipped: ThreadSanitizer needs a nightly toolchain with rust-src, and clang"
+flags=-Zsanitizer=thread
+linker=ld
+if ! [ -f "$runtime" ] || ! command -v clang++ >/dev/null; then
+    echo "skipped: ThreadSanitizer needs a nightly toolchain, and clang"
+    exit
+elif [ -d "$sysroot/lib/rustlib/src/rust/library/std" ]; then
+    cargo=(cargo +nightly)
+elif [ -d /usr/lib/rustlib/src/rust/library/std ] && [ -x /usr/bin/cargo ] && [ -x /usr/bin/ld.lld-22 ]; then
+    # Debian's compiler has no runtime of its own.
+    cargo=(/usr/bin/cargo)
+    linker=/usr/bin/ld.lld-22
+    export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
+    flags+=" -Zexternal-clangrt -Clinker=clang -Clink-arg=-fuse-ld=$linker"
+    for argument in -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive -lm -lpthread -ldl -lc -lresolv -lrt; do
+        flags+=" -Clink-arg=$argument"
+    done
+else
+    echo "skipped: ThreadSanitizer needs the sources of std: rust-src of nightly, or Debian's rust-web-src, rustc-web and cargo-web, and lld-22"
     exit
 fi
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}/threads"
-export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-Zsanitizer=thread"
+export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="$flags"
 export TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS-}"
 on() {
     local command=$1
     shift
-    cargo +nightly "$command" --quiet -Zbuild-std --target "$target" --config profile.dev.package.std.opt-level=2 \
+    "${cargo[@]}" "$command" --quiet -Zbuild-std --target "$target" --config profile.dev.package.std.opt-level=2 \
         --config profile.dev.package.core.opt-level=2 --config profile.dev.package.alloc.opt-level=2 "$@"
 }
 # A race that there is on purpose: where it is not seen, nothing below says anything.
@@ -65,9 +82,10 @@ watch() {
     local source=$1 program
     shift
     program="$folder/$(basename "$source" .cpp)"
-    clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -isystem /usr/include/bullet -c "$source" -o "$program.o"
-    clang++ "$program.o" "$CARGO_TARGET_DIR/$target/release/libtrisap.a" -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
-        "$@" -pthread -ldl -lm -lrt -lresolv -o "$program"
+    clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -isystem /usr/include/bullet \
+        ${TRISAP_ENKITS:+-DWITH_ENKITS -isystem "$TRISAP_ENKITS/src"} -c "$source" -o "$program.o"
+    clang++ -fuse-ld="$linker" "$program.o" "$CARGO_TARGET_DIR/$target/release/libtrisap_ffi.a" \
+        -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive "$@" -pthread -ldl -lm -lrt -lresolv -o "$program"
     "$program" threads
 }
 watch tests/cpp/jobs.cpp
