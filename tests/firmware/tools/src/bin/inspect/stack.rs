@@ -11,12 +11,15 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 29] = [
+const HOOKS: [(&str, &[&str]); 33] = [
     ("in_blocks<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
     ("in_blocks<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::region", &["overlaps_many::{closure#1} as"]),
     ("region::InRegion<u16>>::found", &["collect<trisap_core::id::Id", KEPT]),
+    ("region::InRegion<u16>>::{closure", &["collect<trisap_core::id::Id", KEPT, "region::Ball as"]),
+    ("cast::OnLine<u16>>::{closure", &["::hits::{closure", "::first_hit::{closure"]),
+    ("nearest::Near<u16>>::{closure", &["api::nearest::{closure"]),
     // A program without a ball has none to ask, and the check of pairs asks for boxes alone.
     ("region::Within>::side", &["region::Ball as", KEPT]),
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
@@ -42,6 +45,7 @@ const HOOKS: [(&str, &[&str]); 29] = [
     ("enclose::", &["Executor>::"]),
     ("relocate::", &["Executor>::"]),
     ("nearest::visit_near", &["api::nearest::{closure"]),
+    ("api::nearest", &["api::nearest::{closure"]),
 ];
 
 /// The filter rule of the program `around`.
