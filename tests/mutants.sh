@@ -12,7 +12,7 @@
 set -euo pipefail
 folder="$(cd "$(dirname "$0")/.." && pwd)"
 sample="${1:-10}"
-files="${2:-core/src/sweep/,core/src/tree/,core/src/pairs/,core/src/lists/,core/src/snapshot/,core/src/query/}"
+files="${2:-core/src/sweep/,core/src/tree/,core/src/pairs/,core/src/objects/,core/src/step/,core/src/snapshot/,core/src/query/}"
 command -v cargo-mutants >/dev/null || cargo install --locked cargo-mutants
 out="${CARGO_TARGET_DIR:-$folder/target}/mutants"
 tree="$out/tree" unviable="$out/unviable.txt" excluded="$out/excluded.txt" results="$out/results.txt" stages="$out/stages.txt"

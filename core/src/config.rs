@@ -11,10 +11,10 @@ pub(crate) const MARGINS: bool = cfg!(feature = "margins");
 pub(crate) const FILTERS: bool = cfg!(feature = "filters");
 pub(crate) const VALUES: bool = cfg!(feature = "values");
 
-/// Methods that give the same value with another field.
+/// Methods that give the same value with another field. What that means stands there.
 macro_rules! with {
-    ($($(#[$doc:meta])* $name:ident($($given:ident: $type:ty)?), $field:ident = $value:expr;)+) => {$(
-        $(#[$doc])*
+    ($($name:ident($($given:ident: $type:ty)?), $field:ident = $value:expr;)+) => {$(
+        #[doc = concat!("The same with another [", stringify!($field), "](Self::", stringify!($field), ").")]
         #[must_use]
         pub const fn $name(self $(, $given: $type)?) -> Self {
             Self { $field: $value, ..self }
@@ -55,9 +55,7 @@ impl Capacity {
     }
 
     with! {
-        /// The same with another number of pairs.
         with_pairs(pairs: u32), pairs = pairs;
-        /// The same with another number of boxes that reach beyond their leaf.
         with_leaf_refs(leaf_refs: u32), leaf_refs = leaf_refs;
     }
 }
@@ -194,25 +192,15 @@ impl Config {
     }
 
     with! {
-        /// The same with another capacity.
         with_capacity(capacity: Capacity), capacity = capacity;
-        /// The same with another mode.
         with_mode(mode: Mode), mode = mode;
-        /// The same with a margin.
         with_margin(margin: Margin), margin = Some(margin);
-        /// The same with found and lost pairs.
         with_events(), events = true;
-        /// The same with a filter for each object.
         with_filters(), filters = true;
-        /// The same with a value for each object: see [`values`](Self::values).
         with_values(), values = true;
-        /// The same without a tree, for up to 256 objects: see [`lean`](Self::lean).
         with_lean(), lean = true;
-        /// The same for several workers.
         with_workers(workers: u32), workers = workers;
-        /// The same with margins that objects always keep: see [`fixed_margins`](Self::fixed_margins).
         with_fixed_margins(), fixed_margins = true;
-        /// The same without predicted boxes: see [`predicted`](Self::predicted).
         without_predicted_boxes(), predicted = false;
     }
 

@@ -41,11 +41,8 @@ impl Object {
     }
 
     with! {
-        /// The same with a filter: as [`set_filter`](crate::World::set_filter).
         with_filter(filter: Filter), filter = Some(filter);
-        /// The same with a value: as [`set_value`](crate::World::set_value).
         with_value(value: u64), value = Some(value);
-        /// The same with a margin of its own: as [`set_margin`](crate::World::set_margin).
         with_margin(length: f32), margin = Some(length);
     }
 

@@ -195,7 +195,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1484),
+    ("", 1469),
     ("geometry", 1158),
     ("memory", 1837),
     ("objects", 637),
@@ -204,9 +204,9 @@ const BUDGETS: [(&str, usize); 14] = [
     ("query", 1277),
     ("simd", 2272),
     ("snapshot", 583),
-    ("step", 690),
+    ("step", 685),
     ("sweep", 1362),
-    ("tree", 2101),
+    ("tree", 2127),
     ("validate", 379),
     ("world", 1693),
 ];

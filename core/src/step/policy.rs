@@ -9,7 +9,7 @@ use crate::id::Index;
 use crate::memory::layout::{reports_margins, sweeps_margins};
 use crate::memory::limits::TRIAL;
 use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::state::{PairState, State, StepState};
+use crate::memory::state::{State, StepState};
 use crate::memory::stats::{Path, Reason, Route};
 use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
@@ -47,8 +47,6 @@ const SAMPLE: usize = 64;
 const REGROWN_SHARE: u64 = 16;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
-/// Nor where there are so many candidates for each object, beyond twice the pairs: a full step is cheaper.
-const CROWD: u64 = 8;
 /// Steps without them after that. In the [last ones](TRIAL) some are tried.
 const PAUSE: u8 = 64;
 
@@ -126,10 +124,7 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
 /// placed by. Boxes with margins that the caller has fixed stay.
 pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
     let live = u64::from(parts.state.objects.live);
-    // Far more candidates than pairs: after a step of large boxes, perhaps, in which small ones stay.
-    let PairState { swept, reported, .. } = parts.state.pairs;
-    let crowded = swept.saturating_sub(reported) > CROWD * live + reported;
-    let cost = if crowded { FULL } else { upkeep(parts.state, u64::from(moved)) };
+    let cost = upkeep(parts.state, u64::from(moved));
     // Without leaves of the last step all objects count as moved.
     let is_known = may_renew(parts);
     parts.state.tree.filled = parts.state.tree.filled.min(1);

@@ -1,7 +1,7 @@
 //! Moves the records of moved objects to their leaves, one by one (paper, section III.B.2).
 
 use super::enclose::expand_ancestors;
-use super::{Cell, Frame, Leaf, Straddler, home_of, large};
+use super::{Cell, Frame, Leaf, Straddler, home_of, large, most};
 use crate::access::Access;
 use crate::filter::offer;
 use crate::geometry::key::KeyBox;
@@ -12,6 +12,9 @@ use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::Simd;
 use crate::simd::kernels::run;
+
+/// Leaves behind a full one that are asked for room.
+const NEIGHBOURS: usize = 16;
 
 /// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the
 /// large objects. Returns whether there was room. If a leaf or the list of large objects is
@@ -65,7 +68,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
     if !stays {
         withdraw(parts, slot);
         let Leaf { len, room, .. } = parts.tree.leaves.at(leaf);
-        if len == room {
+        if len == room && !borrow(parts, leaf) {
             return false;
         }
         parts.home.put(slot, I::from_slot(leaf as u32));
@@ -89,6 +92,29 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
     // While leaves are not filled, the boxes of nodes are made later.
     let top = if parts.state.tree.filled == 0 { 0 } else { parts.tree.tops.at(whole) as usize };
     expand_ancestors(parts.tree.boxes, |node| parts.tree.parents.at(node / 2) as usize, top, &bounds);
+    true
+}
+
+/// Gives a full leaf half of the free room of the next leaf that has some, so that a crowd that gathers needs no
+/// fill of all leaves. The records between move along and keep their order, so places stay. Returns whether
+/// there was room. A leaf that is to be divided gets none. O(members of [`NEIGHBOURS`] leaves).
+fn borrow<I: Index>(parts: &mut Parts<'_, I>, full: usize) -> bool {
+    let (tree, behind) = (&mut parts.tree, full + 1..parts.state.leaves() as usize);
+    let is_over = u64::from(tree.leaves.at(full).len) >= most(parts.state);
+    let free = |leaf: &usize| tree.leaves.at(*leaf).room > tree.leaves.at(*leaf).len;
+    let Some(giver) = behind.take(NEIGHBOURS).find(free).filter(|_| !is_over) else { return false };
+    let Leaf { room, len, .. } = tree.leaves.at(giver);
+    let given = (room - len).div_ceil(2);
+    for index in (full + 1..=giver).rev() {
+        let Some(leaf) = tree.leaves.get_mut(index) else { continue };
+        for record in (leaf.start..leaf.start + leaf.len).rev() {
+            tree.records.put((record + given) as usize, tree.records.at(record as usize));
+        }
+        leaf.start += given;
+    }
+    for (leaf, room) in [(giver, room - given), (full, tree.leaves.at(full).room + given)] {
+        tree.leaves.put(leaf, Leaf { room, ..tree.leaves.at(leaf) });
+    }
     true
 }
 
