@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::{EVENTS, MARGINS, TREE};
+use crate::config::EVENTS;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -110,8 +110,10 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
         let all = u32::MAX >> (32 - (objects.now.len() - word * 32).min(32));
         let done = objects.resting.get(word).copied().unwrap_or_default();
         let mut taken = Taken { done, ..Taken::default() };
-        if S::ENCODES_FOUR && !renews && done != u32::MAX {
-            taken = take_in_quiet(simd, first, bounds, &mut objects, word, taken);
+        if S::ENCODES_FOUR && !has_fat {
+            taken = take_in_quiet::<S, false>(simd, first, bounds, &mut objects, word, taken);
+        } else if S::ENCODES_FOUR && !renews {
+            taken = take_in_quiet::<S, true>(simd, first, bounds, &mut objects, word, taken);
         }
         if taken.done & all == all {
             objects.note(word, taken.changed, taken.contained);
@@ -129,8 +131,7 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
             take_in(first, bounds, of, word, taken, found);
         }
     }
-    intake.motions = objects.fat.motions;
-    intake
+    Intake { motions: objects.fat.motions, ..intake }
 }
 
 /// Takes in the boxes of the slots of a word one by one, but for those that are done with.
@@ -200,7 +201,7 @@ fn take_in(
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live,
 /// do not rest, and stay in their fat boxes, or in a fat world in the boxes that are reported.
 #[inline(always)]
-fn take_in_quiet<S: Simd>(
+fn take_in_quiet<S: Simd, const FAT: bool>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
@@ -211,19 +212,20 @@ fn take_in_quiet<S: Simd>(
     let mut items = bounds.items_from(first + word * 32);
     let Objects { now, given, fat, changed: kept, before, .. } = objects;
     let kept = kept.words.get(word).copied().unwrap_or(u32::MAX);
-    let (now, before, given) = (fours(now, word), fours(before, word), fours(given, word));
-    let held = fours(fat.boxes, word);
+    let (now, before, none) =
+        (fours(now, word), fours(before, word), (Default::default(), Default::default()));
+    let (given, held) = if FAT { (fours(given, word), fours(fat.boxes, word)) } else { none };
     for (four, old) in now.iter_mut().enumerate() {
         let (first, boxes) = (4 * four, bounds.four(&mut items));
         if taken.done >> first & 0b1111 != 0 {
             continue;
         }
-        if MARGINS && let Some(given) = given.get_mut(four) {
+        if let Some(given) = given.get_mut(four) {
             let stay = simd.encode_four(boxes, old, old, given).is_some();
             taken.done |= if stay { 0b1111 << first } else { 0 };
             continue;
         }
-        let held = if TREE { held.get(four).unwrap_or(&[KeyBox::ALL; 4]) } else { &[KeyBox::ALL; 4] };
+        let held = held.get(four).unwrap_or(&[KeyBox::ALL; 4]);
         let mut new = [KeyBox::EMPTY; 4];
         let Some(others) = simd.encode_four(boxes, held, old, &mut new) else { continue };
         if EVENTS && let Some(before) = before.get_mut(four) {
