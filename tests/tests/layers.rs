@@ -198,17 +198,17 @@ const BUDGETS: [(&str, usize); 14] = [
     ("", 1469),
     ("geometry", 1158),
     ("memory", 1837),
-    ("objects", 637),
+    ("objects", 617),
     ("pairs", 551),
     ("parallel", 470),
     ("query", 1277),
-    ("simd", 2272),
+    ("simd", 2297),
     ("snapshot", 583),
-    ("step", 685),
+    ("step", 683),
     ("sweep", 1362),
     ("tree", 2127),
     ("validate", 379),
-    ("world", 1693),
+    ("world", 1690),
 ];
 
 #[test]

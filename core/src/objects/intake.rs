@@ -105,14 +105,13 @@ struct Taken {
 fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects: Objects<'_>) -> Intake {
     let mut intake = Intake::default();
     let has_fat = objects.is_fat() || objects.fat.exist();
-    let renews = has_fat && objects.fat.renews | objects.fat.regrows;
     for word in 0..objects.now.len().div_ceil(32) {
         let all = u32::MAX >> (32 - (objects.now.len() - word * 32).min(32));
         let done = objects.resting.get(word).copied().unwrap_or_default();
         let mut taken = Taken { done, ..Taken::default() };
         if S::ENCODES_FOUR && !has_fat {
             taken = take_in_quiet::<S, false>(simd, first, bounds, &mut objects, word, taken);
-        } else if S::ENCODES_FOUR && !renews {
+        } else if S::ENCODES_FOUR && !(objects.fat.renews | objects.fat.regrows) {
             taken = take_in_quiet::<S, true>(simd, first, bounds, &mut objects, word, taken);
         }
         if taken.done & all == all {

@@ -8,8 +8,8 @@
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, MARGINS, Margin, TREE};
 use crate::geometry::key::KeyBox;
+use crate::simd::Simd;
 use crate::simd::scalar::Scalar;
-use crate::simd::{MAXIMA, MINIMA, Simd};
 
 /// The fat boxes of some consecutive slots; none if there are none in use.
 pub(crate) struct FatBoxes<'o> {
@@ -68,13 +68,11 @@ impl FatBoxes<'_> {
         for (bit, (last, given)) in last.iter().zip(given).enumerate() {
             others |= u32::from(last != given) << bit;
         }
-        let left = others & !inside(simd, old, given);
+        let left = others & !simd.inside(old, given);
         self.motions.outran += left.count_ones();
         let (mut to, grows) = (*old, if self.regrows { others } else { left });
         let mut grown = *old;
-        if grows != 0 {
-            simd.predicted(given, given, &self.margins(at), false, &mut grown);
-        }
+        simd.predicted(given, given, &self.margins(at), false, &mut grown);
         bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
         (if self.renews { others } else { grows }, to, KeyBox::before(&to, last, given))
     }
@@ -127,7 +125,7 @@ impl FatBoxes<'_> {
         let around = self.around(at);
         let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
         let Some(fat) = fat.filter(|_| TREE) else { return 0 };
-        let contained = others & inside(simd, fat, new);
+        let contained = others & simd.inside(fat, new);
         self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
         let stay = if self.renews { 0 } else { contained };
         if others != stay {
@@ -140,28 +138,7 @@ impl FatBoxes<'_> {
         }
         stay
     }
-
-    /// Whether what is around a box, once reported as `old`, is far too wide. No predicted box is at first.
-    pub(crate) fn is_wide(&self, at: usize, old: &KeyBox, bounds: &KeyBox) -> bool {
-        let ([margin], around) = (self.margins(at), self.boxes.get(at).unwrap_or(old));
-        around.largest_extent() > MOST_WIDTH * (bounds.largest_extent() + margin)
-    }
 }
-
-/// Which of some boxes are inside the outer ones, a bit each (errata E3 and E4).
-#[inline(always)]
-fn inside<S: Simd, const N: usize>(simd: S, outer: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
-    let mut bits = 0;
-    for (bit, (outer, inner)) in outer.iter().zip(inner).enumerate() {
-        let (outer, inner) = (simd.keys(outer), simd.keys(inner));
-        let beyond = simd.above(outer, inner) & MINIMA | simd.above(inner, outer) & MAXIMA;
-        bits |= u32::from(beyond == 0) << bit;
-    }
-    bits
-}
-
-/// A box around another one so many times as wide as that and its margin is far too wide.
-const MOST_WIDTH: f32 = 16.0;
 
 /// The most that the size of a box counts, in its smallest sides: a wide plane needs no wide margin.
 const FLATTEST: f32 = 8.0;

@@ -101,6 +101,13 @@ pub(crate) trait Simd: Copy + Send + Sync {
         None
     }
 
+    /// Which of some boxes are inside the outer ones, a bit each. One box in scalar code, four with vectors.
+    #[inline(always)]
+    fn inside<const N: usize>(self, outer: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
+        let boxes = outer.iter().zip(inner).enumerate();
+        boxes.fold(0, |bits, (bit, (outer, inner))| bits | u32::from(outer.contains(inner)) << bit)
+    }
+
     /// As [`KeyBox::predicted`], for one box in scalar code, for four with vectors.
     #[inline(always)]
     fn predicted<const N: usize>(

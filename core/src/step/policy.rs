@@ -120,10 +120,8 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
 }
 
 /// Has fat boxes made anew with the next boxes, if that is due; leaves them unused, if they do not pay, and
-/// has them tried later. All as counts tell. Returns whether other boxes are swept now than objects were
-/// placed by. Boxes with margins that the caller has fixed stay.
-pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
-    let live = u64::from(parts.state.objects.live);
+/// has them tried later. Returns how many objects have another box that is swept. Fixed margins stay.
+pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> u32 {
     let cost = upkeep(parts.state, u64::from(moved));
     // Without leaves of the last step all objects count as moved.
     let is_known = may_renew(parts);
@@ -135,25 +133,25 @@ pub(crate) fn renew<I: Index>(parts: &mut Parts<'_, I>, moved: u32) -> bool {
         step.margins_in -= 1;
     } else if step.margins_in > 0 {
         // Where few move, they are tested one by one anyway.
-        if u64::from(moved) * MANY_SHARE > live {
+        if u64::from(moved) * MANY_SHARE > u64::from(parts.state.objects.live) {
             try_on(parts);
         }
     } else {
         (step.age, step.spent) = if new { (0, 0) } else { (step.age.saturating_add(1), step.spent) };
         if !is_known || new || cost == 0 {
-            return false;
+            return moved;
         }
         let due = is_due(step, step.age, cost);
         // Few get another box for long, and most of these leave their fat one.
         let in_vain = step.age > 64 && parts.changed.count() < 2 * moved;
         if in_vain || due && !pays(step, step.age, cost) {
             pause(parts);
-            return true;
+            return parts.moved.count();
         }
         step.renews = u16::from(due);
         step.spent = step.spent.saturating_add(cost as u16);
     }
-    false
+    moved
 }
 
 /// Whether fat boxes are worth what they have cost in so many steps, after one more that costs so much.

@@ -95,9 +95,9 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
     true
 }
 
-/// Gives a full leaf half of the free room of the next leaf that has some, so that a crowd that gathers needs no
-/// fill of all leaves. The records between move along and keep their order, so places stay. Returns whether
-/// there was room. A leaf that is to be divided gets none. O(members of [`NEIGHBOURS`] leaves).
+/// Gives a full leaf half of the free room of the next leaf that has some, so that a crowd that gathers needs
+/// no fill of all leaves. Records between move along, and places stay. Returns whether there was room. A
+/// leaf that is to be divided gets none. O(members of [`NEIGHBOURS`] leaves).
 fn borrow<I: Index>(parts: &mut Parts<'_, I>, full: usize) -> bool {
     let (tree, behind) = (&mut parts.tree, full + 1..parts.state.leaves() as usize);
     let is_over = u64::from(tree.leaves.at(full).len) >= most(parts.state);

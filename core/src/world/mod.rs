@@ -128,11 +128,8 @@ impl<I: Index> World<'_, I> {
     /// there are, or `None` if nothing has changed.
     fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> Option<u64> {
         let moved = parts.moved.count();
-        let mut swept_anew = moved;
-        if cfg!(feature = "large") && policy::renew(parts, moved) {
-            // Whose fat box is left unused has another box that is swept.
-            swept_anew = parts.moved.count();
-        }
+        // Whose fat box is left unused from now on has another box that is swept.
+        let swept_anew = if cfg!(feature = "large") { policy::renew(parts, moved) } else { moved };
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
         if route.path == Path::Unchanged && (!TREE || parts.state.objects.moved_inside_margin == 0) {

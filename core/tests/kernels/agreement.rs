@@ -134,7 +134,9 @@ fn predictions<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let (predicts, mut made) = (random.below(4) != 0, [KeyBox::EMPTY; 4]);
     simd.predicted(&now, &old, &margins, predicts, &mut made);
     let same = (0..4).all(|k| made[k] == KeyBox::predicted(&now[k], &old[k], margins[k], predicts));
-    rounds.check([("predicted", same)]);
+    let (outer, inner) = if predicts { (&made, &now) } else { (&now, &old) };
+    let inside = (0..4).map(|k| u32::from(outer[k].contains(&inner[k])) << k).sum();
+    rounds.check([("predicted", same), ("inside", simd.inside(outer, inner) == inside)]);
 }
 
 #[inline(always)]

@@ -82,10 +82,20 @@ pub(super) fn encode_four<W: Halves>(
         return None;
     }
     put_three(w, [a, b, c], new);
-    // Two bytes for each two keys, zero if they are the same.
-    let (a, b, c) = (w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c));
-    let others = w.join16(w.join16(a, b), w.join16(c, c));
-    Some(!w.zeros64(w.shuffle(others, w.both(&SIX_EACH))) & 0b1111)
+    Some(!zeros(w, [w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c)]) & 0b1111)
+}
+
+/// Which of four boxes have nothing but zeros, a bit each.
+#[inline(always)]
+fn zeros<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> u32 {
+    // Two bytes for each two numbers, zero if these are.
+    w.zeros64(w.shuffle(w.join16(w.join16(a, b), w.join16(c, c)), w.both(&SIX_EACH)))
+}
+
+/// As [`Simd::inside`](crate::simd::Simd::inside) for four boxes.
+#[inline(always)]
+pub(super) fn inside<W: Halves>(w: W, outer: &[KeyBox; 4], inner: &[KeyBox; 4]) -> u32 {
+    zeros(w, outside(w, three(w, bytemuck::cast_ref(inner)), outer)) & 0b1111
 }
 
 /// Not zero where `a` is above `b`. The compiler makes ten operations more of a test of comparisons.

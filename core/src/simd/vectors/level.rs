@@ -71,6 +71,14 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
+    fn inside<const N: usize>(self, outer: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
+        match (outer.first_chunk(), inner.first_chunk()) {
+            (Some(outer), Some(inner)) => encode::inside(self.0, outer, inner),
+            _ => 0,
+        }
+    }
+
+    #[inline(always)]
     fn predicted<const N: usize>(
         self,
         now: &[KeyBox; N],
