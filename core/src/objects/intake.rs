@@ -25,6 +25,15 @@ pub(crate) struct Intake {
     pub(crate) first_rejected: Option<u32>,
 }
 
+impl Intake {
+    #[cold]
+    #[inline(never)]
+    fn reject(&mut self, slot: usize) {
+        self.first_rejected = self.first_rejected.or(Some(slot as u32));
+        self.rejected += 1;
+    }
+}
+
 /// Gives every living object the box that stands at its slot. Objects beyond the array keep theirs, and so do
 /// objects whose new box is refused. In a fat world each new box `regrows` the one that is reported, or not.
 pub(crate) fn ingest<I: Index>(
@@ -91,12 +100,11 @@ fn ingest_block(kernels: Kernels, first: usize, bounds: &Boxes<'_>, objects: Obj
     run!(kernels, |simd| take_in_words(simd, first, bounds, objects))
 }
 
-/// The slots of a word whose boxes are taken in.
+/// The slots of a word whose boxes are taken in, and resting ones.
 #[derive(Clone, Copy, Default)]
 struct Taken {
-    /// These, and resting ones.
     done: u32,
-    /// Those among them that have other boxes now, and those that stay in their fat boxes.
+    /// Slots that have other boxes now, and those that stay in their fat boxes.
     changed: u32,
     contained: u32,
 }
@@ -145,12 +153,10 @@ fn take_in(
 ) {
     let count = (objects.now.len() - word * 32).min(32);
     let Taken { done, mut changed, mut contained } = taken;
-    let (is_fat, has_fat) = (objects.is_fat(), objects.fat.exist());
-    let has_events = EVENTS && !objects.before.is_empty();
-    let at = word * 32;
+    let (is_fat, has_fat, at) = (objects.is_fat(), objects.fat.exist(), word * 32);
     let Objects { now, given, fat, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
-    let unkept = if has_events { !kept.words.at(word) } else { 0 };
+    let unkept = if EVENTS && !before.is_empty() { !kept.words.at(word) } else { 0 };
     let has_margins = is_fat || has_fat;
     let apart = if has_margins { u32::MAX } else { unkept };
     for (bit, old) in (at..).zip(now.span_mut(at, count)) {
@@ -167,8 +173,7 @@ fn take_in(
             }
         };
         let Some(new) = aabb.and_then(KeyBox::from_aabb) else {
-            intake.first_rejected = intake.first_rejected.or(Some((first + bit) as u32));
-            intake.rejected += 1;
+            intake.reject(first + bit);
             continue;
         };
         if new.is_same(old) && !is_fat {
@@ -247,10 +252,9 @@ fn fours(boxes: &mut [KeyBox], word: usize) -> &mut [[KeyBox; 4]] {
 /// Keeps boxes that events compare with.
 #[inline(always)]
 fn keep(before: &mut [KeyBox; 4], old: &[KeyBox; 4], unkept: u32) {
-    if unkept == 0b1111 {
-        *before = *old;
-    } else {
-        bits::of_word(unkept).for_each(|bit| before.put(bit, *KeyBox::of(old, bit)));
+    match unkept {
+        0b1111 => *before = *old,
+        some => bits::of_word(some).for_each(|bit| before.put(bit, *KeyBox::of(old, bit))),
     }
 }
 

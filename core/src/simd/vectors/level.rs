@@ -72,10 +72,8 @@ impl<W: Halves> Simd for Level<W> {
 
     #[inline(always)]
     fn inside<const N: usize>(self, outer: &[KeyBox; N], inner: &[KeyBox; N]) -> u32 {
-        match (outer.first_chunk(), inner.first_chunk()) {
-            (Some(outer), Some(inner)) => encode::inside(self.0, outer, inner),
-            _ => 0,
-        }
+        let (Some(outer), Some(inner)) = (outer.first_chunk(), inner.first_chunk()) else { return 0 };
+        encode::inside(self.0, outer, inner)
     }
 
     #[inline(always)]
@@ -87,11 +85,9 @@ impl<W: Halves> Simd for Level<W> {
         predicts: bool,
         made: &mut [KeyBox; N],
     ) {
-        if let (Some(now), Some(old)) = (now.first_chunk(), old.first_chunk())
-            && let (Some(margins), Some(made)) = (margins.first_chunk(), made.first_chunk_mut())
-        {
-            encode::predicted(self.0, now, old, margins, predicts, made);
-        }
+        let (Some(now), Some(old)) = (now.first_chunk(), old.first_chunk()) else { return };
+        let (Some(margins), Some(made)) = (margins.first_chunk(), made.first_chunk_mut()) else { return };
+        encode::predicted(self.0, now, old, margins, predicts, made);
     }
 
     #[inline(always)]
