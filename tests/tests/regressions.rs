@@ -285,3 +285,12 @@ fn a_world_that_moved_inside_margins_is_valid_where_it_moves_to_a_tree() {
     assert_eq!(moved.validate(), Ok(()));
     assert!(moved.step().expect("room").pairs().is_empty());
 }
+
+/// Which large objects a world had before it loaded a snapshot decided when their list was brought into order, and so the order of
+/// pairs: a sequence that `soak` found.
+#[test]
+fn what_a_world_had_before_it_loaded_does_not_show() {
+    let sequence = b"\x06\xb8\xcb\xfe\x5a\x92\x82\xff\x7a\x03\x90\x7c\x16\x98\xb6\xcd\x91\x47\x71\xa1\x0e\xe0\xf7\x92\x61\x3d\x7c\x0e\
+        \x5d\xb5\xb2\xaa\x26\xf8\x97\x14\x7d\xf4\xd6\x25\x15\x14\xf4\x59\x2a\x85\xb9\xc2\x84\x6f\x77\x7d\x5b\x9c\xea\x99";
+    let _ = trisap_tests::sequence::play(sequence);
+}

@@ -112,9 +112,8 @@ fn borrow<I: Index>(parts: &mut Parts<'_, I>, full: usize) -> bool {
         }
         leaf.start += given;
     }
-    for (leaf, room) in [(giver, room - given), (full, tree.leaves.at(full).room + given)] {
-        tree.leaves.put(leaf, Leaf { room, ..tree.leaves.at(leaf) });
-    }
+    tree.leaves.put(giver, Leaf { room: room - given, ..tree.leaves.at(giver) });
+    tree.leaves.put(full, Leaf { room: tree.leaves.at(full).room + given, ..tree.leaves.at(full) });
     true
 }
 
