@@ -203,10 +203,10 @@ const BUDGETS: [(&str, usize); 14] = [
     ("parallel", 470),
     ("query", 1277),
     ("simd", 2293),
-    ("snapshot", 584),
+    ("snapshot", 583),
     ("step", 683),
     ("sweep", 1362),
-    ("tree", 2126),
+    ("tree", 2127),
     ("validate", 379),
     ("world", 1690),
 ];

@@ -197,7 +197,7 @@ impl<I: Index> Stored<'_, I> {
         set.slots().enumerate().map(at).take(count)
     }
 
-    /// What is no more than to [load](Section::load) a section. No list of large objects is left.
+    /// What is no more than to [load](Section::load) a section.
     fn finish(&self, to: &mut Parts<'_, I>) {
         let BoxParts { fat, before, tight, .. } = &mut to.boxes;
         *tight = false;
@@ -211,7 +211,6 @@ impl<I: Index> Stored<'_, I> {
             to.changed.load(self.moved.bytes);
             self.settled.slots().for_each(|slot| to.changed.set(slot));
         }
-        to.tree.straddlers.fill(Default::default());
         let former = &mut to.former.generations;
         self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));
         let former = &mut to.values.former;

@@ -183,13 +183,14 @@ fn enclose<I: Index>(parts: &mut Parts<'_, I>) {
 /// Puts an object at a place of the list, or behind its end. Returns whether there was room.
 pub(super) fn put<I: Index>(parts: &mut Parts<'_, I>, place: usize, straddler: Straddler) -> bool {
     let tree = &mut parts.state.tree;
-    let count = (place as u32 + 1).max(tree.large);
+    let (count, is_behind) = ((place as u32 + 1).max(tree.large), place as u32 >= tree.large);
     if !has_room(tree, count as usize, parts.tree.straddlers.len()) {
         return false;
     }
     tree.large = count;
     let (list, nodes) = split(tree, parts.tree.straddlers);
-    let cost = if list.at(place).slot == straddler.slot { 1 } else { STRANGER };
+    let stays = !is_behind && list.at(place).slot == straddler.slot;
+    let cost = if stays { 1 } else { STRANGER };
     tree.large_changed = tree.large_changed.saturating_add(cost);
     list.put(place, straddler);
     let group = if nodes.is_empty() { 0 } else { (1 << tree.large_depth) + place / GROUP };
