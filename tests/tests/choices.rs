@@ -347,6 +347,19 @@ fn large_boxes_of_one_frame_are_forgotten() {
         world.step(Setup::REFERENCE);
     }
     assert!(world.world().stats().surplus < COUNT as u64 / 10, "{:?}", world.world().stats());
+    // One that shrinks little by little.
+    let config = config.with_margin(Margin::length(0.1));
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    let ids = world.insert_many(&boxes);
+    world.step(Setup::REFERENCE);
+    let mut half = 1e3;
+    while half > 0.5 {
+        world.set(ids[7], Aabb::new([-half; 3], [half; 3]));
+        world.step(Setup::REFERENCE);
+        half *= 0.7;
+    }
+    assert!(world.world().stats().surplus < COUNT as u64 / 2, "{:?}", world.world().stats());
 }
 
 #[test]

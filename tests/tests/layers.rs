@@ -198,7 +198,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("", 1469),
     ("geometry", 1158),
     ("memory", 1837),
-    ("objects", 621),
+    ("objects", 622),
     ("pairs", 551),
     ("parallel", 470),
     ("query", 1277),
@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 583),
     ("step", 683),
     ("sweep", 1362),
-    ("tree", 2127),
+    ("tree", 2126),
     ("validate", 379),
     ("world", 1690),
 ];

@@ -116,18 +116,19 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
     for word in 0..objects.now.len().div_ceil(32) {
         let all = u32::MAX >> (32 - (objects.now.len() - word * 32).min(32));
         let done = objects.resting.get(word).copied().unwrap_or_default();
+        if done & all == all {
+            continue;
+        }
         let mut taken = Taken { done, ..Taken::default() };
         if S::ENCODES_FOUR && !has_fat {
             taken = take_in_quiet::<S, false>(simd, first, bounds, &mut objects, word, taken);
         } else if S::ENCODES_FOUR && !(objects.fat.renews | objects.fat.regrows) {
             taken = take_in_quiet::<S, true>(simd, first, bounds, &mut objects, word, taken);
         }
-        if taken.done & all == all {
-            objects.note(word, taken.changed, taken.contained);
-            continue;
-        }
         let (of, found) = (&mut objects, &mut intake);
-        if S::ENCODES_FOUR {
+        if S::ENCODES_FOUR && taken.done & all == all {
+            of.note(word, taken.changed, taken.contained);
+        } else if S::ENCODES_FOUR {
             call!(simd, {
                 if has_fat {
                     taken = take_in_leavers(simd, first, bounds, of, word, taken);

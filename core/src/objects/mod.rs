@@ -106,9 +106,9 @@ impl Objects<'_> {
         let Some(now) = self.now.get_mut(at).filter(|now| !now.is_empty()) else {
             return self.hide(at, bounds);
         };
-        let last = self.given.get(at).unwrap_or(now);
-        // What is around it would be far too wide.
-        if (MARGINS || TREE) && last.largest_extent() > 16.0 * bounds.largest_extent() {
+        let ([margin], around) = (self.fat.margins(at), self.fat.boxes.get(at).unwrap_or(now));
+        // Far too wide. No predicted box is at first.
+        if (MARGINS || TREE) && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin) {
             return self.anchor(at, bounds);
         }
         let before = self.before.get_mut(at).filter(|_| EVENTS && !bits::test(self.changed.words, at));

@@ -189,8 +189,7 @@ pub(super) fn put<I: Index>(parts: &mut Parts<'_, I>, place: usize, straddler: S
     }
     tree.large = count;
     let (list, nodes) = split(tree, parts.tree.straddlers);
-    let stays = !is_behind && list.at(place).slot == straddler.slot;
-    let cost = if stays { 1 } else { STRANGER };
+    let cost = if !is_behind && list.at(place).slot == straddler.slot { 1 } else { STRANGER };
     tree.large_changed = tree.large_changed.saturating_add(cost);
     list.put(place, straddler);
     let group = if nodes.is_empty() { 0 } else { (1 << tree.large_depth) + place / GROUP };
