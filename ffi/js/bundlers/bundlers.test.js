@@ -81,6 +81,15 @@ test("node: import, and require", async () => {
   assert.equal(String(ask("commonjs", 'const { createWorld } = require("trisap");')).trim(), RIGHT);
 });
 
+test("Deno and Bun run it as it is", () => {
+  for (const [host, ...flags] of [["deno", "run", "--allow-read"], ["bun", "run"]]) {
+    for (const program of ["by-url.js", "inline.js"]) {
+      const said = execFileSync(`${HERE}node_modules/.bin/${host}`, [...flags, program], { cwd: HERE });
+      assert.equal(String(said).trim(), RIGHT, `${host} ${program}`);
+    }
+  }
+});
+
 test("esbuild: one file, for node and for a browser", async (t) => {
   const { build } = await import("esbuild");
   const out = await folder(t);

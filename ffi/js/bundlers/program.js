@@ -9,7 +9,8 @@ export async function run(createWorld) {
 export async function tell(createWorld) {
   const said = await run(createWorld).catch((error) => String(error));
   if (typeof document === "undefined") {
-    typeof postMessage === "function" ? postMessage(said) : console.log(said);
+    // Bun has `postMessage` outside of workers, too.
+    typeof importScripts === "function" ? postMessage(said) : console.log(said);
   } else {
     await fetch("/seen", { method: "POST", body: said });
   }

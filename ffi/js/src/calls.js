@@ -35,10 +35,10 @@ const CONFIG_PAIRS = 12;
 export class Calls {
   #given;
 
-  /** An empty world in a fresh instance of the module. */
-  constructor(instance, config) {
+  /** An empty world in an instance of the module, `from` a place of its memory on. */
+  constructor(instance, config, from) {
     const objects = objectsOf(config);
-    this.memory = new Memory(instance);
+    this.memory = new Memory(instance, from);
     const { calls, structs } = this.memory;
     this.calls = calls;
     this.config = structs + CONFIG;

@@ -132,7 +132,7 @@ export class World {
   readonly variant: "simd128" | "scalar" | "pairs" | "given";
   /** The instructions that its kernels use. */
   readonly instructionSet: string;
-  /** Bytes of its memory. */
+  /** Bytes of its memory, which `createWorlds` shares among its worlds. */
   readonly memoryBytes: number;
   /** Living objects. */
   readonly size: number;
@@ -306,6 +306,11 @@ export class Contacts {
 
 /** An empty world. */
 export function createWorld(config: Config, options?: Options): Promise<World>;
+/**
+ * So many empty worlds of one kind in one memory, as for the rooms of a server: hosts set aside addresses for each memory, and run out of
+ * them. They cannot grow. Their memory goes when all of them are gone; a room that closes can be cleared and used again.
+ */
+export function createWorlds(count: number, config: Config, options?: Options): Promise<World[]>;
 /**
  * The pairs of boxes that are there once, six numbers each, by their positions, the lower one first; with `between`, pairs of a box
  * of one and a box of the other. Two numbers a pair, in no order. No world has to be made, and none is kept.

@@ -15,7 +15,12 @@ const read = async (variant) => {
 
 /** An empty world. */
 export async function createWorld(config, options) {
-  return World.instantiate(await moduleFor(read, options), config);
+  return (await createWorlds(1, config, options))[0];
+}
+
+/** So many empty worlds of one kind in one memory. */
+export async function createWorlds(count, config, options) {
+  return World.instantiate(await moduleFor(read, options), config, count);
 }
 
 /** The pairs of boxes that are there once. */

@@ -1,7 +1,8 @@
-// The memory of one world: an instance of the module, with nothing else in it.
+// The memory of one world, in an instance of the module.
 //
-// From the bottom: the stack and the constants of the module; structs that calls take and give; the boxes; the world; room
-// for what a call takes or answers. All of it is set aside when the world is made: memory that grows takes all views of it away.
+// From the bottom: the stack and the constants of the module; then for each world structs that calls take and give; the boxes; the
+// world; room for what a call takes or answers. All of it is set aside when the world is made, for worlds of one instance before any is
+// handed out: memory that grows takes all views of it away.
 
 import { ModuleError, OutOfMemoryError, TrisapError } from "./errors.js";
 
@@ -24,12 +25,12 @@ const ABSENT = new Proxy({}, {
 export class Memory {
   #view = null;
 
-  constructor(instance) {
+  constructor(instance, from = instance.exports.__heap_base?.value ?? instance.exports.memory.buffer.byteLength) {
     this.calls = Object.assign(Object.create(ABSENT), instance.exports);
     if (this.calls.trisap_abi_version() !== ABI_VERSION) {
       throw new TrisapError(`the module has ABI version ${this.calls.trisap_abi_version()}, not ${ABI_VERSION}`);
     }
-    this.structs = align(instance.exports.__heap_base?.value ?? this.buffer.byteLength, 64);
+    this.structs = align(from, 64);
     /** Where the boxes, the world and the room of calls begin, and how many bytes that room has. */
     this.boxes = this.structs + STRUCTS;
     this.world = 0;
@@ -40,6 +41,11 @@ export class Memory {
 
   get buffer() {
     return this.calls.memory.buffer;
+  }
+
+  /** Where it ends. */
+  get end() {
+    return this.room + this.roomBytes;
   }
 
   /** Bytes that the host has given. */

@@ -49,18 +49,29 @@ export class World {
   /** Views of the arrays of the last step, by where it tells of them. */
   #results = new Map();
 
-  /** Through `createWorld`: the instance is a fresh one. */
-  constructor(instance, config, variant) {
-    this.#calls = new Calls(instance, config);
+  /** Through `createWorld`: `from` which place on the memory of the instance is free, the bottom if not given. */
+  constructor(instance, config, variant, from) {
+    this.#calls = new Calls(instance, config, from);
     this.#module = this.#calls.calls;
     this.variant = variant;
     this.instructionSet = this.#calls.memory.text(this.#module.trisap_instruction_set());
   }
 
-  /** An instance of its own for each world: its memory is given back with it. */
-  static async instantiate({ module, variant }, config) {
+  /** So many worlds in an instance of their own, whose memory is given back with them. */
+  static async instantiate({ module, variant }, config, count = 1) {
     objectsOf(config);
-    return new World(await WebAssembly.instantiate(module, {}), config, variant);
+    if (!Number.isInteger(count) || count < 0) {
+      throw new errors.InvalidArgumentError("count", `is a whole number, not ${count}`);
+    }
+    if (count > 1 && config.grows) {
+      throw new errors.InvalidArgumentError("grows", "is for a world that has its memory for itself: it would take the views of the others away");
+    }
+    const instance = await WebAssembly.instantiate(module, {});
+    const worlds = [];
+    for (let from; worlds.length < count; from = worlds.at(-1).#calls.memory.end) {
+      worlds.push(new World(instance, config, variant, from));
+    }
+    return worlds;
   }
 
   get config() {

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFile } from "node:fs/promises";
-import { BadSnapshotError, createWorld, hasVectors, ObjectsFullError, pairs, StaleIdError } from "trisap";
+import { BadSnapshotError, createWorld, createWorlds, hasVectors, ObjectsFullError, pairs, StaleIdError } from "trisap";
 import { bruteForce, random, scatter, texts, without } from "./brute.js";
 
 test("views are in the memory of the world, not copies", async () => {
@@ -132,6 +132,31 @@ test("hundreds of worlds live at once", async () => {
     world.insertMany(scatter(20, random(5), 2));
     assert.ok(world.step().pairs.length > 0);
   }
+});
+
+test("many worlds in one memory do not know of each other", async () => {
+  const config = { objects: 8, pairs: 28, events: true, values: true };
+  const worlds = await createWorlds(14000, config);
+  assert.ok(worlds.every((world) => world.boxes.buffer === worlds[0].boxes.buffer));
+  // Views that were handed out before others are used stay.
+  const views = worlds.map((world) => world.boxes);
+  const all = worlds.map((_, i) => scatter(8, random(i), 2));
+  worlds.forEach((world, i) => world.insertMany(all[i]));
+  worlds.forEach((world, i) => {
+    assert.equal(world.boxes, views[i]);
+    assert.deepEqual(texts(world.step().found), bruteForce(all[i]));
+  });
+  const snapshot = worlds[1].save();
+  const copy = worlds[2].copy();
+  worlds[2].clear();
+  worlds[2].load(snapshot);
+  assert.deepEqual(texts(worlds[2].step().pairs), bruteForce(all[1]));
+  worlds[2].restore(copy);
+  assert.deepEqual(texts(worlds[2].step().pairs), bruteForce(all[2]));
+  worlds.forEach((world, i) => assert.deepEqual(texts(world.step().pairs), bruteForce(all[i])));
+  await assert.rejects(createWorlds(2, { objects: 8, grows: true }), { name: "InvalidArgumentError", field: "grows" });
+  await assert.rejects(createWorlds(1.5, config), { field: "count" });
+  assert.deepEqual(await createWorlds(0, config), []);
 });
 
 test("the modules ask their host for nothing", async () => {

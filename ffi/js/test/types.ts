@@ -1,11 +1,12 @@
 // The types as a program uses them. `tsc -p test` checks this file; nothing runs it.
 
-import { BadBoxError, createWorld, hasVectors, idOf, idText, pairs as pairsOf, slotOf, StaleIdError, TrisapError, World } from "trisap";
+import { BadBoxError, createWorld, createWorlds, hasVectors, idOf, idText, pairs as pairsOf, slotOf, StaleIdError, TrisapError, World } from "trisap";
 declare const console: { log(...what: unknown[]): void };
 import type { Config, Filter, Hit, Id, Region, Stats } from "trisap";
 
 const config: Config = { objects: 100, events: true, values: true, mode: "exact" };
 const world: World = await createWorld(config, { simd: hasVectors(), wasm: Promise.resolve(new Uint8Array(8)) });
+const rooms: World[] = await createWorlds(3, config);
 const id: Id = world.insert([0, 0, 0, 1, 1, 1]);
 const ids: BigUint64Array = world.insertMany(new Float32Array(12));
 world.boxes[6 * slotOf(id)] = 2;
