@@ -144,8 +144,8 @@ pub struct Config {
     /// a step. Needs the feature `values`.
     pub values: bool,
     /// Whether a world for up to 256 objects does without a tree, vectors and scratch memory, as worlds for
-    /// up to 64 always do. It takes a third to half of the bytes and is faster on a microcontroller. On a
-    /// processor with vectors it is slower from about 100 objects on.
+    /// up to 64 always do. It takes a quarter to two fifths of the bytes and is faster on a microcontroller. On
+    /// a processor with vectors it is slower from about 100 objects on.
     pub lean: bool,
     /// The most workers of a step, from 1 to 32. Each has its own scratch memory; more than one need a buffer
     /// to merge their pairs.
@@ -239,8 +239,8 @@ impl Forced {
     }
 }
 
-/// Whether steps test only the objects that have moved. Always: after every complete step. Never: every step
-/// finds all pairs anew, even if nothing has moved.
+/// Whether steps test only the objects that have moved. Always: after every complete step, if they are at most
+/// a third of all. Never: every step finds all pairs anew, even if nothing has moved.
 pub(crate) const MOVERS_ONLY: u8 = 0;
 /// Whether leaves are divided in such steps. Always: from the first one on.
 pub(crate) const FINE_LEAVES: u8 = 1;

@@ -52,8 +52,10 @@ pub(crate) struct Sizes {
     pub(crate) fat: usize,
     /// Objects in the tree: all, or none in a world without a tree.
     pub(crate) tree: usize,
-    /// Objects in each of the lists, sorted or scratch: all, or none in a world that tests every two boxes.
-    pub(crate) lists: usize,
+    /// Objects in the sorted list: all of a world without a tree, or none if that tests every two boxes.
+    pub(crate) list: usize,
+    /// Slots in the scratch memory of a step: all with a tree, or to leave out of the list who meets nobody.
+    pub(crate) spare: usize,
     pub(crate) straddlers: usize,
     pub(crate) leaves: usize,
     /// Leaves of a full step: half as many again as new planes make. The others are their sub-leaves.
@@ -146,7 +148,8 @@ impl Sizes {
             objects,
             fat: if_so(has_fat(config), objects),
             tree,
-            lists: if_so(!is_tiny(config), objects),
+            list: if_so(small && !is_tiny(config), objects),
+            spare: if_so(!small || FILTERS && config.filters && !is_tiny(config), objects),
             straddlers: if_so(tree > 0, capacity.leaf_refs as usize),
             leaves: whole_leaves << SUB_LEVELS,
             whole_leaves,
@@ -172,7 +175,7 @@ impl Sizes {
 
     /// Whether every two boxes are tested.
     pub(crate) const fn is_tiny(&self) -> bool {
-        !TREE && !LISTS || self.lists == 0
+        !TREE && !LISTS || self.list == 0
     }
 
     /// One item for each object of a world that has some.

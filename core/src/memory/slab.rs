@@ -20,9 +20,9 @@ use bytemuck::Pod;
 pub(crate) trait Section<'m, T: Pod>: Sized {
     /// Takes its memory.
     fn of(memory: &'m mut [T]) -> Self;
-    /// The items, in up to three slices.
-    fn items(&self) -> [&[T]; 3];
-    fn items_mut(&mut self) -> [&mut [T]; 3];
+    /// The items, in up to two slices.
+    fn items(&self) -> [&[T]; 2];
+    fn items_mut(&mut self) -> [&mut [T]; 2];
     /// Brings up to date what follows from the first slice.
     fn derive(&mut self) {}
 
@@ -31,7 +31,7 @@ pub(crate) trait Section<'m, T: Pod>: Sized {
     }
 
     /// Takes over so many items of each slice, or all.
-    fn copy(&mut self, from: [&[T]; 3], count: usize) {
+    fn copy(&mut self, from: [&[T]; 2], count: usize) {
         for (to, from) in self.items_mut().into_iter().zip(from) {
             to.copy_in(from.get(..count).unwrap_or(from));
         }
@@ -50,27 +50,12 @@ impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
         memory
     }
 
-    fn items(&self) -> [&[T]; 3] {
-        [self, &[], &[]]
+    fn items(&self) -> [&[T]; 2] {
+        [self, &[]]
     }
 
-    fn items_mut(&mut self) -> [&mut [T]; 3] {
-        [self, &mut [], &mut []]
-    }
-}
-
-impl<'m, T: Pod> Section<'m, T> for [&'m mut [T]; 3] {
-    fn of(memory: &'m mut [T]) -> Self {
-        let mut rest = memory.chunks_exact_mut((memory.len() / 3).max(1));
-        [(); 3].map(|()| rest.next().unwrap_or_default())
-    }
-
-    fn items(&self) -> [&[T]; 3] {
-        self.each_ref().map(|part| &**part)
-    }
-
-    fn items_mut(&mut self) -> [&mut [T]; 3] {
-        self.each_mut().map(|part| &mut **part)
+    fn items_mut(&mut self) -> [&mut [T]; 2] {
+        [self, &mut []]
     }
 }
 
@@ -79,12 +64,12 @@ impl<'m> Section<'m, u32> for SlotSet<'m> {
         Self::carve(memory)
     }
 
-    fn items(&self) -> [&[u32]; 3] {
-        [self.words, self.groups, &[]]
+    fn items(&self) -> [&[u32]; 2] {
+        [self.words, self.groups]
     }
 
-    fn items_mut(&mut self) -> [&mut [u32]; 3] {
-        [self.words, self.groups, &mut []]
+    fn items_mut(&mut self) -> [&mut [u32]; 2] {
+        [self.words, self.groups]
     }
 
     fn derive(&mut self) {

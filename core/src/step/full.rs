@@ -91,9 +91,7 @@ fn sweep<I: Index>(
     let moved = kept.map(|_| &*parts.moved.words);
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
-    // The sorted lists serve as scratch memory.
-    parts.state.lists.stale = 1;
-    let codes = parts.order[2].span_mut(0, parts.state.objects.slots as usize);
+    let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
     let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
     collector.collect(executor, kept.unwrap_or_default(), leaf_count, &|leaf, scratch, sink| {

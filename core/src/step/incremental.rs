@@ -15,7 +15,7 @@ use crate::sweep::leaves::TreeView;
 use crate::sweep::movers::sweep_movers;
 use crate::tree::large;
 use crate::tree::refit::refit_some;
-use crate::tree::relocate::{order_movers, relocate_all};
+use crate::tree::relocate::{order_movers, relocate_all, thirds};
 
 /// Moves the records of moved objects and tests them. Returns how many pairs there are; `None` if
 /// a leaf had no room.
@@ -27,7 +27,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
     let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(MOVERS_PER_BLOCK);
-    let [movers, _, homes] = &parts.order;
+    let [_, homes, movers] = thirds(parts.spare);
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
     let moved = &*parts.moved.words;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
@@ -45,11 +45,15 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     Some(pairs)
 }
 
-/// Moves the records of moved objects, which the second of the sorted lists has then. Returns how many they
-/// are; `None` if a leaf had no room.
+/// Moves the records of moved objects, which are in the scratch memory then. Returns how many they are;
+/// `None` if a leaf had no room, or there is none for so many.
 pub(super) fn relocate<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<usize> {
     context.executor.enter(Stage::Fill);
-    let moved = parts.moved.list(parts.order[1]);
+    let [movers, ..] = thirds(parts.spare);
+    if parts.moved.count() as usize > movers.len() {
+        return None;
+    }
+    let moved = parts.moved.list(movers);
     if !relocate_all(parts, moved, context) {
         return None;
     }

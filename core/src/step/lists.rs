@@ -31,7 +31,7 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     if has_list && (parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live) {
         list_all(parts);
     }
-    let Parts { state, boxes, order: [order, kept, _], output, filters, .. } = parts;
+    let Parts { state, boxes, order, spare, output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
     // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse.
@@ -48,9 +48,9 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         context.executor.enter(Stage::Sweep);
         let mut order = &*order;
         if let Some(pair_filter) = pair_filter.filter(PairFilter::tells_apart) {
-            let met = pair_filter.leave_out(order, kept);
+            let met = pair_filter.leave_out(order, spare);
             let pairs = |of: usize| (of * of.saturating_sub(1) / 2) as u64;
-            (spared, order) = (pairs(order.len()) - pairs(met), kept.span(0, met));
+            (spared, order) = (pairs(order.len()) - pairs(met), spare.span(0, met));
         }
         small::sweep(order, boxes, state.lists.axis, pair_filter, output.pairs)
     } else {
@@ -78,7 +78,7 @@ fn choose_axis(lists: &mut ListState, boxes: &[KeyBox]) {
 
 /// Makes the list hold exactly the living objects, by slot. O(slots).
 fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
-    let Parts { state, boxes, order: [order, ..], .. } = parts;
+    let Parts { state, boxes, order, .. } = parts;
     let mut listed = 0;
     for (slot, bounds) in (0..state.objects.slots).zip(boxes.now.iter()) {
         if !bounds.is_empty() {

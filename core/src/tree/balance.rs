@@ -2,7 +2,7 @@
 //! empty are joined. So planes follow where objects come and go, and all others stay (paper, section
 //! III.B.2). The first planes are made the same way, from one leaf that holds all objects.
 
-use super::build::{divide, is_divisible, sampled};
+use super::build::{as_slots, divide, is_divisible, sampled};
 use super::cells::Sample;
 use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
 use super::shape::join;
@@ -49,7 +49,8 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits
     list_members(parts, count);
     if count == 1 {
         let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
-        let sample = Sample::of_list(parts.order[0].span(0, members as usize), boxes);
+        let list = as_slots::<I>(parts.tree.records).span(0, members as usize);
+        let sample = Sample::of_list(list, boxes);
         parts.state.tree.extent = extent.trimmed(&sample);
     }
     let few = planned(parts.state) * 6 / 5;
@@ -70,17 +71,16 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits
     members
 }
 
-/// Writes the slots of the leaves that are to be divided to the first of the sorted lists. Each leaf then
-/// starts where its members end. O(slots).
+/// Writes the slots of the leaves that are to be divided where their records were, which are all written anew
+/// afterwards. Each leaf then starts where its members end. O(slots).
 fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
-    let Parts { tree, order, home, state, .. } = parts;
-    state.lists.stale = 1;
-    let leaves = tree.leaves.span_mut(0, count);
+    let Parts { tree, home, state, .. } = parts;
+    let (leaves, list) = (tree.leaves.span_mut(0, count), as_slots(tree.records));
     for (slot, home) in home.span(0, state.objects.slots as usize).iter().enumerate() {
         if let Some(leaf) = leaves.get_mut(home.at())
             && leaf.start != STAYS
         {
-            order[0].put(leaf.start as usize, I::from_slot(slot as u32));
+            list.put(leaf.start as usize, I::from_slot(slot as u32));
             leaf.start += 1;
         }
     }

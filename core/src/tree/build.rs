@@ -7,7 +7,7 @@
 use super::large::is_thin;
 use super::limits::{AXIS_SAMPLE, CROSSING, LEAF_SAMPLE, LOPSIDED, SAMPLED_FROM, SAMPLED_SHARE};
 use super::shape::set_leaf;
-use super::{AXIS, Leaf, Split, UNSPLIT, axis_of, key_of, plane};
+use super::{AXIS, Leaf, Record, Split, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, note_fault};
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
@@ -16,11 +16,11 @@ use crate::memory::slab::Parts;
 use crate::sort::select;
 use arrayvec::ArrayVec;
 
-/// Divides a leaf until its parts have at most so many members. They are in the first of the sorted lists,
-/// before where the leaf starts; the other two lists serve as scratch memory. The part with the lowest minima
-/// keeps the number of the leaf. Returns whether there was room for all parts.
+/// Divides a leaf until its parts have at most so many members. They are where all records were, before where
+/// the leaf starts; behind all members is scratch memory. The part with the lowest minima keeps the number of
+/// the leaf. Returns whether there was room for all parts.
 pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64) -> bool {
-    let Parts { tree, state, order, boxes, .. } = parts;
+    let Parts { tree, state, boxes, sizes, .. } = parts;
     let (boxes, state) = (boxes.swept(), &mut state.tree);
     let leaf = tree.leaves.at(index);
     let (len, top) = (leaf.len as usize, tree.tops.at(index) as usize);
@@ -29,7 +29,12 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
     if (tree.nodes().depth(top) + levels) as usize >= LEVELS {
         return false;
     }
-    let [list, sample, spare] = order;
+    // Two lists, a sample, and behind them a key of each of that.
+    let keys = tree.records.len() - AXIS_SAMPLE.min(sizes.objects).div_ceil(4);
+    let (lists, keys) = tree.records.split_at_mut_checked(keys).unwrap_or_default();
+    let keys = bytemuck::try_cast_slice_mut(keys).unwrap_or_default();
+    let (list, rest) = as_slots::<I>(lists).split_at_mut_checked(sizes.objects).unwrap_or_default();
+    let (spare, sample) = rest.split_at_mut_checked(sizes.objects).unwrap_or_default();
     let list = list.span_mut(leaf.start as usize - len, len);
     let share = if len < SAMPLED_FROM { 1 } else { SAMPLED_SHARE };
     for at in 0..len / share {
@@ -44,9 +49,7 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
         let mut plane = UNSPLIT;
         if is_full {
             let sample = sampled(part.iter().copied(), AXIS_SAMPLE, sample);
-            // All records are written anew afterwards.
-            let room = bytemuck::try_cast_slice_mut(tree.records).unwrap_or_default();
-            plane = best_plane(boxes, sample, room.span_mut(0, sample.len()));
+            plane = best_plane(boxes, sample, keys.span_mut(0, sample.len()));
         }
         let pair = state.count as usize;
         if plane != UNSPLIT && pair < tree.parents.len() {
@@ -70,6 +73,11 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
         here = waiting.pop();
     }
     fits
+}
+
+/// The memory of records as a list of slots.
+pub(super) fn as_slots<I: Index>(records: &mut [Record]) -> &mut [I] {
+    bytemuck::try_cast_slice_mut(records).unwrap_or_default()
 }
 
 /// Copies at most so many of some slots, spread evenly.

@@ -54,7 +54,7 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
 }
 
 /// Writes the records of all objects that are still in their leaf, and the slots of the leavers, of new and
-/// removed ones and of large ones to the front of the second of the sorted lists. Returns how many those are.
+/// removed ones and of large ones to the front of the scratch memory. Returns how many those are.
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
@@ -63,9 +63,8 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
     let records = Shared::new(parts.tree.records);
     let mut left = [0; SLOT_BLOCKS];
-    parts.state.lists.stale = 1;
     let moved = &*parts.moved.words;
-    let leavers = parts.order[1].span_mut(0, slots);
+    let leavers = parts.spare.span_mut(0, slots);
     context.each((Chunks::new(leavers, len), Chunks::new(&mut left, 1)), |block, (leavers, left)| {
         let (first, count) = (block * len, leavers.len());
         let (boxes, homes, places) =
@@ -80,7 +79,7 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
             rewrite_block(simd, (first, boxes), slots, tree, records, leavers)
         }));
     });
-    let (list, mut end) = (&mut parts.order[1], 0);
+    let (list, mut end) = (&mut *parts.spare, 0);
     for (block, left) in left.iter().enumerate() {
         for index in block * len..block * len + *left as usize {
             list.put(end, list.at(index));

@@ -16,17 +16,16 @@ use crate::simd::kernels::run;
 /// Leaves behind a full one that are asked for room.
 const NEIGHBOURS: usize = 16;
 
-/// Brings the first objects in the second of the sorted lists, as many as said, to their leaves or to the
-/// large objects. Returns whether there was room. If a leaf or the list of large objects is
-/// full, nothing is lost, but all leaves must be filled anew.
+/// Brings the objects in the first of the [thirds], as many as said, to their leaves or to the large objects.
+/// Returns whether there was room. If a leaf or the list of large objects is full, or a third, nothing is
+/// lost, but all leaves must be filled anew.
 pub(crate) fn relocate_all<I: Index>(
     parts: &mut Parts<'_, I>,
     count: usize,
     context: StepContext<'_>,
 ) -> bool {
-    parts.state.lists.stale = 1;
     let (boxes, all, tree, state) = (parts.boxes.swept(), &*parts.home, &parts.tree, &*parts.state);
-    let [_, movers, leaves] = &mut parts.order;
+    let [movers, leaves, _] = thirds(parts.spare);
     // Workers share the walks down the tree. The records move one by one.
     context.each(Chunks::new(leaves.span_mut(0, count), MOVERS_PER_BLOCK), |block, leaves| {
         for (slot, leaf) in movers.iter().skip(block * MOVERS_PER_BLOCK).zip(leaves) {
@@ -39,6 +38,12 @@ pub(crate) fn relocate_all<I: Index>(
     run!(context.kernels, |simd| relocate_each(simd, parts, count))
 }
 
+/// The scratch memory of a step as three lists: movers, the leaves of these, and movers in order.
+pub(crate) fn thirds<I>(spare: &mut [I]) -> [&mut [I]; 3] {
+    let mut thirds = spare.chunks_exact_mut((spare.len() / 3).max(1));
+    [(); 3].map(|()| thirds.next().unwrap_or_default())
+}
+
 #[inline(always)]
 fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
     let fits = (0..count).all(|index| relocate(simd, parts, index));
@@ -48,7 +53,8 @@ fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: us
 
 #[inline(always)]
 fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) -> bool {
-    let (slot, leaf) = (parts.order[1].at(index).at(), parts.order[2].at(index));
+    let [movers, leaves, _] = thirds(parts.spare);
+    let (slot, leaf) = (movers.at(index).at(), leaves.at(index));
     let bounds = parts.boxes.swept().at(slot);
     let home = parts.home.at(slot);
     if bounds.is_empty() {
@@ -133,8 +139,8 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
 }
 
 /// Orders the list of movers by leaf, or by whole leaf if they are few; large objects come last, and removed
-/// ones are dropped. Their slots are then in the first of the sorted lists, their homes in the third. Returns
-/// how many there are. O(movers + leaves).
+/// ones are dropped. Their slots are then in the third of the [thirds], their homes in the second. Returns how
+/// many there are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
     let leaves = parts.state.leaves() as usize;
     // With few movers, a count for each sub-leaf would take longer than it saves.
@@ -142,7 +148,7 @@ pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> 
     let leaves = leaves >> coarser;
     let starts = parts.tree.histogram.span_mut(0, leaves + 2);
     starts.fill(0);
-    let [list, movers, homes] = &mut parts.order;
+    let [movers, homes, list] = thirds(parts.spare);
     let (movers, all) = (movers.span(0, count), &*parts.home);
     // Removed objects come last.
     let place_of = |home: I| if home == I::NONE { leaves + 1 } else { (home.at() >> coarser).min(leaves) };

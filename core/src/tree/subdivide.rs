@@ -98,18 +98,14 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     divide(tree.planes.span(first, SUB_LEAVES), SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
     let frame = tree.frames.at(whole);
 
-    // The sorted lists serve as scratch memory: for the slots, and for the sub-leaf of each.
-    parts.state.lists.stale = 1;
-    let [_, slots, goals] = &mut parts.order;
     let count = leaf.len as usize;
-    let (slots, goals) = (slots.span_mut(0, count), goals.span_mut(0, count));
+    let slots = parts.spare.span_mut(0, count);
     let mut lens = [0u32; SUB_LEAVES];
-    let members = tree.records.span(leaf.start as usize, count).iter();
-    for ((record, to), goal) in members.zip(&mut *slots).zip(&mut *goals) {
+    for (record, to) in tree.records.span(leaf.start as usize, count).iter().zip(&mut *slots) {
         *to = I::from_slot(record.slot());
         let bounds = KeyBox::of(boxes, record.slot() as usize);
         let sub = sub_leaf_of(tree.planes, whole, &bounds.min);
-        *goal = I::from_slot(sub as u32);
+        parts.home.put(to.at(), I::from_slot((first + sub) as u32));
         if let Some(len) = lens.get_mut(sub) {
             *len += 1;
         }
@@ -130,17 +126,16 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
         tree.leaves.put(first + sub, sub_leaf);
     }
     let mut bounds = [Record::NOTHING; SUB_LEAVES];
-    for (slot, goal) in slots.iter().zip(&*goals) {
-        let index = first + goal.at();
+    for slot in &*slots {
+        let index = parts.home.at(slot.at()).at();
         let mut sub_leaf = tree.leaves.at(index);
         let keys = simd.keys(KeyBox::of(boxes, slot.at()));
         let record = simd.record(&frame, keys, slot.slot());
-        if let Some(bounds) = bounds.get_mut(goal.at()) {
+        if let Some(bounds) = bounds.get_mut(index - first) {
             bounds.include(&record);
             bounds.tag |= offer(parts.filters.of, slot.at());
         }
         tree.records.put((sub_leaf.start + sub_leaf.len) as usize, record);
-        parts.home.put(slot.at(), I::from_slot(index as u32));
         parts.place.put(slot.at(), I::from_slot(sub_leaf.len));
         sub_leaf.len += 1;
         tree.leaves.put(index, sub_leaf);

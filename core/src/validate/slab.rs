@@ -59,7 +59,7 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     if parts.state.lists.stale != 0 || listed != parts.state.objects.live as usize {
         return Ok(());
     }
-    let (order, now) = (parts.order[0].span(0, listed), &parts.boxes.now);
+    let (order, now) = (parts.order.span(0, listed), &parts.boxes.now);
     let lives = order.iter().all(|slot| !now.at(slot.at()).is_empty());
     let living = (0..parts.state.objects.slots).filter(|slot| !now.at(*slot as usize).is_empty());
     let listed_once = sum(order.iter().map(|slot| slot.slot().into())) == sum(living.map(u64::from));
