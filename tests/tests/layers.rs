@@ -199,16 +199,16 @@ const BUDGETS: [(&str, usize); 14] = [
     ("geometry", 1158),
     ("memory", 1826),
     ("objects", 622),
-    ("pairs", 551),
-    ("parallel", 470),
+    ("pairs", 576),
+    ("parallel", 475),
     ("query", 1277),
     ("simd", 2293),
     ("snapshot", 583),
-    ("step", 685),
-    ("sweep", 1362),
-    ("tree", 2134),
+    ("step", 670),
+    ("sweep", 1369),
+    ("tree", 2108),
     ("validate", 379),
-    ("world", 1690),
+    ("world", 1694),
 ];
 
 #[test]

@@ -37,8 +37,8 @@ fn every_job_has_blocks_for_many_workers() {
     for stage in [Stage::Intake, Stage::Fill, Stage::Sweep, Stage::Results] {
         assert!(course.jobs_of(stage).count() > 0, "nothing of {stage:?} is shared: {course:?}");
     }
-    // A pass over all, walks down the tree for objects that left their leaf, and three passes over the leaves.
-    assert_eq!(course.jobs_of(Stage::Fill).count(), 5, "{course:?}");
+    // A pass over all, walks down the tree for objects that left their leaf, and two passes over the leaves.
+    assert_eq!(course.jobs_of(Stage::Fill).count(), 4, "{course:?}");
     for job in &course.jobs {
         assert!(job.work >= 5 * job.span, "{job:?}");
     }

@@ -6,9 +6,11 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::parallel::block_queue::Chunks;
-use crate::parallel::context::StepContext;
+use crate::parallel::context::{StepContext, within};
+use crate::parallel::executor;
 use crate::simd::kernels::run;
 use crate::simd::{Simd, call};
+use core::ops::Range;
 
 /// A test of a pair.
 #[derive(Clone, Copy)]
@@ -35,33 +37,57 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
+    let StepContext { executor, workers, .. } = context;
+    partition_within(context, pairs, test, &mut |blocks, job| executor::run(executor, workers, blocks, job))
+}
+
+/// The same, but the blocks are divided in a job of the caller's: see [`within`].
+pub(crate) fn partition_within<I: Index>(
+    context: StepContext<'_>,
+    pairs: &mut [Pair<I>],
+    test: Test<'_, I>,
+    run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
+) -> usize {
     let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
     if context.is_small() {
         return to_front(pairs);
     }
     let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let mut fronts = [0; PAIR_BLOCKS];
-    context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
-        front.fill(to_front(pairs));
-    });
+    let blocks = (Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1));
+    within(context.workers, blocks, |_, (pairs, front)| front.fill(to_front(pairs)), run);
     let (border, mut late): (usize, _) = (fronts.iter().sum(), 0..0);
     let starts = || (0..PAIR_BLOCKS).map(|block| block * len).zip(&fronts);
     let mut all_late = starts().map(|(start, front)| border.max(start)..start + front);
-    for (start, front) in starts() {
-        let mut early = start + front..(start + len).min(border);
+    // Runs of one length that change places. Each two use up what a block has on the wrong side.
+    let (mut exchanged, mut count): ([[&mut [Pair<I>]; 2]; PAIR_BLOCKS], _) = Default::default();
+    let (front, back) = pairs.split_at_mut_checked(border).unwrap_or_default();
+    let (mut front, mut back) = ((front, 0), (back, border));
+    for (start, passing) in starts() {
+        let mut early = start + passing..(start + len).min(border);
         while !early.is_empty() {
             while late.is_empty() {
-                late = all_late.next().unwrap_or(pairs.len()..usize::MAX);
+                late = all_late.next().unwrap_or(usize::MAX - len..usize::MAX);
             }
-            let count = late.len().min(early.len());
-            let (front, back) = pairs.split_at_mut_checked(late.start).unwrap_or_default();
-            for (early, late) in front.span_mut(early.start, count).iter_mut().zip(back) {
-                core::mem::swap(early, late);
-            }
-            (late.start, early.start) = (late.start + count, early.start + count);
+            let len = late.len().min(early.len());
+            exchanged.put(count, [cut(&mut front, &mut early, len), cut(&mut back, &mut late, len)]);
+            count += 1;
         }
     }
+    context.each(Chunks::new(exchanged.span_mut(0, count), 1), |_, exchanged| {
+        for [early, late] in exchanged {
+            early.iter_mut().zip(&mut **late).for_each(|(early, late)| core::mem::swap(early, late));
+        }
+    });
     border
+}
+
+/// Cuts the first `len` items of a range out of the rest of a list, which starts at `from`.
+fn cut<'p, T>((rest, from): &mut (&'p mut [T], usize), range: &mut Range<usize>, len: usize) -> &'p mut [T] {
+    let _ = rest.split_off_mut(..range.start - *from);
+    range.start += len;
+    *from = range.start;
+    rest.split_off_mut(..len).unwrap_or_default()
 }
 
 /// Brings the pairs of one block that pass a test to the front and returns how many there are. The first pair

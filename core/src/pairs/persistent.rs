@@ -72,7 +72,8 @@ pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
 /// two buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     if EVENTS && parts.state.pairs.complete == 0 {
-        set_aside(parts, parts.state.pairs.parked as usize);
+        // A step that did not end, or had no room for its pairs, has set the others aside.
+        set_aside(parts, parts.state.pairs.result().start);
     }
     let Parts { state, output, .. } = parts;
     let result = state.pairs.result();
@@ -86,13 +87,6 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
         core::mem::swap(&mut output.pairs, &mut output.previous);
         state.pairs.swapped ^= 1;
         state.pairs.previous = result.len() as u64;
-    } else if TREE && EVENTS && parts.sizes.previous > 0 {
-        // A step that did not end, or had no room for its pairs, has set them aside, but for parked ones.
-        let parked = result.start..state.pairs.parked as usize;
-        let others = state.pairs.previous as usize;
-        state.pairs.previous += parked.len() as u64;
-        let parked = output.pairs.span(parked.start, parked.len());
-        output.previous.span_mut(others, parked.len()).copy_in(parked);
     }
     state.pairs.complete = 0;
     (state.pairs.parked, state.pairs.surplus_parked) = (0, 0);

@@ -7,20 +7,22 @@
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, FILTERS, TREE};
 use crate::id::{Index, Pair};
-use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::state::PairState;
-use crate::pairs::partition::Test::{ClearOf, Ended, Holds, Overlap};
+use crate::memory::slab::{BoxParts, FilterParts, Parts};
+use crate::memory::state::{PairState, State};
+use crate::pairs::partition::Test::{self, ClearOf, Ended, Holds, Overlap};
 use crate::pairs::partition::{is_clear_of, partition};
 use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
 /// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the
-/// lost ones. Kept pairs are looked at only if a box has moved inside its fat box: where such a pair stands
-/// tells whether it overlapped before. Events need complete pairs: a part does not tell what is lost.
+/// lost ones, if they are not in front already. Kept pairs are looked at only if a box has moved inside its
+/// fat box: where such a pair stands tells whether it overlapped before. Events need complete pairs: a part
+/// does not tell what is lost.
 pub(crate) fn sort_out<I: Index>(
     parts: &mut Parts<'_, I>,
     swept: usize,
+    lost: Option<usize>,
     complete: bool,
     context: StepContext<'_>,
 ) {
@@ -56,22 +58,17 @@ pub(crate) fn sort_out<I: Index>(
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
         persisting = partition(context, new, Overlap(before));
-        // A pair is lost if it overlapped then and does not now. If slots may have new objects, it may not
-        // have overlapped then.
-        let asked = &*parts.filters.changed.words;
-        let asks = FILTERS && parts.filters.changed.count() > 0;
-        let mut known = 0..0;
-        if asks {
-            known = stay_known(context, new.span_mut(0, persisting), previous, asked);
-            persisting = known.end;
-        }
-        let before = if asks || parts.state.objects.has_inserted != 0 { before } else { &[] };
-        let mut lost = partition(context, previous, Ended { now, before });
-        if asks {
+        let ended = ended(&parts.boxes, &parts.filters, parts.state);
+        let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
+        let previous = previous.span_mut(lost, previous.len() - lost);
+        if FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
+            let asked = &*parts.filters.changed.words;
+            let known = stay_known(context, new.span_mut(0, persisting), previous, asked);
+            persisting = known.end;
             let known = new.span(known.start, known.len());
             let dropped = |pair: &Pair<I>| !is_clear_of(asked, pair) && known.binary_search(pair).is_err();
-            lost += partition(context, previous.span_mut(lost, previous.len() - lost), Holds(&dropped));
+            lost += partition(context, previous, Holds(&dropped));
         }
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;
@@ -90,6 +87,14 @@ pub(crate) fn sort_out<I: Index>(
     exchange(pairs.span_mut(coming, others + persisting), others);
     exchange(pairs.span_mut(0, coming + persisting), coming);
     exchange(pairs.span_mut(coming + persisting, others + result - persisting), others);
+}
+
+/// A pair is lost if its boxes overlapped before and do not now. If slots may have new objects, or others be
+/// let through, the pair may not have overlapped then.
+pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, filters: &FilterParts<'_>, state: &State) -> Test<'b, I> {
+    let asks = FILTERS && filters.changed.count() > 0;
+    let before = if asks || state.objects.has_inserted != 0 { &*boxes.before } else { &[] };
+    Ended { now: boxes.now, before }
 }
 
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have

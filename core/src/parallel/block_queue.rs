@@ -146,11 +146,6 @@ impl<P: Parted> BlockQueue<P> {
         claim_index(&self.arrived, u32::MAX).unwrap_or_default() as u32 % self.shares
     }
 
-    /// The next part of the first share that has some left, and its index; `None` after the last one.
-    pub(crate) fn claim(&self) -> Option<(usize, P::Part)> {
-        self.claim_from(&mut 0)
-    }
-
     /// The next part of a share, or of the one after it that has some left, and its index; `None` after the
     /// last one. Goes on with that share.
     pub(crate) fn claim_from(&self, share: &mut u32) -> Option<(usize, P::Part)> {

@@ -36,8 +36,18 @@ pub(crate) fn each<P: Parted>(
     work: impl Fn(usize, P::Part) + Sync,
 ) {
     let workers = (executor.workers() as usize).min(workers);
+    within(workers, parts, work, &mut |parts, job| executor::run(executor, workers, parts, job));
+}
+
+/// The same in a job of the caller's, who is given the number of parts, and what each worker is to do.
+pub(crate) fn within<P: Parted>(
+    workers: usize,
+    parts: P,
+    work: impl Fn(usize, P::Part) + Sync,
+    run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
+) {
     let queue = BlockQueue::new(parts, workers);
-    executor::run(executor, workers, queue.count(), &|| {
+    run(queue.count(), &|| {
         let mut share = queue.arrive();
         while let Some((index, part)) = queue.claim_from(&mut share) {
             work(index, part);

@@ -4,10 +4,12 @@
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::scratch::Work;
-use crate::memory::slab::Parts;
+use crate::memory::slab::{OutputParts, Parts};
 use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::PairFilter;
+use crate::pairs::partition::partition_within;
 use crate::pairs::persistent;
+use crate::pairs::results::ended;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -19,29 +21,42 @@ use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance};
 
-/// Fills all leaves and sweeps them. Returns how many pairs there are.
+/// Fills all leaves and sweeps them. Returns how many pairs there are, and how many are lost, if it knows.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, u64) {
+) -> (Route, u64, Option<usize>) {
     let anew = route.path == Path::Rebuilt;
-    let kept = if route.path == Path::MoversByLeaf {
-        Some(persistent::persistent(parts, context))
-    } else {
+    let kept = (route.path == Path::MoversByLeaf).then(|| persistent::persistent(parts, context));
+    if kept.is_none() {
         persistent::start_over(parts);
-        None
-    };
+    }
     let (coarse, rebalanced) = arrange(parts, anew, context);
     context.executor.enter(Stage::Sweep);
-    let leaves = parts.state.tree.count;
-    let (pairs, work) = sweep(parts, kept, leaves as usize, context);
+    let (leaves, from) = (parts.state.tree.count, kept.unwrap_or_default());
+    let moved = kept.map(|_| &*parts.moved.words);
+    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
+    let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
+    let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
+    let OutputParts { pairs, previous, staged, chunks, scratch } = &mut parts.output;
+    // Lost pairs of a step that keeps none are told by boxes alone, while workers wait for the last leaves.
+    let previous = previous.span_mut(0, if kept.is_none() { parts.state.pairs.previous as usize } else { 0 });
+    let (ended, sizes) = (ended(&parts.boxes, &parts.filters, parts.state), &parts.sizes);
+    let (mut total, mut work) = (0, Work::default());
+    let lost = partition_within(context, previous, ended, &mut |_, first| {
+        let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, first };
+        (total, work) = collector.collect(context.executor, from, leaves as usize, &|leaf, scratch, sink| {
+            run!(context.kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
+        });
+    });
     if kept.is_none() {
-        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
+        balance::weigh(parts.state, work.candidates.saturating_sub(total), work.copies);
     }
     let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
     parts.state.step.did(work, leaves, rebalanced, coarse);
-    (route, pairs)
+    (route, total, kept.is_none().then_some(lost))
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
@@ -77,24 +92,4 @@ pub(super) fn arrange<I: Index>(
     }
     balance::review(parts);
     (coarse, rebalanced)
-}
-
-/// Sweeps all leaves for all pairs; or, if the first `kept` pairs stay, for pairs of moved objects. Returns
-/// how many pairs there are.
-fn sweep<I: Index>(
-    parts: &mut Parts<'_, I>,
-    kept: Option<u64>,
-    leaf_count: usize,
-    context: StepContext<'_>,
-) -> (u64, Work) {
-    let StepContext { kernels, executor, .. } = context;
-    let moved = kept.map(|_| &*parts.moved.words);
-    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
-    let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
-    let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
-    let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
-    collector.collect(executor, kept.unwrap_or_default(), leaf_count, &|leaf, scratch, sink| {
-        run!(kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
-    })
 }

@@ -4,7 +4,7 @@
 use crate::access::Access;
 use crate::id::Index;
 use crate::memory::limits::MOVERS_PER_BLOCK;
-use crate::memory::slab::Parts;
+use crate::memory::slab::{OutputParts, Parts};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
@@ -32,8 +32,9 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let moved = &*parts.moved.words;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
-    let mut collector = Collector { output: &mut parts.output, sizes: &parts.sizes, pair_filter };
-    let blocks = count.div_ceil(per_block);
+    let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
+    let (blocks, sizes, first) = (count.div_ceil(per_block), &parts.sizes, &|| ());
+    let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, first };
     let (pairs, work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);

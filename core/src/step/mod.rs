@@ -18,40 +18,29 @@ use crate::tree::balance;
 use crate::tree::keep::LEAVERS_SHARE;
 
 /// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path
-/// that was used, and how many overlaps there are, whether they fit or not.
+/// that was used, how many overlaps there are, whether they fit or not, and how many pairs of the last result
+/// are lost, if that is known.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, u64) {
+) -> (Route, u64, Option<usize>) {
     parts.state.pairs.unkept = 0;
     match route.path {
         // Without fat boxes nothing is left to do.
         Path::Unchanged if TREE => {
             parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
-            (route, persistent::persistent(parts, context))
+            (route, persistent::persistent(parts, context), None)
         }
-        _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
+        _ if parts.sizes.is_small() => (route, lists::small(parts, context), None),
         Path::Movers => match incremental::movers(parts, context) {
-            Some(pairs) => (route, pairs),
+            Some(pairs) => (route, pairs, None),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Unchanged | Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
             full::full(parts, route, context)
         }
     }
-}
-
-/// Finds the overlaps of the boxes that are reported, after there was no room for the overlaps of fat boxes:
-/// without surplus they may fit. Fat boxes are left unused for a while.
-pub(crate) fn find_without_surplus<I: Index>(
-    parts: &mut Parts<'_, I>,
-    context: StepContext<'_>,
-) -> (Route, u64) {
-    policy::pause(parts);
-    let route = policy::choose(parts, parts.state.objects.live);
-    let (route, pairs) = find(parts, route, context);
-    (Route { reason: Reason::NoRoomForSurplus, ..route }, pairs)
 }
 
 /// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all

@@ -11,11 +11,11 @@ mod scan;
 pub(crate) mod small;
 
 use crate::access::Access;
+use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
 use crate::memory::limits::{CHUNK, MERGED};
 use crate::memory::scratch::{self, Scratch, Work};
-use crate::memory::slab::OutputParts;
 use crate::pairs::pair_filter::PairFilter;
 use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::context::each;
@@ -71,7 +71,9 @@ impl<I: Index> Sink<'_, I> {
             if pairs.is_empty() {
                 return;
             }
-            let Some((index, (room, next))) = chunks.claim() else { return full.store(true, Relaxed) };
+            let Some((index, (room, next))) = chunks.claim_from(&mut 0) else {
+                return full.store(true, Relaxed);
+            };
             next.fill([0, 0, CHUNK as u32]);
             entry.iter_mut().for_each(|[_, next, _]| *next = (*blocks + index) as u32);
             (self.room, *entry) = (room, next);
@@ -85,14 +87,19 @@ impl<I: Index> Sink<'_, I> {
 }
 
 /// Collects the pairs of a sweep.
-pub(crate) struct Collector<'o, 'm, I> {
-    pub(crate) output: &'o mut OutputParts<'m, I>,
+pub(crate) struct Collector<'o, I> {
+    pub(crate) pairs: &'o mut [Pair<I>],
+    pub(crate) staged: &'o mut [Pair<I>],
+    pub(crate) chunks: &'o mut [[u32; 3]],
+    pub(crate) scratch: &'o mut [Record],
     pub(crate) sizes: &'o Sizes,
     /// Asked about each pair.
     pub(crate) pair_filter: Option<PairFilter<'o>>,
+    /// Each worker does its part of this first.
+    pub(crate) first: &'o (dyn Fn() + Sync),
 }
 
-impl<I: Index> Collector<'_, '_, I> {
+impl<I: Index> Collector<'_, I> {
     /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from`
     /// pairs. Returns how many pairs there are now, whether they fit or not.
     pub(crate) fn collect(
@@ -102,24 +109,23 @@ impl<I: Index> Collector<'_, '_, I> {
         blocks: usize,
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
-        let OutputParts { pairs, staged, scratch, .. } = &mut *self.output;
         let area = scratch::records::<I>(self.sizes.bucket);
-        scratch::reset(scratch, area);
-        let countable = pairs.len() <= i32::MAX as usize;
-        let shared = executor.workers() > 1 && blocks > 1 && countable && !staged.is_empty();
+        scratch::reset(self.scratch, area);
+        let countable = self.pairs.len() <= i32::MAX as usize;
+        let shared = executor.workers() > 1 && blocks > 1 && countable && !self.staged.is_empty();
         let count =
             if executor::THREADS && shared { self.in_parallel(executor, from, blocks, work) } else { None };
-        let OutputParts { pairs, scratch, .. } = &mut *self.output;
         let count = count.unwrap_or_else(|| {
-            let room = pairs.get_mut(from as usize..).unwrap_or_default();
+            (self.first)();
+            let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
             let mut sink = Sink { pair_filter: self.pair_filter, room, count: from, staging: None };
-            let area = scratch.get_mut(..area).unwrap_or_default();
+            let area = self.scratch.get_mut(..area).unwrap_or_default();
             let mut scratch = Scratch::carve(area, self.sizes.bucket);
             (0..blocks).for_each(|block| work(block, &mut scratch, &mut sink));
             scratch.finish();
             sink.count
         });
-        (count, scratch::work(scratch, area))
+        (count, scratch::work(self.scratch, area))
     }
 
     /// `None`, as soon as the chunks do not suffice, which can only be if the pairs nearly fill their buffer.
@@ -130,21 +136,22 @@ impl<I: Index> Collector<'_, '_, I> {
         blocks: usize,
         work: &BlockWork<'_, I>,
     ) -> Option<u64> {
-        let Self { output: OutputParts { staged, chunks, scratch, .. }, sizes, pair_filter } = self;
+        let Self { staged, chunks, scratch, sizes, pair_filter, first, .. } = self;
         let area = scratch::records::<I>(sizes.bucket);
         let full = AtomicBool::new(false);
         // The first chunk of each block has its number.
-        let (first, others) = staged.split_at_mut_checked(blocks * CHUNK)?;
+        let (firsts, others) = staged.split_at_mut_checked(blocks * CHUNK)?;
         let (entries, more) = chunks.split_at_mut_checked(blocks)?;
-        let queue = BlockQueue::new((Chunks::new(first, CHUNK), Chunks::new(entries, 1)), 1);
+        let queue = BlockQueue::new((Chunks::new(firsts, CHUNK), Chunks::new(entries, 1)), 1);
         let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)), 1);
         let areas = BlockQueue::new(Chunks::new(scratch, area), 1);
         executor::run(executor, areas.count(), blocks, &|| {
+            first();
             // A call that finds none leaves the work to calls that have one, which go on to the end.
-            let Some((_, area)) = areas.claim() else { return };
+            let Some((_, area)) = areas.claim_from(&mut 0) else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
             while !full.load(Relaxed)
-                && let Some((block, (room, entry))) = queue.claim()
+                && let Some((block, (room, entry))) = queue.claim_from(&mut 0)
             {
                 entry.fill([0, 0, CHUNK as u32]);
                 let staging = Some(Staging { chunks: &chunks, blocks, entry, full: &full });
@@ -166,7 +173,7 @@ impl<I: Index> Collector<'_, '_, I> {
 
     /// Copies the chunks in the order of their blocks.
     fn merge(&mut self, executor: &dyn Executor, from: u64, blocks: usize) -> u64 {
-        let OutputParts { pairs, staged, chunks, .. } = &mut *self.output;
+        let Self { pairs, staged, chunks, .. } = self;
         let mut count = 0;
         for block in 0..blocks {
             let [_, next, len] = chunks.at(block);

@@ -9,7 +9,7 @@ use super::cells::{cut, frame};
 use super::enclose::enclose;
 use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Split, Straddler, are_few, large, leaf_of, most};
+use super::{Cell, Leaf, Split, Straddler, large, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::extent::BoundsScan;
 use crate::geometry::key::KeyBox;
@@ -24,29 +24,28 @@ use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined
-/// first. Then each leaf has its count, and the histogram has the counts of each block of slots. Returns what
-/// the boxes are like, and how many objects left their leaf.
+/// first. Then each leaf has its counts, and the histogram tells where in their leaf the objects of each block
+/// of slots begin. Returns what the boxes are like, and how many objects left their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
         let (nodes, cells) = parts.tree.nodes_and_cells();
-        cut(nodes, &extent, cells.span_mut(0, leaves));
+        cut(nodes, &extent, cells.span_mut(0, leaves), context);
         let counted = count_in(parts, leaves, context);
-        let (mut straddlers, mut large) = (0u64, 0u64);
-        for leaf in parts.tree.leaves.span_mut(0, leaves) {
-            (leaf.len, leaf.straddler_len) = (0, 0);
-        }
-        let row = histogram_row(leaves);
-        for histogram in parts.tree.histogram.span(0, SLOT_BLOCKS * row).chunks_exact(row.max(1)) {
-            let (counts, rest) = histogram.as_chunks::<2>();
-            for (leaf, [members, n]) in parts.tree.leaves.iter_mut().zip(counts) {
-                leaf.len += members;
-                straddlers += u64::from(*n);
+        let (row, mut large) = (histogram_row(leaves), 0u64);
+        let counted_in = parts.tree.leaves.span_mut(0, leaves);
+        counted_in.iter_mut().for_each(|leaf| (leaf.len, leaf.straddler_len) = (0, 0));
+        for histogram in parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row).chunks_exact_mut(row.max(1)) {
+            let (counts, rest) = histogram.as_chunks_mut::<2>();
+            for (leaf, [members, straddlers]) in counted_in.iter_mut().zip(counts) {
+                leaf.len += core::mem::replace(members, leaf.len);
+                leaf.straddler_len += core::mem::replace(straddlers, leaf.straddler_len);
             }
             large += u64::from(rest.at(0));
         }
-        let fits = large::fits(straddlers, large, parts.tree.straddlers.len());
-        if leaves == 1 || (fits && are_few(large, leaves as u32, parts.state.objects.live)) {
+        let straddlers = counted_in.iter().map(|leaf| u64::from(leaf.straddler_len)).sum();
+        let (live, room) = (parts.state.objects.live, parts.tree.straddlers.len());
+        if leaves == 1 || large::fit(straddlers, large, leaves as u32, live, room) {
             return counted;
         }
         parts.state.tree.coarser += 1;
@@ -144,51 +143,31 @@ fn count_block<S: Simd, I: Index>(
     (bounds_scan, left)
 }
 
-/// Writes all records and straddlers where [`count`] says, and finds the boxes of nodes.
+/// Gives leaves their places, writes all records and straddlers there, and finds the boxes of nodes.
 pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
     let leaves = parts.state.tree.count as usize;
-    let listed = offsets(parts, leaves);
+    let (mut record, mut straddler, mut large) = (0, 0, 0);
+    let (most, row) = (most(parts.state) as u32, histogram_row(leaves));
+    for leaf in parts.tree.leaves.span_mut(0, leaves) {
+        (leaf.start, leaf.straddler_start) = (record, straddler);
+        // Some room, so that objects can come without a new fill; none where it would be too full.
+        leaf.room = (leaf.len + leaf.len / 8 + ROOM).min(leaf.len.max(most));
+        record += leaf.room;
+        straddler += leaf.straddler_len;
+    }
+    // Where the large objects of each block go.
+    for count in parts.tree.histogram.iter_mut().take(SLOT_BLOCKS * row).skip(row - 1).step_by(row) {
+        large += core::mem::replace(count, large);
+    }
+    let listed = large::seat(parts, straddler, large);
     parts.state.tree.extent = bounds_scan.extent;
     frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
     let listed = listed && large::renew(parts);
     scatter(parts, leaves, listed, context);
     large::arrange(parts, listed);
     sharpen(parts, context);
-    enclose(parts, context);
+    enclose(parts, false, context);
     parts.state.tree.filled = 1;
-}
-
-/// Turns the counts of blocks into positions to write to. Returns whether there are as many large ones.
-fn offsets<I: Index>(parts: &mut Parts<'_, I>, leaves: usize) -> bool {
-    let row = histogram_row(leaves);
-    let histograms = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
-    let (mut record, mut straddler, most) = (0u32, 0u32, most(parts.state) as u32);
-    for index in 0..leaves {
-        let mut leaf = parts.tree.leaves.at(index);
-        (leaf.start, leaf.len) = (record, 0);
-        (leaf.straddler_start, leaf.straddler_len) = (straddler, 0);
-        for histogram in histograms.chunks_exact_mut(row.max(1)) {
-            let (counts, _) = histogram.as_chunks_mut::<2>();
-            if let Some([members, straddlers]) = counts.get_mut(index) {
-                // Positions in the leaf: they become the places of objects.
-                leaf.len += core::mem::replace(members, leaf.len);
-                leaf.straddler_len += core::mem::replace(straddlers, straddler + leaf.straddler_len);
-            }
-        }
-        // Some room, so that objects can come without a new fill; none where it would be too full.
-        leaf.room = (leaf.len + leaf.len / 8 + ROOM).min(leaf.len.max(most));
-        record += leaf.room;
-        straddler += leaf.straddler_len;
-        parts.tree.leaves.put(index, leaf);
-    }
-    let mut large = 0;
-    for histogram in histograms.chunks_exact_mut(row.max(1)) {
-        let (_, rest) = histogram.as_chunks_mut::<2>();
-        let count = rest.at(0);
-        rest.put(0, large);
-        large += count;
-    }
-    large::seat(parts, straddler, large)
 }
 
 /// Writes records and straddlers; and the large objects, if they are not `listed` yet.
@@ -248,7 +227,8 @@ fn scatter_block<S: Simd, I: Index>(
             let record = simd.record(frame, keys, slot | classified.marks());
             records.store((leaf.start + at) as usize, &record);
             if classified.straddles() {
-                straddlers.store(*straddler as usize, &Straddler { bounds: *bounds, slot, long: 0 });
+                let at = leaf.straddler_start + *straddler;
+                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
                 *straddler += 1;
             }
         } else if let (true, Some(large_list)) = (*home == I::LARGE, large_list) {

@@ -6,7 +6,7 @@ use super::build::{as_slots, divide, is_divisible, sampled};
 use super::cells::Sample;
 use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
 use super::shape::join;
-use super::{are_few, large, most, planned};
+use super::{large, most, planned};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::id::Index;
@@ -158,9 +158,9 @@ pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
         return false;
     }
     // Twice as many leaves have at most about twice as many ghosts.
-    let fits = large::fits(u64::from(state.tree.large_start) << coarser.min(31), number, room);
-    let leaves = u64::from(state.tree.count) << coarser.min(31);
-    if !fits || !are_few(number, leaves as u32, state.objects.live) {
+    let [straddlers, leaves] =
+        [state.tree.large_start, state.tree.count].map(|n| u64::from(n) << coarser.min(31));
+    if !large::fit(straddlers, number, leaves as u32, state.objects.live, room) {
         return false;
     }
     state.tree.coarser = 0;

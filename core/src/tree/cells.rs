@@ -6,6 +6,8 @@ use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::geometry::key::{KeyBox, key, length, value};
 use crate::id::Index;
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
 
 impl Extent {
     /// The part where most minima are, as a sample shows. The extent itself if that is not far smaller.
@@ -117,10 +119,10 @@ pub(crate) fn cell_of(nodes: Nodes<'_>, mut node: usize) -> Cell {
 }
 
 /// Cuts space by the planes into one cell a leaf. O(leaves · depth).
-pub(crate) fn cut(nodes: Nodes<'_>, extent: &Extent, cells: &mut [Cell]) {
-    for (cell, top) in cells.iter_mut().zip(nodes.tops) {
-        *cell = cell_of(nodes, *top as usize);
-        let (low, high) = extent.clip(cell);
+pub(crate) fn cut(nodes: Nodes<'_>, extent: &Extent, cells: &mut [Cell], context: StepContext<'_>) {
+    context.each(Chunks::new(cells, 1), |leaf, to| {
+        let cell = cell_of(nodes, nodes.tops.at(leaf) as usize);
+        let (low, high) = extent.clip(&cell);
         let mut far = cell.high();
         for k in 0..3 {
             let reach = FAR * length(low[k], high[k]);
@@ -131,8 +133,8 @@ pub(crate) fn cut(nodes: Nodes<'_>, extent: &Extent, cells: &mut [Cell]) {
                 high => key((value(high) + reach).min(f32::MAX)) + 1,
             };
         }
-        *cell = Cell::new(cell.low(), cell.high(), far);
-    }
+        to.fill(Cell::new(cell.low(), cell.high(), far));
+    });
 }
 
 /// Cuts the first cell by planes of some levels, numbered as in a heap.

@@ -28,31 +28,32 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
     start
 }
 
-/// Lists the straddlers where [`number_straddlers`] says.
-pub(crate) fn list_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let (boxes, straddlers) = (parts.boxes.swept(), Shared::new(parts.tree.straddlers));
-    let (records, leaves) = (&*parts.tree.records, &*parts.tree.leaves);
-    context.each(parts.state.tree.count as usize, |index, ()| {
-        let leaf = leaves.at(index);
-        let members = records.span(leaf.start as usize, leaf.len as usize).iter();
-        let marked = members.filter(|record| record.tag & Record::STRADDLES != 0);
-        for (at, slot) in (leaf.straddler_start as usize..).zip(marked.map(Record::slot)) {
-            let bounds = *KeyBox::of(boxes, slot as usize);
-            straddlers.store(at, &Straddler { bounds, slot, long: 0 });
-        }
-    });
-}
-
 /// Makes the box of each node: a leaf's around its cell and straddlers, an inner node's around its children.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
-    let (tree, count) = (&mut parts.tree, parts.state.tree.count as usize);
+/// First `lists` the straddlers where [`number_straddlers`] says, if they are not there yet.
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, lists: bool, context: StepContext<'_>) {
+    let (boxes, tree, count) = (parts.boxes.swept(), &mut parts.tree, parts.state.tree.count as usize);
     tree.boxes.span_mut(0, 2 * count).fill(KeyBox::NOTHING);
     let (leaves, cells, tops) = (&*tree.leaves, &*tree.cells, tree.tops.span(0, count));
-    let (straddlers, nodes) = (&*tree.straddlers, Shared::new(tree.boxes));
+    let (records, nodes) = (&*tree.records, Shared::new(tree.boxes));
+    let (list, listed): (&mut [_], &[Straddler]) =
+        if lists { (tree.straddlers, &[]) } else { (&mut [], tree.straddlers) };
+    let list = Shared::new(list);
     context.each(count, |index, ()| {
         let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
-        for straddler in straddlers.span(leaf.straddler_start as usize, leaf.straddler_len as usize) {
-            around.include(&straddler.bounds);
+        let (mut at, len) = (leaf.straddler_start as usize, leaf.straddler_len as usize);
+        listed.iter().skip(at).take(len).for_each(|straddler| around.include(&straddler.bounds));
+        let members = if lists { records.span(leaf.start as usize, leaf.len as usize) } else { &[] };
+        for members in members.chunks(64) {
+            // Noted for all of them first, since which ones straddle is hard to predict.
+            let marks = members.iter().map(|record| record.tag / Record::STRADDLES % 2);
+            let mut marked = marks.rev().fold(0u64, |bits, mark| 2 * bits + u64::from(mark));
+            while marked != 0 {
+                let slot = members.at(marked.trailing_zeros() as usize).slot();
+                let bounds = *KeyBox::of(boxes, slot as usize);
+                list.store(at, &Straddler { bounds, slot, long: 0 });
+                around.include(&bounds);
+                (at, marked) = (at + 1, marked & (marked - 1));
+            }
         }
         if leaf.len > 0 {
             nodes.store(tops.at(index) as usize, &around);

@@ -4,13 +4,13 @@
 //! Cells, frames and axes stay too, as the step that filled all leaves last has left them. No frame loses a
 //! pair.
 
-use super::enclose::{enclose, list_straddlers, number_straddlers};
+use super::enclose::{enclose, number_straddlers};
 use super::relocate::relocate_all;
-use super::{Cell, Frame, Leaf, Record, are_few, large};
+use super::{Cell, Frame, Leaf, Record, large};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{SLOT_BLOCKS, block_len};
+use crate::memory::limits::SLOT_BLOCKS;
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
@@ -40,14 +40,12 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
     }
     let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context);
-    let fits = large::fits(u64::from(straddlers), u64::from(large), parts.tree.straddlers.len());
-    if !fits || !are_few(u64::from(large), leaves, live) {
+    if !large::fit(straddlers.into(), large.into(), leaves, live, parts.tree.straddlers.len()) {
         return false;
     }
     large::seat(parts, straddlers, large);
     large::arrange(parts, true);
-    list_straddlers(parts, context);
-    enclose(parts, context);
+    enclose(parts, true, context);
     parts.state.tree.filled = filled;
     parts.state.step.kept += 1;
     true
@@ -57,7 +55,7 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
 /// removed ones and of large ones to the front of the scratch memory. Returns how many those are.
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let slots = parts.state.objects.slots as usize;
-    let len = block_len(slots);
+    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(32);
     let (boxes, homes, places) = (parts.boxes.swept(), &*parts.home, &*parts.place);
     let leaves = parts.tree.leaves.span(0, parts.state.tree.count as usize);
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);

@@ -8,6 +8,7 @@
 
 use super::Straddler;
 use super::enclose::expand_ancestors;
+use super::limits::LARGE_PER_OBJECT;
 use super::visit::{Probe, Shape, Visit};
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, length};
@@ -33,9 +34,11 @@ fn depth_for(large: u32) -> u8 {
     ((large + large / 8) / GROUP as u32 + 1).next_power_of_two().trailing_zeros() as u8
 }
 
-/// Whether the large objects and the boxes of their nodes fit behind the straddlers.
-pub(crate) fn fits(straddlers: u64, large: u64, room: usize) -> bool {
-    straddlers + large_nodes(depth_for(large as u32)) as u64 + large <= room as u64
+/// Whether the large objects and the boxes of their nodes fit behind the straddlers, and are few enough. Each
+/// is taken for as long as the world on half of the axes that planes are on.
+pub(crate) fn fit(straddlers: u64, large: u64, leaves: u32, live: u32, room: usize) -> bool {
+    let are_few = large << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * u64::from(live);
+    are_few && straddlers + large_nodes(depth_for(large as u32)) as u64 + large <= room as u64
 }
 
 /// Whether the list has room in its groups and in the array for so many objects.

@@ -37,7 +37,6 @@ use crate::memory::limits::{LEVELS, SUB_LEVELS};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
-use limits::LARGE_PER_OBJECT;
 
 /// A plane above all minima: its node is not divided.
 pub(crate) const UNSPLIT: i32 = i32::MAX & !AXIS;
@@ -116,12 +115,6 @@ const _: () = assert!(SUB_LEAVES == EIGHT);
 /// The bounds of the sub-leaves of a whole leaf, in its frame; `None` while no leaf is divided.
 pub(crate) fn sub_leaves_of(bounds: &[Record], sub_levels: u32, whole: usize) -> Option<&[Record; EIGHT]> {
     if sub_levels == 0 { None } else { bounds.as_chunks().0.get(whole) }
-}
-
-/// Whether there are few enough large objects. Each is taken for as long as the world on half of the axes
-/// that planes are on.
-fn are_few(large: u64, leaves: u32, live: u32) -> bool {
-    large << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * u64::from(live)
 }
 
 /// The members of a leaf of new planes, about; twice as many each time that there were too many ghosts.

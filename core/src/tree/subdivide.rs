@@ -115,12 +115,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     for (sub, len) in lens.iter().enumerate() {
         let mut sub_leaf = tree.leaves.at(first + sub);
         // The last one gets what does not divide equally.
-        let share = if sub + 1 == SUB_LEAVES {
-            leaf.start + leaf.room - start - len
-        } else {
-            spare / SUB_LEAVES as u32
-        };
-        (sub_leaf.start, sub_leaf.len, sub_leaf.room) = (start, 0, len + share);
+        let is_last = sub + 1 == SUB_LEAVES;
+        let room = if is_last { leaf.start + leaf.room - start } else { len + spare / SUB_LEAVES as u32 };
+        (sub_leaf.start, sub_leaf.len, sub_leaf.room) = (start, 0, room);
         (sub_leaf.straddler_start, sub_leaf.straddler_len) = (0, 0);
         start += sub_leaf.room;
         tree.leaves.put(first + sub, sub_leaf);

@@ -23,7 +23,7 @@ use crate::memory::limits::SHARED_FROM;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
-use crate::memory::stats::{Path, Route};
+use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::intake::ingest;
 use crate::pairs::{persistent, results};
 use crate::parallel::context::StepContext;
@@ -138,13 +138,17 @@ impl<I: Index> World<'_, I> {
         }
         results::remember(parts);
         let room = parts.output.pairs.len() as u64;
-        let (mut route, mut pairs) = step::find(parts, route, context);
+        let (mut route, mut pairs, mut lost) = step::find(parts, route, context);
         if pairs > room && parts.has_surplus() {
-            (route, pairs) = step::find_without_surplus(parts, context);
+            // Without surplus they may fit. Fat boxes are left unused for a while.
+            policy::pause(parts);
+            let all = policy::choose(parts, parts.state.objects.live);
+            (route, pairs, lost) = step::find(parts, all, context);
+            route.reason = Reason::NoRoomForSurplus;
         }
         parts.state.step.record(moved, parts.state.objects.outran, route, shared);
         context.executor.enter(Stage::Results);
-        results::sort_out(parts, pairs.min(room) as usize, pairs <= room, context);
+        results::sort_out(parts, pairs.min(room) as usize, lost, pairs <= room, context);
         Some(pairs)
     }
 

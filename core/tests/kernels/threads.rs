@@ -7,11 +7,11 @@ use super::shared::Shared;
 fn every_part_is_claimed_once() {
     let (mut a, mut b) = ([0u8; 10], [0u16; 4]);
     let queue = BlockQueue::new((Chunks::new(&mut a, 3), Chunks::new(&mut b, 1)), 1);
-    while let Some((index, (a, b))) = queue.claim() {
+    while let Some((index, (a, b))) = queue.claim_from(&mut 0) {
         a.fill(index as u8 + 1);
         b.fill(index as u16 + 1);
     }
-    assert!(queue.claim().is_none());
+    assert!(queue.claim_from(&mut 0).is_none());
     assert_eq!(a, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4]);
     assert_eq!(b, [1, 2, 3, 4]);
 }
@@ -48,8 +48,8 @@ fn threads_share_blocks_and_scratch() {
     let areas = BlockQueue::new(Chunks::new(&mut sums, 1), 1);
     let job = || {
         // More calls than areas: some leave the work to others.
-        let Some((_, area)) = areas.claim() else { return };
-        while let Some((block, items)) = queue.claim() {
+        let Some((_, area)) = areas.claim_from(&mut 0) else { return };
+        while let Some((block, items)) = queue.claim_from(&mut 0) {
             items.iter_mut().for_each(|item| *item += block as u32 + 1);
             area[0] += 1;
         }
@@ -61,7 +61,7 @@ fn threads_share_blocks_and_scratch() {
         job();
     });
     job();
-    assert!(queue.claim().is_none());
+    assert!(queue.claim_from(&mut 0).is_none());
     assert!(items.iter().enumerate().all(|(at, &item)| item as usize == at / 4 + 1));
     assert_eq!(sums.iter().sum::<u32>(), 6);
 }

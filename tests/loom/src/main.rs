@@ -62,7 +62,7 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         leak(BlockQueue::new((Chunks::new(items(2 * blocks - 1), 2), Chunks::new(items(blocks), 1)), 1));
     let job = leak(move || {
         let mut claimed: Vec<(usize, Part, Part)> = Vec::new();
-        while let Some((block, (pair, single))) = claims.claim() {
+        while let Some((block, (pair, single))) = claims.claim_from(&mut 0) {
             pair.iter().chain(&*single).for_each(|item| add(item, block as u32 + 1));
             claimed.push((block, pair, single));
         }
@@ -77,7 +77,7 @@ fn every_block_is_claimed_once(width: usize, blocks: usize) {
         assert_eq!((*block, pair.len()), (at, if at + 1 == blocks { 1 } else { 2 }));
         assert!(pair.iter().chain(&**single).all(|item| item.get() == at as u32 + 1));
     }
-    assert!(claims.claim().is_none());
+    assert!(claims.claim_from(&mut 0).is_none());
 }
 
 /// Every part of all shares is claimed once, by one, also by workers that begin in one share.
@@ -151,14 +151,14 @@ fn output_is_that_of_one_worker(width: usize, blocks: usize, chunks: usize) {
     let areas = leak(BlockQueue::new(Chunks::new(items(2), 1), 1));
     let full = leak(AtomicBool::new(false));
     let job = leak(move || {
-        let (_, area) = areas.claim()?;
+        let (_, area) = areas.claim_from(&mut 0)?;
         let mut filled: Vec<([usize; 2], Part)> = Vec::new();
-        while let Some((block, first)) = next.claim() {
+        while let Some((block, first)) = next.claim_from(&mut 0) {
             add(&area[0], 1);
             add(&first[0], 10 * block as u32);
             filled.push(([block, 0], first));
             for number in 1..=chunks_of(block) {
-                let Some((_, chunk)) = output.claim() else {
+                let Some((_, chunk)) = output.claim_from(&mut 0) else {
                     full.store(true, Relaxed);
                     break;
                 };
