@@ -57,6 +57,9 @@ pub(crate) fn on_all_axes(holds: impl Fn(usize) -> bool) -> bool {
     holds(0) && holds(1) && holds(2)
 }
 
+/// Four boxes, as vectors take them.
+pub(crate) type KeyFour = [KeyBox; 4];
+
 /// A closed box in keys.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -165,18 +168,6 @@ impl KeyBox {
     /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
         Self::predicted(self, self, length, false)
-    }
-
-    /// Where some boxes have come from, if they went as others have gone.
-    #[inline(always)]
-    pub(crate) fn before<const N: usize>(now: &[Self; N], from: &[Self; N], to: &[Self; N]) -> [Self; N] {
-        let mut before = *now;
-        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut before);
-        let (from, to): (&[i32], &[i32]) = (bytemuck::cast_slice(from), bytemuck::cast_slice(to));
-        for ((side, from), to) in sides.iter_mut().zip(from).zip(to) {
-            *side = key(value(*side) - (value(*to) - value(*from)));
-        }
-        before
     }
 
     /// A box that holds a box and, if it goes on as it came from an old one, the next [`AHEAD`], with a

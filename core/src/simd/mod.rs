@@ -22,7 +22,7 @@ mod vectors;
 use crate::access::Access;
 use crate::geometry::aabb::normal;
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, value};
+use crate::geometry::key::{KeyBox, KeyFour, key, value};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair, pair};
@@ -91,13 +91,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// The keys of four boxes: bit `k` where box `k` is not `old[k]`. `None`, and nothing is written, where
     /// one is bad, an old one empty, or one not inside what it is to be held by.
     #[inline(always)]
-    fn encode_four(
-        self,
-        _boxes: Four<'_>,
-        _held: &[KeyBox; 4],
-        _old: &[KeyBox; 4],
-        _new: &mut [KeyBox; 4],
-    ) -> Option<u32> {
+    fn encode_four(self, _: Four<'_>, _held: &KeyFour, _old: &KeyFour, _new: &mut KeyFour) -> Option<u32> {
         None
     }
 
@@ -121,6 +115,18 @@ pub(crate) trait Simd: Copy + Send + Sync {
         for (made, ((now, old), margin)) in made.iter_mut().zip(now.iter().zip(old).zip(margins)) {
             *made = KeyBox::predicted(now, old, *margin, predicts);
         }
+    }
+
+    /// Where some boxes have come from, if they went as others have gone: one in scalar code, four with vectors.
+    #[inline(always)]
+    fn before<const N: usize>(self, now: &[KeyBox; N], from: &[KeyBox; N], to: &[KeyBox; N]) -> [KeyBox; N] {
+        let mut before = *now;
+        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut before);
+        let (from, to): (&[i32], &[i32]) = (bytemuck::cast_slice(from), bytemuck::cast_slice(to));
+        for ((side, from), to) in sides.iter_mut().zip(from).zip(to) {
+            *side = key(value(*side) - (value(*to) - value(*from)));
+        }
+        before
     }
 
     /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
@@ -180,17 +186,11 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
 
     /// Tests the record at `base >> 16` against four others, at `base & 0xffff` plus the lowest four
-    /// bits of a mask. Writes the pairs that touch and share no mark to the start of `pairs`, in
+    /// bits of a mask. Writes the pairs that touch and share no mark to the start of `to`, in
     /// order, and returns how many there are. What is behind them means nothing. `None` if only the keys can
     /// decide one of the four, or if there are no four.
     #[inline(always)]
-    fn four<I: Index>(
-        self,
-        sorted: &[Record],
-        base: u32,
-        bits: u64,
-        pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize> {
+    fn four<I: Index>(self, sorted: &[Record], base: u32, bits: u64, to: &mut [Pair<I>; 4]) -> Option<usize> {
         let a = sorted.get((base >> 16) as usize)?;
         let (mut found, mut rest) = (0, bits);
         for _ in 0..4 {
@@ -200,7 +200,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
             if contact.tied {
                 return None;
             }
-            pairs.put(found, pair::<I>(a.slot(), b.slot()));
+            to.put(found, pair::<I>(a.slot(), b.slot()));
             found += usize::from(contact.touches & (a.tag & b.tag & Record::MARKS == 0));
         }
         Some(found)
@@ -249,12 +249,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
     /// As [`four`](Self::four) for any four candidates. Also `None` if a position is not in the slice.
     #[inline(always)]
-    fn any_four<I: Index>(
-        self,
-        _sorted: &[Record],
-        _candidates: &[u32; 4],
-        _pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize> {
+    fn any_four<I: Index>(self, _: &[Record], _: &[u32; 4], _to: &mut [Pair<I>; 4]) -> Option<usize> {
         None
     }
 

@@ -136,7 +136,8 @@ fn predictions<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let same = (0..4).all(|k| made[k] == KeyBox::predicted(&now[k], &old[k], margins[k], predicts));
     let (outer, inner) = if predicts { (&made, &now) } else { (&now, &old) };
     let inside = (0..4).map(|k| u32::from(outer[k].contains(&inner[k])) << k).sum();
-    rounds.check([("predicted", same), ("inside", simd.inside(outer, inner) == inside)]);
+    let before = simd.before(&now, &old, &made) == Scalar.before(&now, &old, &made);
+    rounds.check([("before", before), ("predicted", same), ("inside", simd.inside(outer, inner) == inside)]);
 }
 
 #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::operations::{Halves, NO_BYTE, places};
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{AHEAD, AROUND, KeyBox, POSITIVE_INFINITY, SHORTEST};
+use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SHORTEST};
 
 /// The places of the bytes of two boxes, six each, as lanes of eight bytes.
 const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 11, NO_BYTE, NO_BYTE];
@@ -44,7 +44,7 @@ fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] 
 }
 
 #[inline(always)]
-fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut [KeyBox; 4]) {
+fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut KeyFour) {
     let [a, b, c, d, e, f]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(boxes);
     w.put(a, d, x);
     w.put(b, e, y);
@@ -63,9 +63,9 @@ fn second<W: Halves>(w: W, b: W::Vector, c: W::Vector) -> [W::Vector; 2] {
 pub(super) fn encode_four<W: Halves>(
     w: W,
     boxes: Four<'_>,
-    held: &[KeyBox; 4],
-    old: &[KeyBox; 4],
-    new: &mut [KeyBox; 4],
+    held: &KeyFour,
+    old: &KeyFour,
+    new: &mut KeyFour,
 ) -> Option<u32> {
     let [a, b, c] = numbers(w, boxes)?;
     let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
@@ -94,7 +94,7 @@ fn zeros<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> u32 {
 
 /// As [`Simd::inside`](crate::simd::Simd::inside) for four boxes.
 #[inline(always)]
-pub(super) fn inside<W: Halves>(w: W, outer: &[KeyBox; 4], inner: &[KeyBox; 4]) -> u32 {
+pub(super) fn inside<W: Halves>(w: W, outer: &KeyFour, inner: &KeyFour) -> u32 {
     zeros(w, outside(w, three(w, bytemuck::cast_ref(inner)), outer)) & 0b1111
 }
 
@@ -106,7 +106,7 @@ fn above<W: Halves>(w: W, a: W::Vector, b: W::Vector) -> W::Vector {
 
 /// Not zero where the keys of four boxes are outside of other boxes.
 #[inline(always)]
-fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &[KeyBox; 4]) -> [W::Vector; 3] {
+fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &KeyFour) -> [W::Vector; 3] {
     let (held, mut outside) = (three(w, bytemuck::cast_ref(held)), keys);
     for k in 0..3 {
         let inner = w.select(w.words(MINIMA[k]), keys[k], held[k]);
@@ -122,11 +122,11 @@ const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
 #[inline(always)]
 pub(super) fn predicted<W: Halves>(
     w: W,
-    now: &[KeyBox; 4],
-    old: &[KeyBox; 4],
+    now: &KeyFour,
+    old: &KeyFour,
     margins: &[f32; 4],
     predicts: bool,
-    made: &mut [KeyBox; 4],
+    made: &mut KeyFour,
 ) {
     let (now, old) = (three(w, bytemuck::cast_ref(now)), three(w, bytemuck::cast_ref(old)));
     let (shortest, most) = (w.splat(SHORTEST.to_bits()), w.splat(f32::MAX.to_bits()));
@@ -151,6 +151,14 @@ pub(super) fn predicted<W: Halves>(
         to[k] = turned(w, w.upper32(w.keys(moved), side), inwards);
     }
     put_three(w, to, made);
+}
+
+/// As [`Simd::before`](crate::simd::Simd::before) of four boxes.
+#[inline(always)]
+pub(super) fn before<W: Halves>(w: W, boxes: [&KeyFour; 3], before: &mut KeyFour) {
+    let [now, from, to] = boxes.map(|keys| three(w, bytemuck::cast_ref(keys)).map(|keys| w.floats(keys)));
+    let side = |k: usize| w.keys(w.subtract(now[k], w.subtract(to[k], from[k])));
+    put_three(w, [side(0), side(1), side(2)], before);
 }
 
 /// The smallest side of each of the two boxes of a half that is neither flat nor unbounded; zero if none is.

@@ -3,7 +3,7 @@
 use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors};
 use super::{casts, encode, fours, overlaps};
 use crate::geometry::boxes::Four;
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, KeyFour};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
@@ -60,13 +60,7 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn encode_four(
-        self,
-        boxes: Four<'_>,
-        held: &[KeyBox; 4],
-        old: &[KeyBox; 4],
-        new: &mut [KeyBox; 4],
-    ) -> Option<u32> {
+    fn encode_four(self, boxes: Four<'_>, held: &KeyFour, old: &KeyFour, new: &mut KeyFour) -> Option<u32> {
         encode::encode_four(self.0, boxes, held, old, new)
     }
 
@@ -88,6 +82,16 @@ impl<W: Halves> Simd for Level<W> {
         let (Some(now), Some(old)) = (now.first_chunk(), old.first_chunk()) else { return };
         let (Some(margins), Some(made)) = (margins.first_chunk(), made.first_chunk_mut()) else { return };
         encode::predicted(self.0, now, old, margins, predicts, made);
+    }
+
+    #[inline(always)]
+    fn before<const N: usize>(self, now: &[KeyBox; N], from: &[KeyBox; N], to: &[KeyBox; N]) -> [KeyBox; N] {
+        let mut before = *now;
+        let boxes = [now, from, to].map(|boxes| boxes.first_chunk());
+        if let ([Some(now), Some(from), Some(to)], Some(before)) = (boxes, before.first_chunk_mut()) {
+            encode::before(self.0, [now, from, to], before);
+        }
+        before
     }
 
     #[inline(always)]
@@ -130,14 +134,8 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn four<I: Index>(
-        self,
-        sorted: &[Record],
-        base: u32,
-        bits: u64,
-        pairs: &mut [Pair<I>; 4],
-    ) -> Option<usize> {
-        fours::four(self.0, sorted, base, bits, pairs)
+    fn four<I: Index>(self, sorted: &[Record], base: u32, bits: u64, to: &mut [Pair<I>; 4]) -> Option<usize> {
+        fours::four(self.0, sorted, base, bits, to)
     }
 
     #[inline(always)]
