@@ -567,7 +567,7 @@ public:
     /// back to a frame. Not while a call of the other world runs.
     [[nodiscard]] Status copy_from(const World &other) noexcept {
         if (other.world_ == nullptr) {
-            return TRISAP_STATUS_NULL_POINTER;
+            return detail::refuse(TRISAP_STATUS_NULL_POINTER);
         }
         const std::size_t bytes = trisap_world_bytes(other.world_);
         if (world_ == nullptr || bytes != trisap_world_bytes(world_)) {

@@ -126,6 +126,8 @@ void refusals() {
     // A number that is no status is told as another one.
     trisap_refuse(static_cast<trisap_status>(77), 0);
     CHECK(reports.count == 6 && reports.last == TRISAP_STATUS_OTHER);
+    CHECK_STATUS(world.copy_from(trisap::World()), TRISAP_STATUS_NULL_POINTER);
+    CHECK(reports.count == 7 && reports.last == TRISAP_STATUS_NULL_POINTER);
 }
 
 struct Body {
