@@ -1,6 +1,6 @@
 //! A world of 200,000 objects against an independent sweep. (`tests/runs/src/bin/million.rs` has five times as many.)
 
-use trisap_core::{Boxes, Config, World};
+use trisap_core::{Boxes, Config, Path, World};
 use trisap_tests::checked::{Checked, slots};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::scenes::{self, Brownian, Rng, at, shifted, walk};
@@ -62,4 +62,22 @@ fn large_objects_stay_in_their_list_as_others_grow_and_shrink() {
         let stats = world.step_over(&boxes, Setup::REFERENCE).stats;
         assert!(stats.large >= LARGE as u32 / 2, "{stats:?}");
     }
+}
+
+/// Until the list has no room for another one in its groups; then all leaves are filled, and it gets more.
+#[test]
+fn large_objects_come_one_by_one() {
+    const COUNT: usize = 2400;
+    let (rng, side) = (&mut Rng::new(8), scenes::side(COUNT));
+    let config = Config::new(ample(COUNT + 40, 100 * COUNT)).with_events();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    world.insert_many(&scenes::uniform(COUNT, 7));
+    world.step(Setup::REFERENCE);
+    let mut by_movers = 0;
+    for _ in 0..40 {
+        world.insert_many(&[at(rng.point(0.0, 0.3 * side), [4.0 * side, 4.0 * side, 0.02])]);
+        by_movers += usize::from(world.step(Setup::REFERENCE).stats.path == Path::Movers);
+    }
+    assert!((20..40).contains(&by_movers), "{by_movers} of 40 steps by movers");
 }
