@@ -55,8 +55,8 @@ if $all; then
     tests/cpp/jolt/run.sh
     # Box3D on trisap.
     tests/cpp/box3d/test.sh
-    # avian3d, with trisap as its broad phase.
-    cargo test --release --manifest-path std-adapter/avian/Cargo.toml
+    # avian3d, with trisap as its broad phase, with the compiler that it needs.
+    rustup run --install 1.97.1 cargo test --release --manifest-path std-adapter/avian/Cargo.toml
     if command -v mpirun >/dev/null; then
         CARGO_TARGET_DIR="$PWD/std-adapter/mpi/target" std-adapter/mpi/test.sh
     else

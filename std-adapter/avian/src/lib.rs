@@ -24,7 +24,7 @@ pub use pairs::{FoundPair, Known, Pairs};
 use avian3d::collider_tree::{ColliderTreeProxyFlags, ColliderTrees, MovedProxies};
 use avian3d::collision::CollisionDiagnostics;
 use avian3d::collision::contact_types::ContactEdgeFlags;
-use avian3d::dynamics::solver::joint_graph::JointGraph;
+use avian3d::dynamics::joints::joint_graph::JointGraph;
 use avian3d::prelude::*;
 use bevy::ecs::system::{StaticSystemParam, SystemParamItem};
 use bevy::prelude::*;

@@ -4,7 +4,7 @@ use avian3d::collider_tree::{
     ColliderTreeProxy, ColliderTreeProxyFlags, ColliderTreeProxyKey, ColliderTreeType, ColliderTrees,
     MovedProxies, ProxyId,
 };
-use avian3d::dynamics::solver::joint_graph::JointGraph;
+use avian3d::dynamics::joints::joint_graph::JointGraph;
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use trisap::{Aabb, Boxes, BroadPhase, Capacity, Config, Error, Id};

@@ -5,7 +5,7 @@
 mod scenes;
 
 use avian3d::collider_tree::{ColliderTreeSystems, ColliderTrees, MovedProxies};
-use avian3d::dynamics::solver::joint_graph::JointGraph;
+use avian3d::dynamics::joints::joint_graph::JointGraph;
 use avian3d::prelude::*;
 use bevy::ecs::system::{StaticSystemParam, SystemParamItem};
 use bevy::prelude::*;

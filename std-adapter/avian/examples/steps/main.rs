@@ -1,6 +1,6 @@
 //! Whole steps of avian3d with its own broad phase and with trisap's:
 //!
-//!     cargo run --release --manifest-path std-adapter/avian/Cargo.toml --example steps [SCENE...]
+//!     cargo +1.97.1 run --release --manifest-path std-adapter/avian/Cargo.toml --example steps [SCENE...]
 
 mod scenes;
 
