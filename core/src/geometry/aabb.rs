@@ -247,20 +247,14 @@ pub(crate) const fn narrowed(x: f64) -> f32 {
 const DENORMAL: f64 = f64::from_bits((1023 - 149) << 52);
 
 /// A number as `f64`; a denormal by its bits, for the same reason.
+#[inline(always)]
 pub(crate) const fn widened(x: f32) -> f64 {
-    if x.to_bits() & f32::INFINITY.to_bits() != 0 {
+    let (bits, least) = (x.to_bits(), f32::MIN_POSITIVE.to_bits());
+    if bits & f32::INFINITY.to_bits() != 0 {
         return x as f64;
     }
-    let [all, added] = normal(x);
-    all as f64 - added as f64
-}
-
-/// A number with the least normal one added, by their bits, if it is denormal or zero; and what was added.
-#[inline(always)]
-pub(crate) const fn normal(x: f32) -> [f32; 2] {
-    let (bits, exponent) = (x.to_bits(), x.to_bits() & f32::INFINITY.to_bits());
-    let added = if exponent == 0 { f32::MIN_POSITIVE.to_bits() } else { 0 };
-    [f32::from_bits(bits | added), f32::from_bits(bits & 1 << 31 | added)]
+    // With the least normal number added, and without it again.
+    f32::from_bits(bits | least) as f64 - f32::from_bits(bits & 1 << 31 | least) as f64
 }
 
 /// `x / 2^fraction_bits` rounded up or down to `f32`, or NaN if that may be denormal.

@@ -192,6 +192,14 @@ impl KeyBox {
         Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
     }
 
+    /// Where the box has come from, if it went as another one has gone.
+    pub(crate) fn came_from(&self, from: &Self, to: &Self) -> Self {
+        let side = |now: i32, from: i32, to: i32| key(value(now) - (value(to) - value(from)));
+        let low = |k: usize| side(self.min[k], from.min[k], to.min[k]);
+        let high = |k: usize| side(self.max[k], from.max[k], to.max[k]);
+        Self { min: [low(0), low(1), low(2)], max: [high(0), high(1), high(2)] }
+    }
+
     /// The smallest side that is not flat, as a flat box has the size of its other sides. The largest float
     /// if there is none.
     #[inline(always)]

@@ -11,7 +11,7 @@ pub(crate) struct Line {
     direction: [f64; 4],
     pub(crate) distance: f64,
     /// All ones on an axis where the line runs backwards: it meets the high side first.
-    pub(crate) back: [i32; 4],
+    back: [i32; 4],
     /// What is subtracted from the side that is met first, and from the side that is met last.
     first: [f64; 4],
     last: [f64; 4],
@@ -210,17 +210,19 @@ impl Line {
         Self { direction, distance, back, first, last, inverse }
     }
 
-    /// From where to where a line is inside a box, given its sides as they are met; between zero and `far`.
-    /// It is outside if the first number is above the second. A larger box is met no later and left no
-    /// earlier.
+    /// From where to where the line is inside a box, between zero and `far`. It is outside if the first number
+    /// is above the second. A larger box is met no later and left no earlier.
     #[inline(always)]
-    pub(crate) fn span(&self, [entry, exit]: [[[f32; 4]; 2]; 2], far: f64) -> (f64, f64) {
+    pub(crate) fn span(&self, bounds: &KeyBox, far: f64) -> (f64, f64) {
+        // Its sides, and any number for the fourth axis.
+        let four = |[x, y, z]: [i32; 3]| [x, y, z, 0].map(|side| widened(value(side)));
+        let (low, high) = (four(bounds.min), four(bounds.max));
         let (mut come, mut leave) = ([0.0; 4], [far; 4]);
         // All axes at once.
         for k in 0..4 {
-            let side = |[all, added]: [[f32; 4]; 2]| f64::from(all[k]) - f64::from(added[k]);
-            let first = (side(entry) - self.first[k]) * self.inverse[k];
-            let last = (side(exit) - self.last[k]) * self.inverse[k];
+            let (entry, exit) = if self.back[k] != 0 { (high[k], low[k]) } else { (low[k], high[k]) };
+            let first = (entry - self.first[k]) * self.inverse[k];
+            let last = (exit - self.last[k]) * self.inverse[k];
             // A side that the line runs along gives NaN, which these ignore.
             come[k] = if first > 0.0 { first } else { 0.0 };
             leave[k] = if last < far { last } else { far };

@@ -74,7 +74,8 @@ impl FatBoxes<'_> {
         let mut grown = *old;
         simd.predicted(given, given, &self.margins(at), false, &mut grown);
         bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
-        (if self.renews { others } else { grows }, to, simd.before(&to, last, given))
+        let from = core::array::from_fn(|k| to[k].came_from(&last[k], &given[k]));
+        (if self.renews { others } else { grows }, to, from)
     }
 
     /// Makes the fat box of an object whose motion nobody knows.

@@ -236,9 +236,9 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     }
 
     #[inline(always)]
-    fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
+    fn object<S: Simd>(&mut self, _: S, slot: usize) -> ControlFlow<()> {
         let now = KeyBox::of(self.world.parts.boxes.given(), slot);
-        let (distance, to) = self.line.span(simd.sides_met(now, &self.line.back), self.far);
+        let (distance, to) = self.line.span(now, self.far);
         if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
             self.far = self.far.min((self.visit)(Hit { id, distance }));
             if self.far < 0.0 {

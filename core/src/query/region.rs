@@ -207,8 +207,7 @@ impl<I: Index> World<'_, I> {
         volume: Option<&dyn Volume>,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) {
-        let decides = volume.is_none() && boxes.as_ptr() == self.parts.boxes.swept().as_ptr();
-        let search = InRegion { world: self, boxes, decides, within: Within { bounds, volume }, visit };
+        let search = InRegion { world: self, boxes, within: Within { bounds, volume }, visit };
         let _ = run!(self.kernels, |simd| search_region(simd, search));
     }
 }
@@ -281,8 +280,6 @@ impl Probe for Within<'_> {
 struct InRegion<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     boxes: &'q [KeyBox],
-    /// Whether records can decide, as these are the swept boxes.
-    decides: bool,
     within: Within<'q>,
     visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
 }
@@ -318,13 +315,11 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
             }
             for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
                 let mask = simd.touching(eight, touching) & first_of_eight(left);
-                for record in bits::of_word(mask).map(|at| eight.at(at)) {
-                    let slot = record.slot() as usize;
+                for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
                     if !is_current(parts, slot) {
                         continue;
                     }
-                    let decided = self.decides && !simd.contact(&region, &record).tied;
-                    if decided || side == Side::Inside {
+                    if side == Side::Inside {
                         self.found(slot)?;
                     } else {
                         self.object(simd, slot)?;

@@ -20,9 +20,8 @@ pub(crate) mod scalar;
 mod vectors;
 
 use crate::access::Access;
-use crate::geometry::aabb::normal;
 use crate::geometry::boxes::Four;
-use crate::geometry::key::{KeyBox, KeyFour, key, value};
+use crate::geometry::key::{KeyBox, KeyFour};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair, pair};
@@ -115,18 +114,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
         for (made, ((now, old), margin)) in made.iter_mut().zip(now.iter().zip(old).zip(margins)) {
             *made = KeyBox::predicted(now, old, *margin, predicts);
         }
-    }
-
-    /// Where some boxes have come from, if they went as others have gone: one in scalar code, four with vectors.
-    #[inline(always)]
-    fn before<const N: usize>(self, now: &[KeyBox; N], from: &[KeyBox; N], to: &[KeyBox; N]) -> [KeyBox; N] {
-        let mut before = *now;
-        let sides: &mut [i32] = bytemuck::cast_slice_mut(&mut before);
-        let (from, to): (&[i32], &[i32]) = (bytemuck::cast_slice(from), bytemuck::cast_slice(to));
-        for ((side, from), to) in sides.iter_mut().zip(from).zip(to) {
-            *side = key(value(*side) - (value(*to) - value(*from)));
-        }
-        before
     }
 
     /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
@@ -285,21 +272,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
     #[inline(always)]
     fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
         walk.enter(nodes, until)
-    }
-
-    /// The sides of a box that a line meets first, and the sides that it meets last, of three axes and any
-    /// number, as [`normal`] gives them. `back` has all ones where the line runs backwards.
-    #[inline(always)]
-    fn sides_met(self, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
-        let mut sides = [[[0.0; 4]; 2]; 2];
-        for k in 0..3 {
-            let (low, high) = (value(bounds.min[k]), value(bounds.max[k]));
-            let met = if back[k] != 0 { [high, low] } else { [low, high] };
-            for end in 0..2 {
-                [sides[end][0][k], sides[end][1][k]] = normal(met[end]);
-            }
-        }
-        sides
     }
 
     /// When a cast enters each of some records, and which it may touch: bit `i` for record `i`. Others have

@@ -14,9 +14,7 @@ use crate::memory::stats::{Path, Reason, Route};
 use crate::pairs::partition::is_clear_of;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
-use crate::simd::Simd;
 use crate::simd::kernels::run;
-use crate::simd::scalar::Scalar;
 use crate::tree::balance::{self, Due};
 use crate::tree::subdivide::subdivide;
 
@@ -177,7 +175,7 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
         match steps {
             0 => fat.put(slot, given),
             1 => {
-                let [from] = Scalar.before(&[now], &[old], &[given]);
+                let from = now.came_from(&old, &given);
                 fat.put(slot, KeyBox::predicted(&now, &from, margin, predicted));
             }
             _ => return !now.is_empty() && !old.contains(&now),

@@ -1,6 +1,6 @@
 //! Where a cast meets nodes and records.
 
-use super::operations::{Half, Halves, Vectors, ends, places};
+use super::operations::{Half, Halves, ends, places};
 use crate::geometry::key::KeyBox;
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::Record;
@@ -29,22 +29,6 @@ pub(super) fn enter<W: Halves>(w: W, walk: &Walk, [a, b]: [&KeyBox; 2], until: f
     let from = w.select(met, from, w.splat(f32::NAN.to_bits()));
     let [a, b] = w.split(from);
     [f32::from_bits(w.half().first(a)), f32::from_bits(w.half().first(b))]
-}
-
-/// As [`Simd::sides_met`](crate::simd::Simd::sides_met): in each half the sides of one end.
-#[inline(always)]
-pub(super) fn sides_met<W: Halves>(w: W, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
-    let ([low, high], h) = (ends(bounds), w.half());
-    let (low, high) = (h.load(low), h.shuffle(h.load(high), h.load(&places([1, 2, 3, 3]))));
-    let back = h.load(bytemuck::cast_ref(back));
-    let sides = w.floats(w.joined(h.select(back, high, low), h.select(back, low, high)));
-    let is_small = w.equal32(w.and(sides, w.splat(f32::INFINITY.to_bits())), w.splat(0));
-    let small = w.and(is_small, w.splat(f32::MIN_POSITIVE.to_bits()));
-    let mut met = [[[0; 16]; 2]; 2];
-    let [[entry, entry_added], [exit, exit_added]] = &mut met;
-    w.put(entry, exit, w.or(sides, small));
-    w.put(entry_added, exit_added, w.or(w.and(sides, w.splat(1 << 31)), small));
-    bytemuck::cast(met)
 }
 
 /// As [`Simd::met`](crate::simd::Simd::met).

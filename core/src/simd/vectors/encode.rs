@@ -153,14 +153,6 @@ pub(super) fn predicted<W: Halves>(
     put_three(w, to, made);
 }
 
-/// As [`Simd::before`](crate::simd::Simd::before) of four boxes.
-#[inline(always)]
-pub(super) fn before<W: Halves>(w: W, boxes: [&KeyFour; 3], before: &mut KeyFour) {
-    let [now, from, to] = boxes.map(|keys| three(w, bytemuck::cast_ref(keys)).map(|keys| w.floats(keys)));
-    let side = |k: usize| w.keys(w.subtract(now[k], w.subtract(to[k], from[k])));
-    put_three(w, [side(0), side(1), side(2)], before);
-}
-
 /// The smallest side of each of the two boxes of a half that is neither flat nor unbounded; zero if none is.
 #[inline(always)]
 fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {

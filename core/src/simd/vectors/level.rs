@@ -85,16 +85,6 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn before<const N: usize>(self, now: &[KeyBox; N], from: &[KeyBox; N], to: &[KeyBox; N]) -> [KeyBox; N] {
-        let mut before = *now;
-        let boxes = [now, from, to].map(|boxes| boxes.first_chunk());
-        if let ([Some(now), Some(from), Some(to)], Some(before)) = (boxes, before.first_chunk_mut()) {
-            encode::before(self.0, [now, from, to], before);
-        }
-        before
-    }
-
-    #[inline(always)]
     fn above(self, a: W::Vector, b: W::Vector) -> u32 {
         self.0.six(self.0.above32(a, b))
     }
@@ -171,11 +161,6 @@ impl<W: Halves> Simd for Level<W> {
     #[inline(always)]
     fn enter(self, walk: &Walk, nodes: [&KeyBox; 2], until: f32) -> [f32; 2] {
         casts::enter(self.0, walk, nodes, until)
-    }
-
-    #[inline(always)]
-    fn sides_met(self, bounds: &KeyBox, back: &[i32; 4]) -> [[[f32; 4]; 2]; 2] {
-        casts::sides_met(self.0, bounds, back)
     }
 
     #[inline(always)]
