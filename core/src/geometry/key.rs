@@ -107,12 +107,12 @@ impl KeyBox {
     /// Whether these are the keys of a box.
     #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
-        // Compared so that the constants are the infinities, which fit into the compare instruction of a
-        // small processor.
-        let wrong = |k: usize| {
-            self.min[k] > self.max[k] || self.min[k] < NEGATIVE_INFINITY || self.max[k] > POSITIVE_INFINITY
-        };
-        !(wrong(0) || wrong(1) || wrong(2))
+        // Compared so that the constants are the infinities, which fit into the compare instruction of a small
+        // processor, and maxima first, on all axes. Written out, as closures take more registers than it has.
+        let ([a, b, c], [d, e, f]) = (self.min, self.max);
+        let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
+        let wrong = d > high || a > d || e > high || b > e || f > high || c > f;
+        !(wrong || a < low || b < low || c < low)
     }
 
     /// Whether all keys are the same. With `==` it would be a call.

@@ -3,7 +3,7 @@
 use crate::access::{Access, bits};
 use crate::config::EVENTS;
 use crate::geometry::boxes::Boxes;
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 use crate::id::Index;
 use crate::memory::layout::reports_margins;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
@@ -153,16 +153,20 @@ fn take_in(
     intake: &mut Intake,
 ) {
     let count = (objects.now.len() - word * 32).min(32);
-    let Taken { done, mut changed, mut contained } = taken;
+    let Taken { done, changed, mut contained } = taken;
+    let mut same = done;
     let (is_fat, has_fat, at) = (objects.is_fat(), objects.fat.exist(), word * 32);
     let Objects { now, given, fat, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
     let unkept = if EVENTS && !before.is_empty() { !kept.words.at(word) } else { 0 };
     let has_margins = is_fat || has_fat;
     let apart = if has_margins { u32::MAX } else { unkept };
+    let mut this = 1u32.rotate_right(1);
     for (bit, old) in (at..).zip(now.span_mut(at, count)) {
-        let this = 1u32 << (bit % 32);
-        if done & this != 0 || old.is_empty() {
+        this = this.rotate_left(1);
+        // Only a free or a disabled slot has such a minimum.
+        if done & this != 0 || old.min[0] > POSITIVE_INFINITY {
+            same |= this;
             continue;
         }
         let room;
@@ -175,9 +179,11 @@ fn take_in(
         };
         let Some(new) = aabb.and_then(KeyBox::from_aabb) else {
             intake.reject(first + bit);
+            same |= this;
             continue;
         };
         if new.is_same(old) && !is_fat {
+            same |= this;
             continue;
         }
         if apart & this != 0 {
@@ -186,7 +192,9 @@ fn take_in(
                 // In a function of its own, which is lent copies, so that the loop stays in registers.
                 let (mut fat_boxes, to) = (FatBoxes { boxes: &mut *fat.boxes, ..*fat }, new);
                 if let Some(stays) = fat_boxes.replace(given, bit, old, &to, before) {
-                    (changed, contained) = (changed | this, contained | if stays { this } else { 0 });
+                    contained |= if stays { this } else { 0 };
+                } else {
+                    same |= this;
                 }
                 fat.motions = fat_boxes.motions;
                 continue;
@@ -198,9 +206,8 @@ fn take_in(
             }
         }
         *old = new;
-        changed |= this;
     }
-    objects.note(word, changed, contained)
+    objects.note(word, changed | u32::MAX >> (32 - count) & !same, contained)
 }
 
 /// Takes in boxes of the slots of a word four at a time, where all four are good, and of objects that live,

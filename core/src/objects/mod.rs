@@ -65,8 +65,10 @@ impl<I: Index> Parts<'_, I> {
 impl ObjectState {
     /// Notes what new boxes meant to objects with margins.
     pub(crate) fn note(&mut self, motions: Motions) {
-        self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
-        self.outran = self.outran.saturating_add(motions.outran);
+        if motions.moved_inside_margin || motions.outran > 0 {
+            self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
+            self.outran = self.outran.saturating_add(motions.outran);
+        }
     }
 }
 

@@ -35,8 +35,10 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
     // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse.
-    let looks = state.lists.scan_in == 0 || has_inserted != 0;
-    state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
+    let looks = (TREE || has_list) && (state.lists.scan_in == 0 || has_inserted != 0);
+    if TREE || has_list {
+        state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
+    }
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
     let mut spared = 0;
     let (pairs, candidates) = if has_list {
