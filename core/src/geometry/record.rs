@@ -59,7 +59,9 @@ impl Frame {
     pub(crate) fn part(&self, of: &Aabb, bounds: &Record) -> Aabb {
         let mut part = *of;
         for k in 0..3 {
-            let at = |steps: f64| widened(self.origin[k]) + steps / widened(self.scale[k]);
+            // Taken out first: a closure that is a call would check the index.
+            let (origin, scale) = (widened(self.origin[k]), widened(self.scale[k]));
+            let at = |steps: f64| origin + steps / scale;
             let (low, high) = (bounds.lanes[k], !bounds.lanes[3 + k]);
             if low > 0 {
                 part.min[k] = part.min[k].max(narrowed(at(f64::from(low) - 1.0)));
