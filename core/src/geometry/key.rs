@@ -108,7 +108,7 @@ impl KeyBox {
     #[inline(always)]
     pub(crate) fn is_valid(&self) -> bool {
         // Compared so that the constants are the infinities, which fit into the compare instruction of a small
-        // processor, and maxima first, on all axes. Written out, as closures take more registers than it has.
+        // processor, and maxima first, on all axes. Written out, as closures take it some two instructions more.
         let ([a, b, c], [d, e, f]) = (self.min, self.max);
         let (low, high) = (NEGATIVE_INFINITY, POSITIVE_INFINITY);
         let wrong = d > high || a > d || e > high || b > e || f > high || c > f;
@@ -193,6 +193,7 @@ impl KeyBox {
     }
 
     /// Where the box has come from, if it went as another one has gone.
+    #[inline]
     pub(crate) fn came_from(&self, from: &Self, to: &Self) -> Self {
         let side = |now: i32, from: i32, to: i32| key(value(now) - (value(to) - value(from)));
         let low = |k: usize| side(self.min[k], from.min[k], to.min[k]);

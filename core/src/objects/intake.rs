@@ -161,6 +161,7 @@ fn take_in(
     let unkept = if EVENTS && !before.is_empty() { !kept.words.at(word) } else { 0 };
     let has_margins = is_fat || has_fat;
     let apart = if has_margins { u32::MAX } else { unkept };
+    // The bit of a slot, turned on from slot to slot, which takes a small processor less than to make each.
     let mut this = 1u32.rotate_right(1);
     for (bit, old) in (at..).zip(now.span_mut(at, count)) {
         this = this.rotate_left(1);
@@ -290,9 +291,8 @@ fn take_in_leavers<S: Simd>(
         let (mut to, mut came) = (new, None);
         if let Some(given) = given.get_mut(four) {
             let last = core::mem::replace(given, new);
-            let from;
-            (others, to, from) = fat.report(simd, at + first, old, &last, &new);
-            came = Some(from);
+            (others, to) = fat.report(simd, at + first, old, &last, &new);
+            came = Some(core::array::from_fn(|k| to[k].came_from(&last[k], &new[k])));
         }
         if EVENTS && let Some(before) = before.get_mut(four) {
             keep(before, old, others & !(kept >> first));

@@ -53,8 +53,7 @@ impl FatBoxes<'_> {
     }
 
     /// In a fat world: of the boxes `given` to some objects, who were reported as `old` and given `last`: who
-    /// are reported as or get anything else, a bit each, what all are reported as, and from where that has
-    /// come.
+    /// are reported as or get anything else, a bit each, and what all are reported as.
     #[inline(always)]
     pub(crate) fn report<S: Simd, const N: usize>(
         &mut self,
@@ -63,7 +62,7 @@ impl FatBoxes<'_> {
         old: &[KeyBox; N],
         last: &[KeyBox; N],
         given: &[KeyBox; N],
-    ) -> (u32, [KeyBox; N], [KeyBox; N]) {
+    ) -> (u32, [KeyBox; N]) {
         let mut others = 0;
         for (bit, (last, given)) in last.iter().zip(given).enumerate() {
             others |= u32::from(last != given) << bit;
@@ -71,11 +70,12 @@ impl FatBoxes<'_> {
         let left = others & !simd.inside(old, given);
         self.motions.outran += left.count_ones();
         let (mut to, grows) = (*old, if self.regrows { others } else { left });
-        let mut grown = *old;
-        simd.predicted(given, given, &self.margins(at), false, &mut grown);
-        bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
-        let from = core::array::from_fn(|k| to[k].came_from(&last[k], &given[k]));
-        (if self.renews { others } else { grows }, to, from)
+        if grows != 0 {
+            let mut grown = *old;
+            simd.predicted(given, given, &self.margins(at), false, &mut grown);
+            bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
+        }
+        (if self.renews { others } else { grows }, to)
     }
 
     /// Makes the fat box of an object whose motion nobody knows.
@@ -98,14 +98,16 @@ impl FatBoxes<'_> {
         new: &KeyBox,
         before: Option<&mut KeyBox>,
     ) -> Option<bool> {
-        let (mut to, mut from, mut others) = ([*new], [*now], u32::from(!new.is_same(now)));
+        let (mut to, mut last, mut others) = ([*new], None, u32::from(!new.is_same(now)));
         if MARGINS && let Some(given) = given.get_mut(at) {
-            let last = core::mem::replace(given, *new);
-            (others, to, from) = self.report(Scalar, at, &[*now], &[last], &[*new]);
+            let was = core::mem::replace(given, *new);
+            (others, to) = self.report(Scalar, at, &[*now], &[was], &[*new]);
+            last = Some(was);
         }
         if others == 0 {
             return None;
         }
+        let from = last.map_or([*now], |last| to.map(|to| to.came_from(&last, new)));
         if EVENTS && let Some(before) = before {
             *before = *now;
         }

@@ -65,6 +65,7 @@ impl<I: Index> Parts<'_, I> {
 impl ObjectState {
     /// Notes what new boxes meant to objects with margins.
     pub(crate) fn note(&mut self, motions: Motions) {
+        // Nothing is written where there are no margins: that is seen in a step of 16 objects.
         if motions.moved_inside_margin || motions.outran > 0 {
             self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
             self.outran = self.outran.saturating_add(motions.outran);

@@ -34,9 +34,11 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let Parts { state, boxes, order, spare, output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
-    // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse.
-    let looks = (TREE || has_list) && (state.lists.scan_in == 0 || has_inserted != 0);
-    if TREE || has_list {
+    // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse; if there
+    // is one to be chosen, or if the build looks at all.
+    let mut looks = false;
+    if has_list || TREE {
+        looks = state.lists.scan_in == 0 || has_inserted != 0;
         state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
     }
     let pair_filter = PairFilter::if_needed(filters, slots, &context);

@@ -38,7 +38,7 @@ pub(crate) fn test_all<I: Index>(
         }
         rest = others;
     }
-    let candidates = boxes.len() * boxes.len().wrapping_sub(1) / 2;
+    let candidates = boxes.len() * boxes.len().saturating_sub(1) / 2;
     (all - places.len() + without_room, candidates)
 }
 
