@@ -54,8 +54,6 @@ pub(crate) struct Sizes {
     pub(crate) tree: usize,
     /// Objects in the sorted list: all of a world without a tree, or none if that tests every two boxes.
     pub(crate) list: usize,
-    /// Slots in the scratch memory of a step: all with a tree, or to leave out of the list who meets nobody.
-    pub(crate) spare: usize,
     pub(crate) straddlers: usize,
     pub(crate) leaves: usize,
     /// Leaves of a full step: half as many again as new planes make. The others are their sub-leaves.
@@ -73,11 +71,6 @@ pub(crate) struct Sizes {
 /// Whether a world has no tree.
 pub(crate) const fn is_small(config: &Config) -> bool {
     !TREE || config.capacity.objects as usize <= config.forced.leaf_target() / 8 || config.lean
-}
-
-/// Whether a world without a tree tests every two boxes, and keeps no list.
-const fn is_tiny(config: &Config) -> bool {
-    is_small(config) && (!LISTS || config.capacity.objects as usize <= FEW)
 }
 
 /// Whether boxes with margins stand beside the boxes as given, and are reported.
@@ -148,8 +141,7 @@ impl Sizes {
             objects,
             fat: if_so(has_fat(config), objects),
             tree,
-            list: if_so(small && !is_tiny(config), objects),
-            spare: if_so(!small || FILTERS && config.filters && !is_tiny(config), objects),
+            list: if_so(LISTS && small && objects > FEW, objects),
             straddlers: if_so(tree > 0, capacity.leaf_refs as usize),
             leaves: whole_leaves << SUB_LEVELS,
             whole_leaves,

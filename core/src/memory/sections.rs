@@ -29,10 +29,11 @@ macro_rules! sections {
             outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(EVENTS && s.config.events))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
             active: &'m mut [u32] = [u32; bits::words(if_so(TREE, s.tree))], new 0;
-            /// Without a tree, unless every two boxes are tested: slots by ascending minimum on the swept axis.
-            order: &'m mut [I] = [I; s.list], used state.lists.listed as usize;
-            /// Scratch memory of a step, for slots and what else is as wide.
-            spare: &'m mut [I] = [I; s.spare], used 0;
+            /// Without a tree, unless every two boxes are tested: by ascending minimum on the swept axis, words
+            /// with a [`slot`](crate::memory::state::slot).
+            list: &'m mut [i32] = [i32; s.list], used state.lists.listed as usize;
+            /// With a tree: scratch memory of a step, for slots and what else is as wide.
+            spare: &'m mut [I] = [I; if_so(TREE, s.tree)], used 0;
             /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
             home: &'m mut [I] = [I; if_so(TREE, s.tree)], new I::NONE;
             /// The position of the record in its leaf, or in the list of large objects.

@@ -5,6 +5,7 @@ use crate::config::FILTERS;
 use crate::filter::{Filter, Rule, all_meet, demand, may_meet, meet, offer};
 use crate::id::{Index, Pair};
 use crate::memory::slab::FilterParts;
+use crate::memory::state::slot;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::run;
 
@@ -53,13 +54,15 @@ impl<'g> PairFilter<'g> {
         demand(&filter, self.classes.at(filter.class as usize))
     }
 
-    /// Copies the slots of a list that may meet another one of it. Returns how many they are.
-    pub(crate) fn leave_out<I: Index>(&self, list: &[I], kept: &mut [I]) -> usize {
-        let offers = list.iter().fold(0, |all, slot| all | offer(self.filters, slot.at()));
+    /// Brings those of a list that may meet another one of it to the front, in order. Returns how many.
+    pub(crate) fn leave_out(&self, list: &mut [i32]) -> usize {
+        let offers = list.iter().fold(0, |all, word| all | offer(self.filters, slot(*word)));
         let mut count = 0;
-        for slot in list {
-            kept.put(count, *slot);
-            count += usize::from(self.demand(slot.at()).is_none_or(|demand| may_meet(demand, offers)));
+        for at in 0..list.len() {
+            if self.demand(slot(list.at(at))).is_none_or(|demand| may_meet(demand, offers)) {
+                list.swap_at(at, count);
+                count += 1;
+            }
         }
         count
     }

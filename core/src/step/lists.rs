@@ -3,7 +3,7 @@
 //!
 //! The list has each object once, by ascending minimum on one axis: an array of slots (erratum E12), in a
 //! total order by key, then by slot (erratum E10). It is kept from step to step. Worlds with a tree have none
-//! (erratum E13).
+//! (erratum E13). Where there are filters, objects that can meet nobody stand at its end, in no order.
 
 use super::policy::SCAN_EVERY;
 use crate::access::Access;
@@ -12,11 +12,12 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
-use crate::memory::state::{ListState, ObjectState};
+use crate::memory::state::{ListState, ObjectState, slot};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
+use crate::sort::heapsort;
 use crate::sweep::small;
 use crate::tree::assign;
 
@@ -28,10 +29,11 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
     let has_list = LISTS && !parts.sizes.is_tiny();
-    if has_list && (parts.state.lists.stale != 0 || parts.state.lists.listed != parts.state.objects.live) {
+    let ListState { stale, listed, .. } = parts.state.lists;
+    if has_list && (stale != 0 || u32::from(listed) != parts.state.objects.live) {
         list_all(parts);
     }
-    let Parts { state, boxes, order, spare, output, filters, .. } = parts;
+    let Parts { state, boxes, list, output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
     // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse; if there
@@ -47,16 +49,16 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         if looks {
             choose_axis(&mut state.lists, boxes);
         }
-        let order = order.span_mut(0, live as usize);
-        repair(order, boxes, state.lists.axis.into());
-        context.executor.enter(Stage::Sweep);
-        let mut order = &*order;
+        let mut list = list.span_mut(0, live as usize);
         if let Some(pair_filter) = pair_filter.filter(PairFilter::tells_apart) {
-            let met = pair_filter.leave_out(order, spare);
+            let met = pair_filter.leave_out(list);
             let pairs = |of: usize| (of * of.saturating_sub(1) / 2) as u64;
-            (spared, order) = (pairs(order.len()) - pairs(met), spare.span(0, met));
+            spared = pairs(list.len()) - pairs(met);
+            list = list.span_mut(0, met);
         }
-        small::sweep(order, boxes, state.lists.axis, pair_filter, output.pairs)
+        sort(boxes, list, &state.lists);
+        context.executor.enter(Stage::Sweep);
+        small::sweep(boxes, list, state.lists.axis, pair_filter, output.pairs)
     } else {
         context.executor.enter(Stage::Sweep);
         small::test_all(boxes, pair_filter.as_ref(), output.pairs)
@@ -67,7 +69,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     pairs as u64
 }
 
-/// Chooses the axis along which the fewest boxes overlap. O(slots).
+/// Chooses the axis along which the fewest boxes overlap, and a grid over the sides on another one. O(slots).
+#[inline(never)]
 fn choose_axis(lists: &mut ListState, boxes: &[KeyBox]) {
     let mut near = [0; 3];
     for (slot, a) in (0u32..).zip(boxes) {
@@ -78,56 +81,54 @@ fn choose_axis(lists: &mut ListState, boxes: &[KeyBox]) {
     // The list of the last axis is in order already, so another one has to be clearly better.
     let last = (lists.axis as usize).min(2);
     lists.axis = (0..3).fold(last, |best, k| if 5 * near[k] < 4 * near[best] { k } else { best }) as u8;
+    let [_, u] = lists.axes();
+    let least = boxes.iter().fold(i32::MAX, |least, bounds| least.min(bounds.min[u])) >> 16;
+    let most = boxes.iter().fold(i32::MIN, |most, bounds| most.max(bounds.max[u])) >> 1;
+    let unused = (most.wrapping_sub(least << 15) as u32).leading_zeros();
+    (lists.least, lists.shift) = (least as i16, (u32::BITS - small::BITS).saturating_sub(unused) as u8);
 }
 
 /// Makes the list hold exactly the living objects, by slot. O(slots).
 fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
-    let Parts { state, boxes, order, .. } = parts;
+    let Parts { state, boxes, list, .. } = parts;
     let mut listed = 0;
     for (slot, bounds) in (0..state.objects.slots).zip(boxes.now.iter()) {
         if !bounds.is_empty() {
-            order.put(listed, I::from_slot(slot));
+            list.put(listed, slot as i32);
             listed += 1;
         }
     }
-    (state.lists.listed, state.lists.stale) = (listed as u32, 0);
+    (state.lists.listed, state.lists.stale) = (listed as u16, 0);
 }
 
-/// Sorts one list: by insertion while that is cheap, else Shell's sort. O(n + inversions), or about
-/// O(n^1.3) for as many as lists have.
+/// Sorts the list, and writes its words anew: by insertion, or by the upper bits of minima before.
+/// O(n + inversions), or O(n log n).
 #[inline(never)]
-fn repair<I: Index>(order: &mut [I], boxes: &[KeyBox], axis: usize) {
-    let axis = axis.min(2);
-    let low = |slot: I| KeyBox::of(boxes, slot.at()).min[axis];
-    let mut budget = INVERSIONS_PER_OBJECT * order.len() + 64;
-    for gap in [1_u8, 57, 23, 10, 4, 1] {
-        let gap = usize::from(gap);
-        let mut most = i32::MIN;
-        for index in 0..order.len() {
-            let slot = order.at(index);
-            let (this, mut to) = (low(slot), index);
-            if gap == 1 && most < this {
-                // In order already, as most are.
-                most = this;
-                continue;
-            }
-            while to >= gap {
-                let other = order.at(to - gap);
-                if (low(other), other) < (this, slot) {
-                    break;
-                }
-                order.put(to, other);
-                to -= gap;
-            }
-            order.put(to, slot);
-            budget = budget.saturating_sub(index - to);
-            if budget == 0 {
-                break;
-            }
+fn sort(boxes: &[KeyBox], list: &mut [i32], lists: &ListState) {
+    let [w, _] = lists.axes();
+    let low = |word: i32| (KeyBox::of(boxes, slot(word)).min[w], slot(word));
+    let (mut budget, mut last, mut next) = (INVERSIONS_PER_OBJECT * list.len() + 64, i32::MIN, 0);
+    while let Some(word) = list.get_mut(next) {
+        let at = slot(*word);
+        let bounds = KeyBox::of(boxes, at);
+        *word = small::word(bounds, at, lists);
+        let (this, word, mut to) = ((bounds.min[w], at), *word, next);
+        next += 1;
+        if last < this.0 {
+            // In order already, as most are.
+            last = this.0;
+            continue;
         }
-        if gap == 1 && budget > 0 {
-            return;
+        while to > 0 && low(list.at(to - 1)) > this {
+            list.put(to, list.at(to - 1));
+            to -= 1;
         }
-        budget = usize::MAX;
+        list.put(to, word);
+        budget = budget.saturating_sub(next - 1 - to);
+        if budget == 0 {
+            list.iter_mut().for_each(|word| *word = low(*word).0 & !0xff | *word & 0xff);
+            heapsort(list, |a, b| a < b);
+            (budget, last, next) = (usize::MAX, i32::MIN, 0);
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
+use crate::memory::state::{ListState, slot};
 use crate::pairs::pair_filter::PairFilter;
 
 /// Tests every two boxes and writes the pairs that fit. Returns how many pairs there are, whether they fit or
@@ -42,54 +43,86 @@ pub(crate) fn test_all<I: Index>(
     (all - places.len() + without_room, candidates)
 }
 
-/// Sweeps the boxes themselves along a list of slots by ascending minimum on an axis, and writes the pairs
-/// that fit. Returns how many there are, and how many boxes overlap along the axis: at most n²/2. O(n + that).
+/// Bits of a side in a word of the list. The low side and the distance of the high side from the end of the grid
+/// start at these bits; the bit above each is free.
+pub(crate) const BITS: u32 = 11;
+const LAST: i32 = (1 << BITS) - 1;
+const LOW: u32 = 20;
+const HIGH: u32 = 8;
+
+/// The word of a box in the list: its slot, and its sides on the second axis. What is beyond the grid is at its
+/// ends: any monotone map is right.
+#[inline(always)]
+pub(crate) fn word(bounds: &KeyBox, slot: usize, lists: &ListState) -> i32 {
+    let ([_, u], shift) = (lists.axes(), lists.shift & 31);
+    // Half a key, so that no difference is too large.
+    let least = i32::from(lists.least) << 15;
+    let most = least.wrapping_add((1_i32 << BITS << shift).wrapping_sub(1));
+    let step = |length: i32| (length >> shift).clamp(0, LAST);
+    let (low, high) = ((bounds.min[u] >> 1).wrapping_sub(least), most.wrapping_sub(bounds.max[u] >> 1));
+    step(low) << LOW | step(high) << HIGH | slot as i32
+}
+
+/// Sweeps along a list by ascending minimum on an axis, and writes the pairs that fit. Returns how many there
+/// are, and how many boxes were compared: at most n²/2. O(n + that).
 pub(crate) fn sweep<I: Index>(
-    list: &[I],
     boxes: &[KeyBox],
+    list: &[i32],
     axis: u8,
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> (usize, usize) {
     match axis {
-        0 => sweep_along::<I, 0, 2, 1>(list, boxes, pair_filter, pairs),
-        1 => sweep_along::<I, 1, 0, 2>(list, boxes, pair_filter, pairs),
-        _ => sweep_along::<I, 2, 0, 1>(list, boxes, pair_filter, pairs),
+        0 => sweep_along::<I, 0, 2, 1>(boxes, list, pair_filter, pairs),
+        1 => sweep_along::<I, 1, 0, 2>(boxes, list, pair_filter, pairs),
+        _ => sweep_along::<I, 2, 0, 1>(boxes, list, pair_filter, pairs),
     }
 }
 
 /// With constant axes, and not inline, so that the inner loop stays in registers.
 #[inline(never)]
 fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
-    list: &[I],
     boxes: &[KeyBox],
+    list: &[i32],
     pair_filter: Option<PairFilter<'_>>,
     pairs: &mut [Pair<I>],
 ) -> (usize, usize) {
     let (all, mut places, mut without_room) = (pairs.len(), pairs.iter_mut(), 0);
-    let (mut rest, mut candidates) = (list.iter(), 0);
-    while let Some(slot) = rest.next() {
-        let KeyBox { min, max } = *KeyBox::of(boxes, slot.at());
-        let mut ahead = rest.clone();
-        candidates += ahead.len();
-        for other in ahead.by_ref() {
-            let Some(b) = boxes.get(other.at()).filter(|b| b.min[W] <= max[W]) else {
-                // Neither this one nor those behind it.
-                candidates -= 1;
-                break;
-            };
-            if b.min[U] > max[U] || min[U] > b.max[U] || b.min[V] > max[V] || min[V] > b.max[V] {
-                continue;
-            }
-            let pair = pair(slot.slot(), other.slot());
-            if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(pair)) {
-                match places.next() {
-                    Some(place) => *place = pair,
-                    None => without_room += 1,
+    let (mut rest, mut candidates) = (list, 0);
+    while let Some((word, ahead)) = rest.split_first() {
+        let a = KeyBox::of(boxes, slot(*word));
+        let facing = *word >> HIGH << LOW | *word >> LOW << HIGH;
+        // In parts, as only a box that is near on the second axis tells that those behind it are too far.
+        'ahead: for some in ahead.chunks(32) {
+            let mut near = some.iter();
+            candidates += some.len();
+            // A sum that needs the bit that is free is of sides that are apart.
+            while let Some(other) = near.find(|other| {
+                let sums = other.wrapping_add(facing);
+                !(sums | sums << (LOW - HIGH)).is_negative()
+            }) {
+                let b = KeyBox::of(boxes, slot(*other));
+                if b.min[W] > a.max[W] {
+                    // Neither this one nor those behind it.
+                    candidates -= near.len() + 1;
+                    break 'ahead;
+                }
+                if a.min[V] > b.max[V] || b.min[V] > a.max[V] || a.min[U] > b.max[U] || b.min[U] > a.max[U] {
+                    continue;
+                }
+                let pair = pair(slot(*word) as u32, slot(*other) as u32);
+                if pair_filter.is_none_or(|pair_filter| pair_filter.lets_through(pair)) {
+                    match places.next() {
+                        Some(place) => *place = pair,
+                        None => without_room += 1,
+                    }
                 }
             }
+            if some.last().is_none_or(|last| KeyBox::of(boxes, slot(*last)).min[W] > a.max[W]) {
+                break;
+            }
         }
-        candidates -= ahead.len();
+        rest = ahead;
     }
     (all - places.len() + without_room, candidates)
 }

@@ -5,7 +5,7 @@ use crate::access::{Access, bits};
 use crate::id::Index;
 use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
-use crate::memory::state::State;
+use crate::memory::state::{State, slot};
 use crate::memory::stats::Path;
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::large;
@@ -59,17 +59,17 @@ fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     if parts.state.lists.stale != 0 || listed != parts.state.objects.live as usize {
         return Ok(());
     }
-    let (order, now) = (parts.order.span(0, listed), &parts.boxes.now);
-    let lives = order.iter().all(|slot| !now.at(slot.at()).is_empty());
+    let (list, now) = (parts.list.span(0, listed).iter().map(|word| slot(*word)), &parts.boxes.now);
+    let lives = list.clone().all(|slot| !now.at(slot).is_empty());
     let living = (0..parts.state.objects.slots).filter(|slot| !now.at(*slot as usize).is_empty());
-    let listed_once = sum(order.iter().map(|slot| slot.slot().into())) == sum(living.map(u64::from));
+    let listed_once = sum(list.clone().map(|slot| slot as u64)) == sum(living.map(u64::from));
     check(lives && listed_once, "the list does not hold each living object once", listed)?;
     let swept = parts.state.stats().path == Path::Lists
         && parts.state.pairs.unkept == 0
+        && parts.filters.of.is_empty()
         && parts.moved.count() + parts.settled.count() == 0;
     let axis = parts.state.lists.axis as usize;
-    let low = |slot: I| (boxes.at(slot.at()).min.at(axis), slot);
-    let ascends = order.windows(2).all(|two| low(two.at(0)) < low(two.at(1)));
+    let ascends = list.clone().is_sorted_by_key(|slot| (boxes.at(slot).min.at(axis), slot));
     check(!swept || ascends, "the swept list is not in order", axis)?;
     Ok(())
 }
@@ -86,7 +86,7 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let all = [
         (flags.iter().all(|flag| *flag <= 1), "a number that is neither yes nor no"),
         (objects.slots as usize <= sizes.objects, "more slots than there is room for"),
-        (lists.stale != 0 || lists.listed <= objects.slots, "the lists are too long"),
+        (lists.stale != 0 || u32::from(lists.listed) <= objects.slots, "the lists are too long"),
         (lists.axis < 3, "an axis that there is not"),
         (step.margins_in == 0 || sizes.fat > 0, "fat boxes that are not used where there are none"),
         (tree.count as usize <= sizes.whole_leaves, "more leaves than room"),

@@ -3,7 +3,7 @@
 mod owners;
 mod setup;
 
-pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState, large_nodes};
+pub(crate) use owners::{ListState, ObjectState, PairState, StepState, TreeState, large_nodes, slot};
 pub(crate) use setup::Setup;
 
 use super::layout::{has_fat, sweeps_margins};

@@ -29,19 +29,33 @@ pub(crate) struct ObjectState {
     pub(crate) moved_inside_margin: u8,
 }
 
-/// The sorted lists: of `lists` and `step::lists`.
+/// The sorted list: of `step::lists` and `sweep::small`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct ListState {
-    /// Slots in the sorted lists.
-    pub(crate) listed: u32,
-    /// Whether the lists may not hold all living objects.
+    /// Slots in the sorted list.
+    pub(crate) listed: u16,
+    /// The grid on a second axis: the upper bits of its first key, and how many lower bits a step has.
+    pub(crate) least: i16,
+    /// Whether the list may not hold all living objects.
     pub(crate) stale: u8,
     /// The axis that a world without a tree is swept along.
     pub(crate) axis: u8,
     /// Steps until the axis is chosen anew.
     pub(crate) scan_in: u8,
-    pub(crate) unused: u8,
+    pub(crate) shift: u8,
+}
+
+impl ListState {
+    /// The axis that is swept along, and the one on which words have sides.
+    pub(crate) fn axes(&self) -> [usize; 2] {
+        [usize::from(self.axis).min(2), if self.axis == 0 { 2 } else { 0 }]
+    }
+}
+
+/// The slot in a word of the list, in bits for [`SMALL`](crate::memory::limits::SMALL). Above it are two sides.
+pub(crate) const fn slot(word: i32) -> usize {
+    (word & 0xff) as usize
 }
 
 /// Planes and leaves, and how good they are: of `tree`.
