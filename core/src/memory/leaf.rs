@@ -58,16 +58,11 @@ impl Cell {
         Classification { before: simd.above(from, keys), inside: simd.above(until, keys) }
     }
 
-    /// The low sides, to be compared with boxes.
+    /// The low sides, to be compared with boxes, and those that decide whether a box from another leaf touches
+    /// this cell.
     #[inline(always)]
-    pub(crate) fn low_keys<S: Simd>(&self, simd: S) -> S::Keys {
-        simd.keys(&self.from)
-    }
-
-    /// The sides that decide whether a box from another leaf touches this cell.
-    #[inline(always)]
-    pub(crate) fn entrance<S: Simd>(&self, simd: S) -> S::Keys {
-        simd.keys(&KeyBox { min: self.until.min, max: self.from.min })
+    pub(crate) fn entrance<S: Simd>(&self, simd: S) -> [S::Keys; 2] {
+        [self.from, KeyBox { min: self.until.min, max: self.from.min }].map(|sides| simd.keys(&sides))
     }
 }
 

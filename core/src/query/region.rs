@@ -207,8 +207,9 @@ impl<I: Index> World<'_, I> {
         volume: Option<&dyn Volume>,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) {
-        let search = InRegion { world: self, boxes, within: Within { bounds, volume }, visit };
-        let _ = run!(self.kernels, |simd| search_region(simd, search));
+        let home = self.has_tree().then(|| leaf_of(self.parts.tree.splits, &bounds.min));
+        let mut search = InRegion { world: self, boxes, within: Within { bounds, volume }, visit };
+        let _ = run!(self.kernels, |simd| walk(simd, self, home, &mut search));
     }
 }
 
@@ -282,13 +283,6 @@ struct InRegion<'q, 'm, I: Index> {
     boxes: &'q [KeyBox],
     within: Within<'q>,
     visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
-}
-
-#[inline(always)]
-fn search_region<S: Simd, I: Index>(simd: S, mut search: InRegion<'_, '_, I>) -> ControlFlow<()> {
-    let world = search.world;
-    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &search.within.bounds.min));
-    walk(simd, world, home, &mut search)
 }
 
 impl<'q, I: Index> Search for InRegion<'q, '_, I> {

@@ -26,7 +26,8 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let kept = persistent::persistent(parts, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
-    let per_block = count.div_ceil(parts.state.tree.most_blocks()).max(MOVERS_PER_BLOCK);
+    // As many blocks as in a full step at most, as each may leave a chunk of pairs unfinished.
+    let per_block = count.div_ceil(parts.state.tree.count.max(1) as usize).max(MOVERS_PER_BLOCK);
     let [_, homes, movers] = thirds(parts.spare);
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
     let moved = &*parts.moved.words;

@@ -65,7 +65,7 @@ impl<'g> TreeView<'g> {
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, ghosts: &mut [Record]) -> usize {
         call!(simd, {
             let cell = self.cells.at(index);
-            let (low, entrance) = (cell.low_keys(simd), cell.entrance(simd));
+            let [low, entrance] = cell.entrance(simd);
             let mut gathered =
                 Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
             // The cell is half-open: minima at its high side are in the next cell.

@@ -31,7 +31,10 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
         if *frame != Frame::over(low, high) {
             leaf.axis = frame.longest_axis() as u32;
             let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
-            run!(context.kernels, |simd| write_again(simd, boxes, frame, members));
+            run!(context.kernels, |simd| for record in members {
+                let bounds = KeyBox::of(boxes, record.slot() as usize);
+                *record = simd.record(frame, simd.keys(bounds), record.tag);
+            });
         }
     }
 }
@@ -44,12 +47,4 @@ fn narrow(boxes: &[KeyBox], extent: &Extent, cell: &Cell, members: &[Record]) ->
     // If they are all at one point, no grid tells them apart, but the wide one tells the rest.
     let one_point = narrow.low == narrow.high;
     if one_point { Frame::over(low, high) } else { Frame::over(narrow.low, narrow.high) }
-}
-
-#[inline(always)]
-fn write_again<S: Simd>(simd: S, boxes: &[KeyBox], frame: &Frame, members: &mut [Record]) {
-    for record in members {
-        let bounds = KeyBox::of(boxes, record.slot() as usize);
-        *record = simd.record(frame, simd.keys(bounds), record.tag);
-    }
 }

@@ -112,11 +112,6 @@ impl TreeState {
         (self.count, self.filled, self.subdivided) = (0, 0, 0);
     }
 
-    /// The most blocks of a sweep: as many as in a full step, as each may leave a chunk of pairs unfinished.
-    pub(crate) fn most_blocks(&self) -> usize {
-        (self.count as usize).max(1)
-    }
-
     /// Where the list of large objects starts.
     pub(crate) const fn large_list(&self) -> usize {
         self.large_start as usize + large_nodes(self.large_depth)
