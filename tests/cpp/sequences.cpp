@@ -28,7 +28,9 @@ public:
         tally_.ran[static_cast<std::size_t>(op.kind)]++;
         const bool asks = op.kind == Kind::overlaps || op.kind == Kind::cast || op.kind == Kind::nearest ||
                           op.kind == Kind::batches || op.kind == Kind::view;
-        if (asks && op.argument % 3 == 1) {
+        const bool changes = op.kind == Kind::insert || op.kind == Kind::insert_many || op.kind == Kind::set ||
+                             op.kind == Kind::remove;
+        if ((asks || changes) && op.argument % 3 == 1) {
             refresh(op);
         }
         switch (op.kind) {

@@ -5,7 +5,7 @@ use trisap_tests::checked::{Checked, slots};
 use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
 use trisap_tests::queries::{ask_cast, ask_nearest, ask_region};
-use trisap_tests::scenes::{Rng, at, shifted, uniform};
+use trisap_tests::scenes::{self, Rng, at, shifted, uniform};
 use trisap_tests::worlds::{Setup, Slab, ample};
 use trisap_tests::{SlotPair, sorted};
 
@@ -48,6 +48,30 @@ fn a_world_that_is_only_asked_needs_no_step_and_no_pairs() {
             }
         }
     }
+}
+
+/// Objects come, with a refresh after some, until more are there than the leaf had room for when it was filled last:
+/// the full step that keeps all other records then has no leaf behind it that lends it room.
+#[test]
+fn a_leaf_fills_up_between_refreshes() {
+    let (mut slab, rng) = (Slab::new::<u32>(&Config::new(ample(2000, 60_000))), &mut Rng::new(4));
+    let mut world = Checked::<u32>::new(slab.world(&Config::new(ample(2000, 60_000))));
+    let mut come = |world: &mut Checked<'_, u32>, count: usize| {
+        let lows: Vec<f32> = (0..count).map(|_| rng.point(0.0, 200.0)[0]).collect();
+        world.insert_many(&lows.iter().map(|&x| scenes::on_x(x, x + 1.5)).collect::<Vec<_>>())
+    };
+    let first = come(&mut world, 63)[0];
+    // Calm steps divide the leaf, so that the refresh after them fills it anew.
+    (0..3).for_each(|_| drop(world.step(Setup::REFERENCE)));
+    world.set(first, scenes::on_x(104.0, 105.5));
+    for count in [8, 5, 10, 12] {
+        come(&mut world, count);
+        world.world_mut().refresh().expect("a world");
+        world.check();
+    }
+    come(&mut world, 14);
+    assert_eq!(world.step(Setup::REFERENCE).stats.path, Path::Full);
+    assert_eq!(world.world().leaves().count(), 1);
 }
 
 /// What a step says.

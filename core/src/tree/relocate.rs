@@ -105,7 +105,7 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
 /// no fill of all leaves. Records between move along, and places stay. Returns whether there was room. A
 /// leaf that is to be divided gets none. O(members of [`NEIGHBOURS`] leaves).
 fn borrow<I: Index>(parts: &mut Parts<'_, I>, full: usize) -> bool {
-    let (tree, behind) = (&mut parts.tree, full + 1..parts.state.leaves() as usize);
+    let (tree, behind) = (&mut parts.tree, full + 1..parts.state.tree.leaves() as usize);
     let is_over = u64::from(tree.leaves.at(full).len) >= most(parts.state);
     let free = |leaf: &usize| tree.leaves.at(*leaf).room > tree.leaves.at(*leaf).len;
     let Some(giver) = behind.take(NEIGHBOURS).find(free).filter(|_| !is_over) else { return false };
@@ -142,7 +142,7 @@ fn withdraw<I: Index>(parts: &mut Parts<'_, I>, slot: usize) {
 /// ones are dropped. Their slots are then in the third of the [thirds], their homes in the second. Returns how
 /// many there are. O(movers + leaves).
 pub(crate) fn order_movers<I: Index>(parts: &mut Parts<'_, I>, count: usize) -> usize {
-    let leaves = parts.state.leaves() as usize;
+    let leaves = parts.state.tree.leaves() as usize;
     // With few movers, a count for each sub-leaf would take longer than it saves.
     let coarser = if count < leaves / 4 { parts.state.tree.sub_levels() } else { 0 };
     let leaves = leaves >> coarser;

@@ -91,9 +91,11 @@ fn live<I: Index>(header: Header, operations: &[Operation]) -> Tally {
 impl<'m, I: Index> Life<'m, '_, I> {
     fn apply(&mut self, mut op: Operation) {
         self.past.tally.kinds[op.kind as usize] += 1;
+        // Before questions, and while objects come and move, so that leaves fill up between two steps.
         let asks =
             matches!(op.kind, Kind::Overlaps | Kind::Cast | Kind::Nearest | Kind::Batches | Kind::View);
-        if asks && op.argument % 3 == 1 {
+        let changes = matches!(op.kind, Kind::Insert | Kind::InsertMany | Kind::Set | Kind::Remove);
+        if (asks || changes) && op.argument % 3 == 1 {
             self.refresh(&op);
         }
         match op.kind {

@@ -39,11 +39,7 @@ impl State {
 
     /// The leaves now; without a tree, as the last step had them.
     pub(crate) const fn leaves(&self) -> u32 {
-        if TREE && self.tree.filled != 0 {
-            self.tree.count << self.tree.sub_levels()
-        } else {
-            self.step.leaves
-        }
+        if TREE && self.tree.filled != 0 { self.tree.leaves() } else { self.step.leaves }
     }
 
     /// The state as a snapshot has it: the objects and the last result, without the tree, lists, fat boxes

@@ -117,6 +117,11 @@ impl TreeState {
         self.large_start as usize + large_nodes(self.large_depth)
     }
 
+    /// The leaves that there are, filled or not.
+    pub(crate) const fn leaves(&self) -> u32 {
+        self.count << self.sub_levels()
+    }
+
     /// How many levels the leaves are below `depth`: none while no leaf is divided.
     pub(crate) const fn sub_levels(&self) -> u32 {
         if self.subdivided == 0 { 0 } else { SUB_LEVELS }
