@@ -603,7 +603,8 @@ public:
     }
 
     /// Whether the world moves by itself to twice the room where objects or pairs do not fit, also those of a snapshot. Off at first.
-    /// What such a world can mend is not reported (see `trisap_set_report`), and views of results stay good as after `move_to`.
+    /// What such a world can mend is not reported (see `trisap_set_report`), and views of results stay good as after `move_to`. With room
+    /// for more than 256 objects it is not lean any more.
     void set_growing(bool growing) noexcept {
         growing_ = growing;
         tell_growing();
@@ -902,7 +903,7 @@ public:
     /// The result of the last step once more, after `load` for instance.
     [[nodiscard]] Step result() noexcept {
         trisap_result result = trisap_default_result();
-        const Status status = trisap_world_result(world_, &result);
+        const Status status = trisap_world_result(stepped(), &result);
         return view(status, result);
     }
 
@@ -971,14 +972,15 @@ public:
 
     /// Replaces the world by the one that a snapshot was taken of. Room and workers may differ: see `trisap_world_load`.
     [[nodiscard]] Status load(View<const std::byte> snapshot) noexcept {
-        return renew([&] { return trisap_world_load(world_, snapshot.data(), snapshot.size()); });
+        return renew([&] { return trisap_world_load(world_, snapshot.data(), snapshot.size()); }, TRISAP_STATUS_OK);
     }
 
     /// Puts the last result into an order that depends on its pairs alone: see `trisap_world_sort_results`. Its views
     /// are those of `result` then.
     [[nodiscard]] Status sort_results() noexcept {
         trisap_result result = trisap_default_result();
-        return trisap_world_sort_results(world_, &result);
+        const Status status = trisap_world_sort_results(world_, &result);
+        return status == TRISAP_STATUS_OK && stepped() != world_ ? trisap_world_sort_results(stepped(), &result) : status;
     }
 
     /// The leaves of the tree, from left to right, for a debug view.
@@ -1016,7 +1018,7 @@ public:
     /// Checks every invariant of the world. O(n log n).
     [[nodiscard]] Status validate() const noexcept { return trisap_world_validate(world_); }
 
-    /// For the C functions; null before `init`.
+    /// For the C functions; null before `init`. Where the world has moved since a step, `result` does not know of steps and loads by C.
     [[nodiscard]] trisap_world *c() noexcept { return world_; }
 
     World(World &&other) noexcept
@@ -1052,7 +1054,7 @@ private:
         const Status status = make(memory.get(), room, &world);
         if (status == TRISAP_STATUS_OK) {
             if (goes_on && kept_ == nullptr) {
-                kept_ = std::move(memory_); // what was given out since is no older
+                kept_ = std::move(memory_);
             } else if (!goes_on) {
                 kept_ = Memory();
             }
@@ -1069,14 +1071,21 @@ private:
         }
     }
 
-    /// A step or load, after which the results before it are gone.
-    template <class Call> [[nodiscard]] Status renew(Call call) noexcept {
-        const Status status = grow_and(call);
-        if (status == TRISAP_STATUS_OK || status == TRISAP_STATUS_PAIRS_FULL) {
-            kept_ = Memory();
-            has_stepped_ = true;
-        }
-        return status;
+    /// The world in the memory that the last step was in: all views are of that, also where it has moved since, any number of times.
+    [[nodiscard]] trisap_world *stepped() const noexcept {
+        return kept_ == nullptr ? world_ : static_cast<trisap_world *>(kept_.get());
+    }
+
+    /// A step or load, after which the results before it are gone; of a step also where its pairs do not fit.
+    template <class Call> [[nodiscard]] Status renew(Call call, Status partly = TRISAP_STATUS_PAIRS_FULL) noexcept {
+        return grow_and([&] {
+            const Status status = call();
+            if (status == TRISAP_STATUS_OK || status == partly) {
+                kept_ = Memory();
+                has_stepped_ = true;
+            }
+            return status;
+        });
     }
 
     /// Makes a world of one worker ready for those of a job system, before its first step: later that would change the order of pairs.
@@ -1107,6 +1116,7 @@ private:
             } else {
                 const Config usual = trisap_default_config(grown(larger.objects));
                 larger.objects = usual.objects;
+                larger.lean = larger.objects <= lean_objects ? larger.lean : 0;
                 larger.leaf_refs = usual.leaf_refs > larger.leaf_refs ? usual.leaf_refs : larger.leaf_refs;
                 larger.pairs = usual.pairs > larger.pairs ? usual.pairs : larger.pairs;
             }
@@ -1191,6 +1201,9 @@ private:
                 result.pairs_needed};
     }
 
+    /// More cannot be in a lean world.
+    static constexpr std::uint32_t lean_objects = 256;
+
     Allocator allocator_;
     Memory memory_;
     /// That of the last step, if the world has moved since.
@@ -1215,7 +1228,8 @@ public:
     /// Takes back the numbers of the lost pairs of a step and tells each as `ended(pair, contact)`, then gives the found ones numbers
     /// and tells each as `began(pair, contact)`. Of each step, also of those in which nothing seems to happen.
     ///
-    /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`; nothing is told or changed then.
+    /// Errors: `TRISAP_STATUS_MEMORY_TOO_SMALL`; `TRISAP_STATUS_INVALID_ARGUMENT` for a found pair of one slot, or of one that no world
+    /// has. Nothing is told or changed then.
     template <class Ended, class Began>
     [[nodiscard]] Status update(const Step &step, Ended &&ended, Began &&began) noexcept {
         return update(step.lost, step.found, ended, began);
@@ -1226,7 +1240,12 @@ public:
     [[nodiscard]] Status update(View<const Pair> lost, View<const Pair> found, Ended &&ended, Began &&began) noexcept {
         std::uint32_t slots = objects_;
         for (const Pair &pair : found) {
-            slots = pair.b >= slots ? pair.b + 1 : slots;
+            const std::uint32_t last = pair.a < pair.b ? pair.b : pair.a;
+            // All that the call below may refuse, which comes after `ended`.
+            if (pair.a == pair.b || last == UINT32_MAX) {
+                return detail::refuse(TRISAP_STATUS_INVALID_ARGUMENT);
+            }
+            slots = last >= slots ? last + 1 : slots;
         }
         const std::size_t pairs = size() + found.size();
         if (contacts_ == nullptr || slots > objects_ || pairs > room_) {

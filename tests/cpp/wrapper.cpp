@@ -232,6 +232,92 @@ static void growing() {
     CHECK(before - allocations_left == 2);
 }
 
+/// Views of one step after growth and growth, without a step in between.
+static void views_outlive_growth() {
+    for (const bool moved_before : {false, true}) {
+        trisap::World world;
+        trisap::Config config = trisap::config(4);
+        config.events = 1;
+        CHECK_OK(world.init(config));
+        world.set_growing(true);
+        const auto grow = [&] {
+            for (const std::uint32_t had = world.config().objects; world.config().objects == had;) {
+                CHECK(world.insert(cube(0.0f)) != trisap::null_id);
+            }
+        };
+        const trisap::Id later = world.insert(cube(50.0f));
+        for (const float x : {0.0f, 1.0f, 0.5f}) {
+            CHECK(world.insert(cube(x)) != trisap::null_id);
+        }
+        CHECK(world.step().pairs.size() == 3);
+        CHECK_OK(world.update(later, cube(0.25f)));
+        const trisap::Step step = world.step();
+        if (moved_before) {
+            grow();
+        }
+        const trisap::Step again = world.result();
+        grow();
+        const trisap::Step third = world.result();
+        CHECK_OK(world.sort_results());
+        const trisap::Step sorted = world.result();
+        grow();
+        const trisap::Step last = world.result();
+        for (const trisap::Step &told : {step, again, third, sorted, last}) {
+            const trisap::Pair expected[] = {{1, 2}, {1, 3}, {2, 3}, {0, 1}, {0, 2}, {0, 3}};
+            CHECK_OK(told.status);
+            CHECK(told.pairs.size() == 6 && told.found.size() == 3 && told.lost.empty());
+            for (std::size_t i = 0; i < 6; i++) {
+                const trisap::Pair &pair = i < 3 ? told.pairs[i] : told.found[i - 3];
+                CHECK(pair.a == expected[i].a && pair.b == expected[i].b);
+            }
+        }
+        // A load that is refused changes nothing, and the next step has no other memory.
+        const std::byte none[64] = {};
+        CHECK_STATUS(world.load(none), TRISAP_STATUS_BAD_SNAPSHOT);
+        CHECK(step.pairs[0].a == 1);
+        CHECK(world.step().pairs.size() == world.result().pairs.size() && world.result().pairs.size() > 6);
+        CHECK_OK(world.validate());
+    }
+    // A snapshot with too many pairs, and a step with too many and no memory for them.
+    Arena arena;
+    trisap::World many, few(allocator_of(arena));
+    trisap::Config config = trisap::config(8);
+    CHECK_OK(many.init(config));
+    for (int i = 0; i < 8; i++) {
+        CHECK(many.insert(cube(0.0f)) != trisap::null_id);
+    }
+    CHECK(many.step().pairs.size() == 28);
+    std::vector<std::byte> room(many.snapshot_size());
+    CHECK(many.save(room));
+    config.pairs = 2;
+    CHECK_OK(few.init(config));
+    CHECK(few.insert(cube(0.0f)) != trisap::null_id && few.insert(cube(0.0f)) != trisap::null_id);
+    const trisap::Step one = few.step();
+    CHECK_OK(few.move_to(config));
+    CHECK_STATUS(few.load(room), TRISAP_STATUS_PAIRS_FULL);
+    CHECK(one.pairs.size() == 1 && one.pairs[0].b == 1);
+    CHECK(few.insert(cube(0.0f)) != trisap::null_id && few.insert(cube(0.0f)) != trisap::null_id);
+    few.set_growing(true);
+    arena.left = 0;
+    CHECK_STATUS(few.step().status, TRISAP_STATUS_MEMORY_TOO_SMALL);
+    CHECK(few.result().pairs.size() == 2);
+}
+
+/// A lean world that grows is lean as long as it can be.
+static void lean_growth() {
+    trisap::World world;
+    trisap::Config config = trisap::config(100);
+    config.lean = 1;
+    CHECK_OK(world.init(config));
+    world.set_growing(true);
+    for (std::uint32_t i = 0; i < 300; i++) {
+        CHECK(world.insert(cube(2.0f * static_cast<float>(i))) != trisap::null_id);
+        CHECK(world.config().lean == (i < 200 ? 1 : 0));
+    }
+    CHECK(world.step() && world.size() == 300);
+    CHECK_OK(world.validate());
+}
+
 static void callables() {
     trisap::World world;
     trisap::Config config = trisap::config(8);
@@ -457,6 +543,15 @@ static void contacts() {
                 CHECK_OK(before.copy_from(contacts));
             }
         }
+        // What cannot have a number is found before anything is told.
+        const std::size_t numbered = contacts.size();
+        const auto never = [](trisap::Pair, std::uint32_t) { CHECK(false); };
+        const trisap::Pair one_slot[] = {{900, 901}, {2, 2}}, no_slot[] = {{0xffffffff, 0}}, turned[] = {{5000, 0}};
+        CHECK_STATUS(contacts.update(world.result().pairs, one_slot, never, never), TRISAP_STATUS_INVALID_ARGUMENT);
+        CHECK_STATUS(contacts.update(world.result().pairs, no_slot, never, never), TRISAP_STATUS_INVALID_ARGUMENT);
+        CHECK(contacts.size() == numbered);
+        CHECK_OK(contacts.update({}, turned, never, [](trisap::Pair, std::uint32_t) {}));
+        CHECK_OK(contacts.update(turned, {}, [](trisap::Pair, std::uint32_t) {}, never));
         std::vector<trisap::Contact> room(200);
         const std::uint32_t slot = trisap::slot(ids[5]);
         const auto of = contacts.of(slot, room);
@@ -527,6 +622,8 @@ int main() {
     once_and_owners();
     views();
     growing();
+    views_outlive_growth();
+    lean_growth();
     callables();
     values();
     contacts();
