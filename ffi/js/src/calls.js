@@ -31,6 +31,8 @@ const OUT = 640;
 
 /** A field of `trisap_config`. */
 const CONFIG_PAIRS = 12;
+/** More cannot be in a lean world. */
+const LEAN_OBJECTS = 256;
 
 export class Calls {
   #given;
@@ -69,27 +71,35 @@ export class Calls {
     const { memory, calls, world, capacity } = this;
     const [boxes, count] = [memory.boxes, BOX * capacity.objects];
     const more = Math.max(objects, capacity.objects);
-    const [bytes, room] = this.#configure(more, { leafRefs: undefined, pairs: Math.max(pairs, capacity.pairs, 8 * more), lean: false });
+    const [bytes, room] = this.#configure(more, {
+      leafRefs: undefined,
+      pairs: Math.max(pairs, capacity.pairs, 8 * more),
+      lean: capacity.lean && more <= LEAN_OBJECTS,
+    });
     if (bytes === 0) {
       throw new errors.OutOfMemoryError(2 ** 32);
     }
-    memory.lay(memory.room + memory.roomBytes, more, bytes, room);
+    memory.lay(memory.end, more, bytes, room);
     this.array(Float32Array, memory.boxes, count).set(this.array(Float32Array, boxes, count));
     this.check(calls.trisap_world_move(world, memory.world, bytes, this.config, this.out), "growth");
     this.world = memory.world;
     this.#moved();
   }
 
-  /** Goes back to a copy of this world. Whether it had other room then: that of now stays set aside. */
-  restore({ bytes, world, capacity }) {
+  /** Goes back to a copy of this world. Where it had other room then, that of now stays set aside. */
+  restore({ bytes, world, capacity, roomBytes }) {
     const { memory, calls } = this;
+    const worldBytes = bytes.length - world;
+    // It may have gone back to less room since, and grown from there.
+    if (world > memory.world - memory.boxes || worldBytes > memory.room - memory.world || roomBytes > memory.roomBytes) {
+      memory.lay(memory.end, capacity.objects, worldBytes, roomBytes);
+      this.world = memory.world;
+    }
     this.array(Uint8Array, memory.boxes, world).set(bytes.subarray(0, world));
-    this.array(Uint8Array, memory.world, bytes.length - world).set(bytes.subarray(world));
-    this.check(calls.trisap_world_open(memory.world, bytes.length - world, this.out), "restore");
+    this.array(Uint8Array, memory.world, worldBytes).set(bytes.subarray(world));
+    this.check(calls.trisap_world_open(memory.world, worldBytes, this.out), "restore");
     this.check(calls.trisap_world_result(memory.world, this.result), "restore");
-    const differs = capacity !== this.capacity;
     this.capacity = capacity;
-    return differs;
   }
 
   /** Writes the configuration that the caller wants, with some fields in place of his; the bytes of the world and of what calls need. */

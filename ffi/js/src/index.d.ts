@@ -31,7 +31,7 @@ export interface Config {
   values?: boolean;
   /** `exact`, the default: the overlaps of the boxes as given. `fat`: those of the boxes with their margins. */
   mode?: "exact" | "fat";
-  /** Up to 256 objects are swept without vectors and their memory. By default false. */
+  /** Up to 256 objects are swept without vectors and their memory. A world that grows beyond them is not lean any more. By default false. */
   lean?: boolean;
   /** The margin as a share of an object's largest extent. Any of the three margins turns margins on. */
   marginPerExtent?: number;
@@ -44,8 +44,8 @@ export interface Config {
   /** Objects that go on as they do cost little: their boxes are predicted for some steps. By default true. */
   predictedBoxes?: boolean;
   /**
-   * Objects and pairs that do not fit make the world move to more memory: no error, but all views are taken away in that call.
-   * By default false.
+   * Objects and pairs that do not fit, also those of a snapshot, make the world move to more memory: no error, but all views are taken
+   * away in that call. By default false.
    */
   grows?: boolean;
 }
@@ -121,8 +121,8 @@ export interface Stats {
  *
  * Arrays that a world hands out as properties are views of its memory: they cost nothing. `boxes` holds for as long as the
  * world, pairs until the next `step`, `load`, `restore` or `sortResults`; no other call takes them away, so a loop over pairs may call what it likes.
- * Only where a world `grows`, the `insert`, `insertMany` or `step` that makes it do so gives new views. All other answers are
- * copies.
+ * Only where a world `grows`, the `insert`, `insertMany`, `step` or `load` that makes it do so gives new views, and a `restore` to
+ * other room. All other answers are copies.
  */
 export class World {
   private constructor();
@@ -200,7 +200,7 @@ export class World {
   /** The values of objects: of those that `overlaps` has found, for instance. */
   values(ids: ArrayLike<Id>): BigUint64Array;
   /**
-   * `pairs`, `found` or `lost` by value, two values each. Lost pairs have those of the objects that were the pair, also where these
+   * `pairs`, `found` or `lost` by value, two values each. Lost pairs have those that the objects of the pair had last, also where these
    * are no more and others have their slots.
    * Other pairs of objects that were removed since the step are left out.
    */
@@ -251,7 +251,7 @@ export class World {
    */
   shiftOrigin(by: readonly [number, number, number]): number;
   /**
-   * A snapshot: bytes that any world of the same kind can load that has as much room, for files and for those who join late. It
+   * A snapshot: bytes that any world of the same kind can load that has as much room or grows, for files and for those who join late. It
    * goes on with the same pairs and events; their order may be another one. What was written to `boxes` is taken in first, as by
    * `commit`; a box that is refused stays for the next step to tell.
    */
@@ -345,7 +345,7 @@ export class SlotTakenError extends TrisapError {
   readonly id: Id;
   readonly slot: number;
 }
-/** An id names no living object, or comes twice in a batch. */
+/** An id names no living object, or comes twice in `removeMany`. */
 export class StaleIdError extends TrisapError {
   readonly id: Id;
   readonly slot: number;

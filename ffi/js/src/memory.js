@@ -69,6 +69,12 @@ export class Memory {
     Object.assign(this, { boxes: from, world, room, roomBytes });
   }
 
+  /** Has the room of calls, which is the last of its memory, take so many bytes. */
+  widen(roomBytes) {
+    this.#reach(this.room + roomBytes);
+    this.roomBytes = roomBytes;
+  }
+
   /** Writes a view of boxes for a call to an address. */
   boxesAt(at, first, count) {
     this.calls.trisap_default_boxes(at, first, 0);

@@ -106,7 +106,7 @@ export class World {
   insert(box) {
     const calls = this.#calls;
     const insert = this.#module.trisap_world_insert;
-    return this.#insert(box, () => insert(this.#world, calls.box(box, "insert"), calls.out), 2 * this.config.objects);
+    return this.#insert(box, () => insert(this.#world, calls.box(box, "insert"), calls.out));
   }
 
   insertAt(slot, box) {
@@ -115,17 +115,12 @@ export class World {
       throw new errors.InvalidArgumentError("slot", "must be a whole number from 0 on");
     }
     const insert = this.#module.trisap_world_insert_at;
-    return this.#insert(box, () => insert(this.#world, slot, calls.box(box, "insertAt"), calls.out), slot + 1);
+    return this.#insert(box, () => insert(this.#world, slot, calls.box(box, "insertAt"), calls.out));
   }
 
-  #insert(box, ask, room) {
+  #insert(box, ask) {
     const calls = this.#calls;
-    let status = ask();
-    if (status === STATUS.OBJECTS_FULL && this.config.grows) {
-      this.#grow(Math.max(FIRST, room, 2 * this.config.objects), 0);
-      status = ask();
-    }
-    calls.check(status, "insert");
+    calls.check(this.#fitting(ask), "insert");
     const id = calls.id(calls.out);
     this.#keep(id, box, 0);
     return id;
@@ -173,8 +168,14 @@ export class World {
   }
 
   removeMany(ids) {
-    const at = this.#living(ids);
-    this.#calls.check(this.#module.trisap_world_remove_many(this.#world, at, ids.length), "removeMany");
+    if (ids.length > this.config.objects) {
+      // More than there is room for, so that one is stale or comes twice.
+      this.#check(ids);
+      const seen = new Set();
+      const again = (id) => seen.has(id) || !seen.add(id);
+      throw new errors.StaleIdError(Array.prototype.find.call(ids, again));
+    }
+    this.#calls.check(this.#module.trisap_world_remove_many(this.#world, this.#calls.ids(ids), ids.length), "removeMany");
   }
 
   clear() {
@@ -229,14 +230,7 @@ export class World {
       const boxes = calls.boxes(calls.memory.boxes, this.#slots);
       return this.#module.trisap_world_step_over(this.#world, boxes, 0, calls.result);
     };
-    let status = ask();
-    if (status === STATUS.PAIRS_FULL && this.config.grows) {
-      const needed = Number(this.#module.trisap_world_error_detail(this.#world));
-      // A quarter more, so that a growing scene does not move in each step.
-      this.#grow(0, Math.min(needed + Math.ceil(needed / 4), 0xffff_ffff));
-      status = ask();
-    }
-    calls.check(status, "step");
+    calls.check(this.#fitting(ask), "step");
     const count = calls.word(calls.result + RESULT_REJECTED);
     this.#refuse({ count, id: count === 0 ? null : calls.id(calls.result + RESULT_FIRST_REJECTED) }, "step");
     return this;
@@ -257,15 +251,15 @@ export class World {
 
   setFilters(ids, filters) {
     const calls = this.#calls;
-    const all = Array.isArray(filters) ? filters : [filters];
-    if (Array.isArray(filters) && all.length !== ids.length) {
+    const each = Array.isArray(filters);
+    if (each && filters.length !== ids.length) {
       throw new errors.InvalidArgumentError("filters", "are as many as ids, or one for all");
     }
-    const at = this.#living(ids);
-    all.forEach((filter, i) => calls.filter(at + 8 * ids.length + FILTER_BYTES * i, filter));
-    const [first, stride] = [at + 8 * ids.length, Array.isArray(filters) ? FILTER_BYTES : 0];
-    const status = this.#module.trisap_world_set_filter_many(this.#world, at, first, stride, ids.length);
-    calls.check(status, "setFilters");
+    const [last, own] = this.#last(ids, each ? filters : []);
+    const at = calls.ids(last);
+    const [first, stride] = [at + 8 * last.length, each ? FILTER_BYTES : 0];
+    (each ? own : [filters]).forEach((filter, i) => calls.filter(first + FILTER_BYTES * i, filter));
+    calls.check(this.#module.trisap_world_set_filter_many(this.#world, at, first, stride, last.length), "setFilters");
   }
 
   setClasses(meets) {
@@ -293,10 +287,11 @@ export class World {
       throw new errors.InvalidArgumentError("values", "are as many as ids");
     }
     const calls = this.#calls;
-    const at = this.#living(ids);
-    const first = at + 8 * ids.length;
-    calls.array(BigUint64Array, first, ids.length).set(values);
-    calls.check(this.#module.trisap_world_set_value_many(this.#world, at, first, 8, ids.length), "setValues");
+    const [last, own] = this.#last(ids, values);
+    const at = calls.ids(last);
+    const first = at + 8 * last.length;
+    calls.array(BigUint64Array, first, last.length).set(own);
+    calls.check(this.#module.trisap_world_set_value_many(this.#world, at, first, 8, last.length), "setValues");
   }
 
   value(id) {
@@ -330,21 +325,22 @@ export class World {
 
   setResting(ids) {
     // Steps do not read the box of an object that rests: what was written to it before would be lost.
-    this.#living(ids);
-    this.#commit(Array.prototype.map.call(ids, slotOf));
-    this.#calls.check(this.#module.trisap_world_set_resting(this.#world, this.#calls.ids(ids), ids.length), "setResting");
+    const [last] = this.#last(ids);
+    this.#commitOf(last);
+    this.#calls.check(this.#module.trisap_world_set_resting(this.#world, this.#calls.ids(last), last.length), "setResting");
   }
 
   wake(ids) {
-    this.#calls.check(this.#module.trisap_world_wake(this.#world, this.#living(ids), ids.length), "wake");
+    const [last] = this.#last(ids);
+    this.#calls.check(this.#module.trisap_world_wake(this.#world, this.#calls.ids(last), last.length), "wake");
   }
 
   setEnabled(ids, enabled = true) {
     // Steps do not read the box of a disabled object: what was written to it before would be lost.
-    this.#living(ids);
-    this.#commit(Array.prototype.map.call(ids, slotOf));
-    const at = this.#calls.ids(ids);
-    this.#calls.check(this.#module.trisap_world_set_enabled(this.#world, at, ids.length, enabled ? 1 : 0), "setEnabled");
+    const [last] = this.#last(ids);
+    this.#commitOf(last);
+    const at = this.#calls.ids(last);
+    this.#calls.check(this.#module.trisap_world_set_enabled(this.#world, at, last.length, enabled ? 1 : 0), "setEnabled");
   }
 
   isEnabled(id) {
@@ -496,11 +492,18 @@ export class World {
 
   load(snapshot) {
     const calls = this.#calls;
-    if (snapshot.length > calls.memory.roomBytes) {
-      throw new errors.BadSnapshotError("load: the snapshot is of a larger world");
-    }
-    calls.array(Uint8Array, calls.memory.room, snapshot.length).set(snapshot);
-    calls.check(this.#module.trisap_world_load(this.#world, calls.memory.room, snapshot.length), "load");
+    const ask = () => {
+      if (snapshot.length > calls.memory.roomBytes) {
+        if (!this.config.grows) {
+          throw new errors.BadSnapshotError("load: the snapshot is of a larger world");
+        }
+        calls.memory.widen(snapshot.length);
+        this.#anew();
+      }
+      calls.array(Uint8Array, calls.memory.room, snapshot.length).set(snapshot);
+      return this.#module.trisap_world_load(this.#world, calls.memory.room, snapshot.length);
+    };
+    calls.check(this.#fitting(ask), "load");
     this.#results.clear();
     calls.check(this.#module.trisap_world_result(this.#world, calls.result), "load");
     this.#slots = this.config.objects;
@@ -515,7 +518,7 @@ export class World {
     const copy = fits ? into : new WorldCopy(new Uint8Array(world + worldBytes));
     copy.bytes.set(calls.array(Uint8Array, memory.boxes, world));
     copy.bytes.set(calls.array(Uint8Array, memory.world, worldBytes), world);
-    return Object.assign(copy, { calls, world, capacity, slots: this.#slots });
+    return Object.assign(copy, { calls, world, capacity, roomBytes: memory.roomBytes, slots: this.#slots });
   }
 
   restore(copy) {
@@ -523,10 +526,8 @@ export class World {
     if (!(copy instanceof WorldCopy) || copy.calls !== calls) {
       throw new errors.InvalidArgumentError("copy", "is a copy of this world");
     }
-    if (calls.restore(copy)) {
-      this.#boxes = null;
-    }
-    this.#results.clear();
+    calls.restore(copy);
+    this.#anew();
     this.#slots = copy.slots;
   }
 
@@ -554,8 +555,29 @@ export class World {
     return pairs;
   }
 
+  /** Asks, and in a world that grows once more after each growth where something did not fit. */
+  #fitting(ask) {
+    let status = ask();
+    while (this.config.grows && (status === STATUS.OBJECTS_FULL || status === STATUS.PAIRS_FULL)) {
+      const needed = Number(this.#module.trisap_world_error_detail(this.#world));
+      if (status === STATUS.OBJECTS_FULL) {
+        this.#grow(Math.max(FIRST, needed, 2 * this.config.objects), 0);
+      } else {
+        // A quarter more, so that a growing scene does not move in each step.
+        this.#grow(0, Math.min(needed + Math.ceil(needed / 4), 0xffff_ffff));
+      }
+      status = ask();
+    }
+    return status;
+  }
+
   #grow(objects, pairs) {
     this.#calls.grow(objects, pairs);
+    this.#anew();
+  }
+
+  /** After the world has moved, or the memory has grown, which takes views away. */
+  #anew() {
     this.#boxes = null;
     this.#results.clear();
   }
@@ -593,18 +615,25 @@ export class World {
     this.#slots = Math.max(this.#slots, slot + 1);
   }
 
-  /** Writes the ids of living objects for a call, each once: more than there can be are refused here. */
-  #living(ids) {
-    if (ids.length > this.config.objects) {
-      const seen = new Set();
-      for (const id of ids) {
-        if (!this.has(id) || seen.has(id)) {
-          throw new errors.StaleIdError(id);
-        }
-        seen.add(id);
-      }
+  /**
+   * Ids for a call that takes an object any number of times, and what it gives them. Of more than there can be each object once, as
+   * it comes last: for those there is room.
+   */
+  #last(ids, given = []) {
+    if (ids.length <= this.config.objects) {
+      return [ids, given];
     }
-    return this.#calls.ids(ids);
+    this.#check(ids);
+    const last = new Map(Array.from(ids, (id, i) => [id, given[i]]));
+    return [[...last.keys()], [...last.values()]];
+  }
+
+  /** Refuses ids of which one names no living object. */
+  #check(ids) {
+    const stale = Array.prototype.find.call(ids, (id) => !this.has(id));
+    if (stale !== undefined) {
+      throw new errors.StaleIdError(stale);
+    }
   }
 
   /** Has the boxes that steps read say what the world says. */
@@ -633,13 +662,20 @@ export class World {
     return (slots ?? Array.from({ length: this.#slots }, (_, slot) => slot)).filter(differs);
   }
 
+  /** Takes in the boxes of some objects before a call that is not refused. */
+  #commitOf(ids) {
+    this.#check(ids);
+    this.#commit(Array.prototype.map.call(ids, slotOf));
+  }
+
   /** Takes in the boxes of some slots, or of all, as a step would; which it refuses. */
   #commit(slots) {
     const [calls, { boxes }] = [this.#calls, this];
     const refused = { count: 0, id: null };
     for (const slot of this.#written(slots)) {
       const id = BigInt.asUintN(64, this.#module.trisap_world_id_at(this.#world, slot));
-      if (this.isResting(id)) {
+      // One that is disabled may not rest. The module with pairs alone disables none.
+      if (this.isResting(id) || ("trisap_world_is_enabled" in this.#module && !this.isEnabled(id))) {
         continue;
       }
       const status = this.#module.trisap_world_update(this.#world, id, calls.box(boxes.subarray(BOX * slot, BOX * (slot + 1)), "box"));

@@ -67,9 +67,54 @@ test("ids of objects that are gone", async () => {
     assert.match(error.message, new RegExp(`object ${old}`));
   }
   refused(() => world.removeMany([other, other]), trisap.StaleIdError, { id: other });
+  refused(() => world.removeMany([other, other, other, other, other]), trisap.StaleIdError, { id: other });
   assert.ok(world.has(other) && !world.has(old));
   assert.equal(world.idAt(0), other);
   assert.equal(world.idAt(1), null);
+});
+
+test("what is refused has taken in no box", async () => {
+  const world = await createWorld({ objects: 4 });
+  const [id, gone] = world.insertMany(Float32Array.of(0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1));
+  world.remove(gone);
+  world.step();
+  world.boxes.set([7, 7, 7, 8, 8, 8]);
+  for (const call of ["setResting", "setEnabled"]) {
+    for (const ids of [[id, gone], BigUint64Array.of(id, gone), [id, id, id, id, gone]]) {
+      refused(() => world[call](ids, false), trisap.StaleIdError, { id: gone });
+      assert.deepEqual([...world.box(id)], [0, 0, 0, 1, 1, 1]);
+    }
+    refused(() => world[call]([id, 0n], false), trisap.StaleIdError, { id: 0n });
+  }
+  assert.ok(world.isEnabled(id) && !world.isResting(id));
+  world.setResting([id]);
+  assert.deepEqual([...world.box(id)], [7, 7, 7, 8, 8, 8]);
+});
+
+test("an object may come any number of times", async () => {
+  for (const objects of [1, 2, 900]) {
+    const world = await createWorld({ objects, filters: true, values: true });
+    const id = world.insert([0, 0, 0, 1, 1, 1]);
+    for (const times of [2, 100_000]) {
+      const ids = new Array(times).fill(id);
+      const last = (before, value) => ids.map((_, i) => (i < times - 1 ? before : value));
+      world.setResting(ids);
+      assert.ok(world.isResting(id));
+      world.wake(BigUint64Array.from(ids));
+      assert.ok(!world.isResting(id));
+      world.setEnabled(ids, false);
+      assert.ok(!world.isEnabled(id));
+      world.setEnabled(ids, true);
+      world.setFilters(ids, { mask: 3 });
+      world.setFilters(ids, last({ mask: 1 }, { mask: 2 }));
+      world.setValues(ids, last(4n, 5n));
+      assert.equal(world.value(id), 5n);
+      refused(() => world.removeMany(ids), trisap.StaleIdError, { id });
+      for (const call of [(ids) => world.setResting(ids), (ids) => world.wake(ids), (ids) => world.setFilters(ids, {})]) {
+        refused(() => call([...ids, id + 1n]), trisap.StaleIdError, { id: id + 1n });
+      }
+    }
+  }
 });
 
 test("slots that are named", async () => {

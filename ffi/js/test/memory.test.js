@@ -104,6 +104,72 @@ test("a world that grows goes on with its ids, boxes and events", async () => {
   assert.deepEqual([...world.step().pairs], [0, 1]);
 });
 
+test("a lean world that grows is lean as long as it can be", async () => {
+  const world = await createWorld({ objects: 100, lean: true, grows: true });
+  for (let i = 0; i < 300; i++) {
+    world.insert([2 * i, 0, 0, 2 * i + 1, 1, 1]);
+    assert.equal(world.config.lean, i < 200);
+  }
+  assert.equal(world.step().pairs.length, 0);
+});
+
+test("a world that grows takes any snapshot", async () => {
+  const next = random(7);
+  const crowd = await createWorld({ objects: 3000, events: true });
+  crowd.insertMany(scatter(3000, next, 20));
+  crowd.step();
+  // Few objects with many pairs.
+  const heap = await createWorld({ objects: 60, pairs: 2000, events: true });
+  heap.insertMany(scatter(60, next, 0));
+  heap.step();
+  for (const from of [crowd, heap]) {
+    const world = await createWorld({ objects: 60, pairs: 4, events: true, grows: true });
+    const fixed = await createWorld({ objects: 60, pairs: 4, events: true });
+    world.insert([0, 0, 0, 1, 1, 1]);
+    const snapshot = from.save();
+    assert.throws(() => fixed.load(snapshot));
+    world.load(snapshot);
+    assert.equal(world.size, from.size);
+    assert.ok(from.pairs.length > 100);
+    assert.deepEqual(world.pairs, from.pairs);
+    assert.deepEqual(world.boxes.slice(0, 6 * from.size), from.boxes.slice(0, 6 * from.size));
+    assert.deepEqual(texts(world.step().pairs), texts(from.pairs));
+    assert.equal(world.found.length + world.lost.length, 0);
+  }
+  // What is none changes nothing, however long it is.
+  const world = await createWorld({ objects: 1, grows: true });
+  world.insert([0, 0, 0, 1, 1, 1]);
+  world.step();
+  assert.throws(() => world.load(new Uint8Array(2 ** 22)), BadSnapshotError);
+  assert.deepEqual([...world.boxes], [0, 0, 0, 1, 1, 1]);
+  world.insert([0, 0, 0, 1, 1, 1]);
+  assert.deepEqual([...world.step().pairs], [0, 1]);
+});
+
+test("a world goes back to any copy, also after it has grown another time", async () => {
+  const next = random(10);
+  const world = await createWorld({ objects: 4, events: true, grows: true });
+  world.insertMany(scatter(4, next, 0));
+  world.step();
+  const small = world.copy();
+  world.insertMany(scatter(3000, next, 20));
+  world.step();
+  const [large, pairs, boxes] = [world.copy(), world.pairs.slice(), world.boxes.slice()];
+  for (let again = 0; again < 2; again++) {
+    world.restore(small);
+    world.insert([0, 0, 0, 1, 1, 1]);
+    world.step();
+    assert.equal(world.size, 5);
+    world.restore(large);
+    assert.equal(world.size, 3004);
+    assert.deepEqual(world.pairs, pairs);
+    assert.deepEqual(world.boxes, boxes);
+    assert.equal(world.ids().length, 3004);
+    assert.equal(world.overlaps({ min: [-1, -1, -1], max: [99, 99, 99] }).length, 3004);
+    assert.deepEqual(texts(world.step().pairs), texts(pairs));
+  }
+});
+
 test("boxes of a world's own memory can be inserted", async () => {
   for (const [objects, grows] of [[6000, false], [3000, true]]) {
     const world = await createWorld({ objects, grows });

@@ -213,6 +213,28 @@ test("disabled objects are in no pair and in no answer", async () => {
   assert.deepEqual([...world.step().found], [0, 1]);
 });
 
+test("what is written to the box of a disabled object waits, also where that was woken or got another one", async () => {
+  for (const rouse of [() => {}, (world, id) => world.wake([id]), (world, id) => world.update(id, [2, 2, 2, 3, 3, 3])]) {
+    const world = await createWorld({ objects: 8 });
+    const id = world.insert([2, 2, 2, 3, 3, 3]);
+    world.setEnabled([id], false);
+    rouse(world, id);
+    for (const call of ["save", "refresh", "step", "setResting", "setEnabled"]) {
+      world.boxes.set([7, 7, 7, 8, 8, 8]);
+      world[call]([id], false);
+      assert.deepEqual([...world.box(id)], [2, 2, 2, 3, 3, 3], call);
+      // Nor is it refused.
+      world.boxes[0] = NaN;
+      world[call]([id], false);
+      rouse(world, id);
+    }
+    world.boxes.set([7, 7, 7, 8, 8, 8]);
+    world.setEnabled([id]);
+    world.refresh();
+    assert.deepEqual([...world.box(id)], [7, 7, 7, 8, 8, 8]);
+  }
+});
+
 test("queries among those for which a condition holds", async () => {
   const { world, boxes, ids } = await scene();
   const where = (id) => slotOf(id) % 3 !== 1;
