@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1469),
     ("geometry", 1156),
-    ("memory", 1824),
+    ("memory", 1817),
     ("objects", 635),
     ("pairs", 579),
     ("parallel", 475),
     ("query", 1266),
     ("simd", 2227),
     ("snapshot", 583),
-    ("step", 676),
-    ("sweep", 1402),
+    ("step", 726),
+    ("sweep", 1396),
     ("tree", 2103),
     ("validate", 379),
-    ("world", 1694),
+    ("world", 1689),
 ];
 
 #[test]

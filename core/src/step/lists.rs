@@ -17,9 +17,10 @@ use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
-use crate::sort::heapsort;
 use crate::sweep::small;
 use crate::tree::assign;
+use core::cell::Cell;
+use core::slice::Iter;
 
 /// Objects that each object may overtake, on average, before it is cheaper to sort over long distances first.
 const INVERSIONS_PER_OBJECT: usize = 4;
@@ -30,7 +31,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     context.executor.enter(Stage::Build);
     let has_list = LISTS && !parts.sizes.is_tiny();
     let ListState { stale, listed, .. } = parts.state.lists;
-    if has_list && (stale != 0 || u32::from(listed) != parts.state.objects.live) {
+    let list_anew = has_list && (stale != 0 || u32::from(listed) != parts.state.objects.live);
+    if list_anew {
         list_all(parts);
     }
     let Parts { state, boxes, list, output, filters, .. } = parts;
@@ -38,9 +40,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let boxes = boxes.swept().span(0, slots as usize);
     // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse; if there
     // is one to be chosen, or if the build looks at all.
-    let mut looks = false;
+    let looks = (has_list || TREE) && (state.lists.scan_in == 0 || has_inserted != 0);
     if has_list || TREE {
-        looks = state.lists.scan_in == 0 || has_inserted != 0;
         state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
     }
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
@@ -56,7 +57,11 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
             spared = pairs(list.len()) - pairs(met);
             list = list.span_mut(0, met);
         }
-        sort(boxes, list, &state.lists);
+        match state.lists.axis {
+            0 => sort::<0, 2>(boxes, list, &state.lists, list_anew),
+            1 => sort::<1, 0>(boxes, list, &state.lists, list_anew),
+            _ => sort::<2, 0>(boxes, list, &state.lists, list_anew),
+        }
         context.executor.enter(Stage::Sweep);
         small::sweep(boxes, list, state.lists.axis, pair_filter, output.pairs)
     } else {
@@ -69,22 +74,28 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     pairs as u64
 }
 
-/// Chooses the axis along which the fewest boxes overlap, and a grid over the sides on another one. O(slots).
+/// Chooses the axis along which the fewest boxes overlap, by a sample, and a grid over the sides on another one.
+/// O(slots).
 #[inline(never)]
 fn choose_axis(lists: &mut ListState, boxes: &[KeyBox]) {
     let mut near = [0; 3];
-    for (slot, a) in (0u32..).zip(boxes) {
+    for index in (0..boxes.len()).step_by(boxes.len().div_ceil(64).max(1)) {
         // Multiples of the golden ratio are spread evenly.
-        let b = KeyBox::of(boxes, ((slot.wrapping_mul(0x9e37_79b9) >> 16) as usize * boxes.len()) >> 16);
-        (0..3).for_each(|k| near[k] += u32::from(a.min[k] <= b.max[k] && b.min[k] <= a.max[k]));
+        let other = (index as u32).wrapping_mul(0x9e37_79b9) >> 16;
+        let (a, b) = (KeyBox::of(boxes, index), KeyBox::of(boxes, (other as usize * boxes.len()) >> 16));
+        let meets = |k: usize| u32::from(a.min[k] <= b.max[k] && b.min[k] <= a.max[k]);
+        near = [near[0] + meets(0), near[1] + meets(1), near[2] + meets(2)];
     }
     // The list of the last axis is in order already, so another one has to be clearly better.
     let last = (lists.axis as usize).min(2);
     lists.axis = (0..3).fold(last, |best, k| if 5 * near[k] < 4 * near[best] { k } else { best }) as u8;
-    let [_, u] = lists.axes();
-    let least = boxes.iter().fold(i32::MAX, |least, bounds| least.min(bounds.min[u])) >> 16;
-    let most = boxes.iter().fold(i32::MIN, |most, bounds| most.max(bounds.max[u])) >> 1;
-    let unused = (most.wrapping_sub(least << 15) as u32).leading_zeros();
+    let u = if lists.axis == 0 { 2 } else { 0 };
+    let (mut least, mut most) = (i32::MAX, i32::MIN);
+    for bounds in boxes {
+        (least, most) = (least.min(bounds.min[u]), most.max(bounds.max[u]));
+    }
+    least >>= 16;
+    let unused = ((most >> 1).wrapping_sub(least << 15) as u32).leading_zeros();
     (lists.least, lists.shift) = (least as i16, (u32::BITS - small::BITS).saturating_sub(unused) as u8);
 }
 
@@ -94,41 +105,80 @@ fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     let mut listed = 0;
     for (slot, bounds) in (0..state.objects.slots).zip(boxes.now.iter()) {
         if !bounds.is_empty() {
-            list.put(listed, slot as i32);
+            list.put(listed, (slot as i32) << 24);
             listed += 1;
         }
     }
     (state.lists.listed, state.lists.stale) = (listed as u16, 0);
 }
 
-/// Sorts the list, and writes its words anew: by insertion, or by the upper bits of minima before.
-/// O(n + inversions), or O(n log n).
+/// Sorts the list, and writes its words anew: by insertion; where it is in no order, roughly before. O(n +
+/// inversions), or about O(n^1.3) for as many as lists have.
+fn sort<const W: usize, const U: usize>(boxes: &[KeyBox], list: &mut [i32], lists: &ListState, anew: bool) {
+    let budget = if anew { 0 } else { INVERSIONS_PER_OBJECT * list.len() + 64 };
+    if !sort_by_insertion::<W, U>(boxes, list, lists, budget) {
+        sort_roughly(boxes, list, W);
+        sort_by_insertion::<W, U>(boxes, list, lists, usize::MAX);
+    }
+}
+
+/// Sorts over long distances (Shell's sort), by the upper bits of minima.
 #[inline(never)]
-fn sort(boxes: &[KeyBox], list: &mut [i32], lists: &ListState) {
-    let [w, _] = lists.axes();
-    let low = |word: i32| (KeyBox::of(boxes, slot(word)).min[w], slot(word));
-    let (mut budget, mut last, mut next) = (INVERSIONS_PER_OBJECT * list.len() + 64, i32::MIN, 0);
-    while let Some(word) = list.get_mut(next) {
+fn sort_roughly(boxes: &[KeyBox], list: &mut [i32], w: usize) {
+    for word in list.iter_mut() {
         let at = slot(*word);
-        let bounds = KeyBox::of(boxes, at);
-        *word = small::word(bounds, at, lists);
-        let (this, word, mut to) = ((bounds.min[w], at), *word, next);
-        next += 1;
-        if last < this.0 {
-            // In order already, as most are.
-            last = this.0;
-            continue;
-        }
-        while to > 0 && low(list.at(to - 1)) > this {
-            list.put(to, list.at(to - 1));
-            to -= 1;
-        }
-        list.put(to, word);
-        budget = budget.saturating_sub(next - 1 - to);
-        if budget == 0 {
-            list.iter_mut().for_each(|word| *word = low(*word).0 & !0xff | *word & 0xff);
-            heapsort(list, |a, b| a < b);
-            (budget, last, next) = (usize::MAX, i32::MIN, 0);
+        *word = KeyBox::of(boxes, at).min[w] >> 8 & 0xff_ffff | (at as i32) << 24;
+    }
+    for gap in [41_u8, 13, 4].map(usize::from) {
+        for at in gap..list.len() {
+            let (word, mut to) = (list.at(at), at);
+            while to >= gap && list.at(to - gap) << 8 > word << 8 {
+                list.put(to, list.at(to - gap));
+                to -= gap;
+            }
+            list.put(to, word);
         }
     }
+}
+
+/// Returns whether the list is in order, as most of it is before, after so many inversions at most.
+#[inline(never)]
+fn sort_by_insertion<const W: usize, const U: usize>(
+    boxes: &[KeyBox],
+    list: &mut [i32],
+    lists: &ListState,
+    mut budget: usize,
+) -> bool {
+    let (list, mut last) = (Cell::from_mut(list).as_slice_of_cells(), i32::MIN);
+    let mut rest = list.iter();
+    while let Some(word) = rest.next() {
+        let at = slot(word.get());
+        let bounds = KeyBox::of(boxes, at);
+        word.set(small::word::<U>(bounds, at, lists));
+        if last < bounds.min[W] {
+            last = bounds.min[W];
+            continue;
+        }
+        let passed = insert(boxes, list, rest.clone(), W);
+        if budget < passed {
+            return false;
+        }
+        budget -= passed;
+    }
+    true
+}
+
+/// Brings the word before the last `behind` ones to its place among those before it. Returns how many it passes.
+#[inline(never)]
+fn insert(boxes: &[KeyBox], list: &[Cell<i32>], behind: Iter<'_, Cell<i32>>, w: usize) -> usize {
+    let low = |word: i32| (KeyBox::of(boxes, slot(word)).min[w], slot(word));
+    let upto = list.get(..list.len() - behind.len()).unwrap_or_default();
+    let Some((mut place, before)) = upto.split_last() else { return 0 };
+    let (word, this, mut passed) = (place.get(), low(place.get()), 0);
+    for other in before.iter().rev().take_while(|other| low(other.get()) > this) {
+        place.set(other.get());
+        (place, passed) = (other, passed + 1);
+    }
+    place.set(word);
+    passed
 }

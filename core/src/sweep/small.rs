@@ -43,24 +43,21 @@ pub(crate) fn test_all<I: Index>(
     (all - places.len() + without_room, candidates)
 }
 
-/// Bits of a side in a word of the list. The low side and the distance of the high side from the end of the grid
-/// start at these bits; the bit above each is free.
+/// Bits of a side in a word of the list: the distance of the high side from the end of the grid, a free bit, the
+/// low side from [`LOW`] on, another free bit.
 pub(crate) const BITS: u32 = 11;
 const LAST: i32 = (1 << BITS) - 1;
-const LOW: u32 = 20;
-const HIGH: u32 = 8;
+const LOW: u32 = BITS + 1;
+const FREE: i32 = 1 << BITS | 1 << (LOW + BITS);
 
 /// The word of a box in the list: its slot, and its sides on the second axis. What is beyond the grid is at its
 /// ends: any monotone map is right.
 #[inline(always)]
-pub(crate) fn word(bounds: &KeyBox, slot: usize, lists: &ListState) -> i32 {
-    let ([_, u], shift) = (lists.axes(), lists.shift & 31);
+pub(crate) fn word<const U: usize>(bounds: &KeyBox, slot: usize, lists: &ListState) -> i32 {
     // Half a key, so that no difference is too large.
     let least = i32::from(lists.least) << 15;
-    let most = least.wrapping_add((1_i32 << BITS << shift).wrapping_sub(1));
-    let step = |length: i32| (length >> shift).clamp(0, LAST);
-    let (low, high) = ((bounds.min[u] >> 1).wrapping_sub(least), most.wrapping_sub(bounds.max[u] >> 1));
-    step(low) << LOW | step(high) << HIGH | slot as i32
+    let step = |key: i32| (((key >> 1).wrapping_sub(least)) >> (lists.shift & 31)).clamp(0, LAST);
+    step(bounds.min[U]) << LOW | !step(bounds.max[U]) & LAST | (slot as i32) << 24
 }
 
 /// Sweeps along a list by ascending minimum on an axis, and writes the pairs that fit. Returns how many there
@@ -91,18 +88,15 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
     let (mut rest, mut candidates) = (list, 0);
     while let Some((word, ahead)) = rest.split_first() {
         let a = KeyBox::of(boxes, slot(*word));
-        let facing = *word >> HIGH << LOW | *word >> LOW << HIGH;
+        let (end, facing) = (a.max[W], *word >> LOW & 0xfff | (*word & 0xfff) << LOW);
         // In parts, as only a box that is near on the second axis tells that those behind it are too far.
         'ahead: for some in ahead.chunks(32) {
             let mut near = some.iter();
             candidates += some.len();
-            // A sum that needs the bit that is free is of sides that are apart.
-            while let Some(other) = near.find(|other| {
-                let sums = other.wrapping_add(facing);
-                !(sums | sums << (LOW - HIGH)).is_negative()
-            }) {
+            // A sum that needs a free bit is of sides that are apart.
+            while let Some(other) = near.find(|other| other.wrapping_add(facing) & FREE == 0) {
                 let b = KeyBox::of(boxes, slot(*other));
-                if b.min[W] > a.max[W] {
+                if b.min[W] > end {
                     // Neither this one nor those behind it.
                     candidates -= near.len() + 1;
                     break 'ahead;
@@ -118,7 +112,7 @@ fn sweep_along<I: Index, const W: usize, const U: usize, const V: usize>(
                     }
                 }
             }
-            if some.last().is_none_or(|last| KeyBox::of(boxes, slot(*last)).min[W] > a.max[W]) {
+            if some.last().is_none_or(|last| KeyBox::of(boxes, slot(*last)).min[W] > end) {
                 break;
             }
         }

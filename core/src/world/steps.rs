@@ -182,14 +182,9 @@ impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
 /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
 /// # let mut world = memory.init::<u16>(&CONFIG)?;
 /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
-/// let mut masses = [2.0, 3.0, 5.0]; // the caller's own arrays, by slot
 /// let [a, b] = [world.insert(cube(0.0))?, world.insert(cube(0.5))?];
 /// world.set_value(b, 4711)?;
 /// world.step()?;
-/// for [a, b] in world.pairs().iter().map(|pair| pair.map(usize::from)) {
-///     masses[a] += masses[b];
-/// }
-/// assert_eq!(masses, [5.0, 3.0, 5.0]);
 /// assert_eq!((world.found().len(), world.lost().len(), world.stats().pairs), (1, 0, 1));
 ///
 /// world.remove(b)?;

@@ -46,16 +46,9 @@ pub(crate) struct ListState {
     pub(crate) shift: u8,
 }
 
-impl ListState {
-    /// The axis that is swept along, and the one on which words have sides.
-    pub(crate) fn axes(&self) -> [usize; 2] {
-        [usize::from(self.axis).min(2), if self.axis == 0 { 2 } else { 0 }]
-    }
-}
-
-/// The slot in a word of the list, in bits for [`SMALL`](crate::memory::limits::SMALL). Above it are two sides.
+/// The slot in a word of the list, in bits for [`SMALL`](crate::memory::limits::SMALL). Below it are two sides.
 pub(crate) const fn slot(word: i32) -> usize {
-    (word & 0xff) as usize
+    (word as u32 >> 24) as usize
 }
 
 /// Planes and leaves, and how good they are: of `tree`.

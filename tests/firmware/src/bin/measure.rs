@@ -15,9 +15,9 @@ const LARGEST: usize = 256;
 const FRAMES: usize = recording::FRAMES;
 
 /// The most instructions that a recorded step of 64 objects may take.
-const TYPICAL: u32 = 27_900;
+const TYPICAL: u32 = 26_500;
 /// The same for 256.
-const TYPICAL_OF_256: u32 = 159_000;
+const TYPICAL_OF_256: u32 = 153_000;
 
 /// What a world has beside pairs.
 #[derive(Clone, Copy, PartialEq)]
