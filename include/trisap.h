@@ -1019,8 +1019,9 @@ trisap_status trisap_world_values(const struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Writes pairs of the last step by value to `pairs`, which has room for `room`, and how many there are to `count`:
-/// as `trisap_world_pair_ids` does by id, and to be called at the same time. Lost pairs have the values of the
-/// objects that were the pair. After `TRISAP_STATUS_OUTPUT_FULL` the room holds as many as fit. O(pairs).
+/// as `trisap_world_pair_ids` does by id, and to be called at the same time. Lost pairs have the values that
+/// the objects of the pair had last, also if these were set since the step. After `TRISAP_STATUS_OUTPUT_FULL` the room
+/// holds as many as fit. O(pairs).
 TRISAP_NODISCARD
 trisap_status trisap_world_pair_values(const struct trisap_world *world,
                                        uint32_t what,

@@ -224,6 +224,39 @@ fn the_first_lines_of_the_readme_run() {
     assert_eq!(printed, "0 1\n");
 }
 
+/// With the header's own warnings: each piece of C is a function of its own, behind what it defines.
+#[test]
+fn the_c_of_the_manual_compiles() {
+    let manual = std::fs::read_to_string(repository().join("ffi/README.md")).expect("the manual");
+    let mut program = "#include <stddef.h>\n#include <stdlib.h>\n#include <trisap.h>\n\
+        struct body { float min[3], max[3]; };\n\
+        extern struct body bodies[];\n\
+        extern trisap_aabb aabbs[], spawn;\n\
+        extern trisap_boxes boxes;\n\
+        extern trisap_id ids[], parked[], own;\n\
+        extern trisap_result result;\n\
+        extern trisap_status status;\n\
+        extern trisap_world *world;\n\
+        extern float eye[], direction[];\n\
+        extern size_t count, parked_count;\n\
+        extern void *engine;\n\
+        void end_contact(uint32_t, uint32_t), begin_contact(uint32_t, uint32_t), narrow_phase(uint32_t, uint32_t);\n\
+        void engine_parallel(void *, const char *, uint32_t, void (*)(void *), void *);\n"
+        .to_owned();
+    let pieces: Vec<&str> =
+        manual.split("```c\n").skip(1).filter_map(|piece| piece.split("```").next()).collect();
+    for (number, piece) in pieces.iter().enumerate() {
+        let defines = piece.starts_with("static ") || piece.starts_with("#include");
+        let (before, lines) = piece.split_once("\n\n").filter(|_| defines).unwrap_or(("", piece));
+        program += &format!("{before}\nvoid piece{number}(void);\nvoid piece{number}(void) {{\n{lines}}}\n");
+    }
+    assert!(pieces.len() > 5 && pieces.iter().any(|piece| piece.contains("trisap_world_set_enabled")));
+    let source = scratch("manual.c");
+    std::fs::write(&source, program).expect("a file of this test");
+    let without = ["-Wno-shadow", "-Wno-unused-variable", "-Wno-unused-but-set-variable", "-c"];
+    succeed(&mut Program::new("gcc", "-std=c11", &source, "manual").with(without).compile);
+}
+
 #[test]
 fn the_example_of_rollback_runs() {
     let source = repository().join("ffi/examples/rollback.cpp");

@@ -58,7 +58,7 @@ impl<I: Index> World<'_, I> {
         if lives { Id::new(slot, self.parts.generations.at(slot as usize)) } else { None }
     }
 
-    /// The box of an object, as it was given last.
+    /// The box of an object, as it was given last, but with 0.0 for -0.0.
     #[must_use]
     pub fn aabb(&self, id: Id) -> Option<Aabb> {
         self.slot_of(id).ok().map(|slot| self.parts.bounds(slot).to_aabb())

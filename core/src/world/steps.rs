@@ -295,7 +295,7 @@ impl<I: Index> World<'_, I> {
         both(self.found_ids(), |id| self.value(id))
     }
 
-    /// [`lost`](Self::lost) by the values that the objects of the pair had: as [`lost_ids`](Self::lost_ids).
+    /// [`lost`](Self::lost) by the values that the objects of the pair had last, as [`lost_ids`](Self::lost_ids).
     pub fn lost_values(&self) -> impl Iterator<Item = [u64; 2]> {
         let values = &self.parts.values;
         both(self.lost().iter().copied(), |slot| {
