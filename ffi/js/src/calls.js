@@ -86,15 +86,12 @@ export class Calls {
     this.#moved();
   }
 
-  /** Goes back to a copy of this world. Where it had other room then, that of now stays set aside. */
-  restore({ bytes, world, capacity, roomBytes }) {
+  /** Goes back to a copy of this world, also to where it was then: the memory behind it is there to grow into again. */
+  restore({ bytes, world, capacity, place }) {
     const { memory, calls } = this;
     const worldBytes = bytes.length - world;
-    // It may have gone back to less room since, and grown from there.
-    if (world > memory.world - memory.boxes || worldBytes > memory.room - memory.world || roomBytes > memory.roomBytes) {
-      memory.lay(memory.end, capacity.objects, worldBytes, roomBytes);
-      this.world = memory.world;
-    }
+    memory.place = place;
+    this.world = memory.world;
     this.array(Uint8Array, memory.boxes, world).set(bytes.subarray(0, world));
     this.array(Uint8Array, memory.world, worldBytes).set(bytes.subarray(world));
     this.check(calls.trisap_world_open(memory.world, worldBytes, this.out), "restore");

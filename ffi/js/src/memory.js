@@ -69,6 +69,16 @@ export class Memory {
     Object.assign(this, { boxes: from, world, room, roomBytes });
   }
 
+  /** Where all that is: to be set to what it was. */
+  get place() {
+    const { boxes, world, room, roomBytes } = this;
+    return { boxes, world, room, roomBytes };
+  }
+
+  set place(place) {
+    Object.assign(this, place);
+  }
+
   /** Has the room of calls, which is the last of its memory, take so many bytes. */
   widen(roomBytes) {
     this.#reach(this.room + roomBytes);

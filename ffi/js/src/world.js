@@ -518,7 +518,7 @@ export class World {
     const copy = fits ? into : new WorldCopy(new Uint8Array(world + worldBytes));
     copy.bytes.set(calls.array(Uint8Array, memory.boxes, world));
     copy.bytes.set(calls.array(Uint8Array, memory.world, worldBytes), world);
-    return Object.assign(copy, { calls, world, capacity, roomBytes: memory.roomBytes, slots: this.#slots });
+    return Object.assign(copy, { calls, world, capacity, place: memory.place, slots: this.#slots });
   }
 
   restore(copy) {

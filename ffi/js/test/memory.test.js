@@ -168,6 +168,14 @@ test("a world goes back to any copy, also after it has grown another time", asyn
     assert.equal(world.overlaps({ min: [-1, -1, -1], max: [99, 99, 99] }).length, 3004);
     assert.deepEqual(texts(world.step().pairs), texts(pairs));
   }
+  // To grow again and again takes no more memory than once.
+  const bytes = world.memoryBytes;
+  for (let again = 0; again < 50; again++) {
+    world.restore(small);
+    world.insertMany(scatter(3000, next, 20));
+    world.step();
+  }
+  assert.equal(world.memoryBytes, bytes);
 });
 
 test("boxes of a world's own memory can be inserted", async () => {
