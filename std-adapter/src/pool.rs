@@ -5,6 +5,7 @@ use crate::sharing::{Job, Judge, Sharing};
 use rayon::{ThreadPool, Yield};
 use std::cell::Cell;
 use std::hint::spin_loop;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::ptr::null;
 use std::sync::atomic::Ordering::{Relaxed, SeqCst};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, fence};
@@ -37,7 +38,7 @@ const GAP_PART: u64 = 4;
 /// pool, they go when its step ends. So worlds that are stepped by `par_iter`, an executor each, take hardly more of the
 /// processors than serial ones. Make one executor for a world and keep it: it knows which threads are awake, and when it
 /// is dropped they no longer wait for it. While one world's stage is shared, another thread that uses the same executor
-/// works alone.
+/// works alone. If a rule panics on a thread of the pool, the step panics on the calling one.
 ///
 /// # Busy processors
 /// A thread that has begun a block of work may lose its processor to another program, and then the step waits for it. After
@@ -290,8 +291,12 @@ impl Executor for Rayon<'_> {
         self.wake((width - 1).saturating_sub(common.looking.load(Relaxed)));
         let begun = Instant::now();
         let (calls, first) = (AtomicU32::new(0), AtomicU64::new(u64::MAX));
+        // A rule that panics on a thread of the pool would end the process there.
+        let panicked = Mutex::new(None);
         let timed = || {
-            job();
+            if let Err(payload) = catch_unwind(AssertUnwindSafe(job)) {
+                lock(&panicked).get_or_insert(payload);
+            }
             calls.fetch_add(1, Relaxed);
             first.fetch_min(begun.elapsed().as_nanos() as u64, Relaxed);
         };
@@ -299,6 +304,9 @@ impl Executor for Rayon<'_> {
         if !common.offer.lend(width - 1, &timed, || common.wait(*waits.get_or_insert_with(Instant::now))) {
             // The pool's threads have another world's job.
             return job();
+        }
+        if let Some(payload) = panicked.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            resume_unwind(payload);
         }
         let took = begun.elapsed();
         let others = calls.into_inner() > 1;

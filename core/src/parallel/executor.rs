@@ -28,8 +28,8 @@ use core::cell::Cell;
 ///   claimed with relaxed atomics.
 ///
 /// # What it can rely on
-/// A call never blocks, waits, locks, allocates, panics, calls back into the executor or starts another job,
-/// and needs less than 16 KiB of stack. A step never has two jobs at once.
+/// A call never blocks, waits, locks, allocates, calls back into the executor or starts another job, panics only
+/// if a rule does, and needs less than 16 KiB of stack. A step never has two jobs at once.
 ///
 /// A step has some ten jobs, each of microseconds to milliseconds, and waits for the last call of each. So
 /// beside other busy threads an executor that spins and waits can make a step several times slower than one

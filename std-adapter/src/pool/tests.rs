@@ -259,6 +259,26 @@ fn worlds_are_the_same_in_every_pool() {
 }
 
 #[test]
+fn a_panic_on_a_thread_of_the_pool_comes_over() {
+    let pool = pool(2);
+    let executor = Rayon::in_pool(&pool);
+    for _ in 0..3 {
+        let (caller, came) = (thread::current().id(), AtomicBool::new(false));
+        let job = || {
+            if thread::current().id() == caller {
+                return wait_until(|| came.load(Relaxed));
+            }
+            came.store(true, Relaxed);
+            resume_unwind(Box::new("a rule's"));
+        };
+        let panic =
+            catch_unwind(AssertUnwindSafe(|| executor.fork_join(3, &job))).expect_err("it comes over");
+        assert_eq!(panic.downcast_ref(), Some(&"a rule's"));
+    }
+    assert!(calls(&executor, 3) > 0);
+}
+
+#[test]
 fn panics_of_other_tasks_stay_theirs() {
     let serial = transcript(&Serial);
     let pool = pool(2);
