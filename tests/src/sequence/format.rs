@@ -293,6 +293,12 @@ pub fn random(seed: u64, operations: usize) -> Vec<u8> {
     let mut bytes: Vec<u8> = (0..words).flat_map(|_| rng.bits().to_le_bytes()).collect();
     bytes.truncate(HEADER + OPERATION * operations);
     bytes[0] = if rng.once_in(4) { rng.below(OBJECTS.len() - 1) } else { 1 + rng.below(3) } as u8;
+    if rng.once_in(8) {
+        // As a user has them: a tree, leaves of the usual size, and nothing forced.
+        (bytes[0], bytes[2]) = (OBJECTS.len() as u8 - 2, 0);
+        bytes[1] &= !(1 << 5);
+        bytes[4] &= !16;
+    }
     if rng.once_in(64) {
         bytes[0] = OBJECTS.len() as u8 - 1;
         bytes[7] |= 0xc0;
