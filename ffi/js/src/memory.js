@@ -43,9 +43,9 @@ export class Memory {
     return this.calls.memory.buffer;
   }
 
-  /** Where it ends. */
+  /** Where it ends, and boxes may begin. */
   get end() {
-    return this.room + this.roomBytes;
+    return align(this.room + this.roomBytes, 16);
   }
 
   /** Bytes that the host has given. */
