@@ -46,8 +46,8 @@ pub unsafe extern "C" fn trisap_world_wake(
 
 /// Disables objects, or enables them again if `enabled` is not 0; all or none. A disabled object is in no pair and in no answer, and
 /// costs a step nothing. It keeps its id, box, margin, filter and value, and can be given others; `trisap_world_step_over` does not
-/// read its box. Its pairs are lost at the next step, and found at the next one after it is enabled. It counts as resting, and is
-/// awake when it is enabled. O(ids).
+/// read its box. Its pairs are lost at the next step, and found at the next one after it is enabled. It counts as resting
+/// until it is woken or gets another box, and is awake when it is enabled. O(ids).
 ///
 /// Errors: `TRISAP_STATUS_STALE_ID`.
 #[unsafe(no_mangle)]

@@ -47,7 +47,7 @@ impl<I: Index> World<'_, I> {
     /// Disables an object, or enables it again. A disabled object is in no pair and in no answer, and costs a
     /// step nothing. It keeps its id, box, margin, filter and value, and can be given others; steps ignore
     /// its box in the caller's array. Its pairs are lost at the next step, and found at the next one after it
-    /// is enabled. It counts as [resting](Self::set_resting), and is awake when it is enabled. O(1).
+    /// is enabled. It [rests](Self::set_resting) until it is woken or moved, and is awake when enabled. O(1).
     ///
     /// # Errors
     /// [`Error::StaleId`].

@@ -216,7 +216,7 @@ export class World {
   /**
    * Disables objects, or enables them again. Disabled ones are in no pair and in no answer, and cost a step nothing. They keep id, box,
    * margin, filter and value, and can be given others. Boxes that were written before are taken in; what is written while an object is
-   * disabled waits until it is enabled. It counts as resting, and is awake when it is enabled.
+   * disabled waits until it is enabled. It counts as resting until it is woken or updated, and is awake when it is enabled.
    */
   setEnabled(ids: ArrayLike<Id>, enabled?: boolean): void;
   isEnabled(id: Id): boolean;
