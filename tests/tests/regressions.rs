@@ -271,6 +271,52 @@ fn a_pair_is_not_told_of_an_object_that_came_after_it() {
     }
 }
 
+/// The same after a step without room for all pairs: the pairs that fitted were told by the id of the other.
+#[test]
+fn a_pair_that_fitted_is_not_told_of_an_object_that_came_after_it() {
+    for config in [Config::new(ample(4, 1)).with_events(), Config::new(ample(700, 1))] {
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0); 2]);
+        world.step().expect("room for the pair");
+        world.remove(ids[1]).expect("it lives");
+        let more = fill(&mut world, &[cube(0.0, 0.0, 0.0); 2]);
+        assert!(matches!(world.step(), Err(Error::PairsFull { needed: 3, .. })));
+        assert_eq!((more[0].slot(), world.pair_ids().count()), (1, 1));
+        let [a, b] = world.pair_ids().next().expect("the one that fitted");
+        for id in [a, b] {
+            world.remove(id).expect("it lives");
+            world.insert(cube(9.0, 0.0, 0.0)).expect("room");
+            let bytes = saved(&world);
+            assert_eq!((world.pairs().len(), world.pair_ids().next()), (1, None));
+            assert_eq!(world.load(&bytes), Ok(()));
+            assert_eq!(world.pair_ids().next(), None);
+        }
+    }
+}
+
+/// What is predicted decided whether a box that became smaller is reported with a new margin.
+#[test]
+fn predicted_boxes_do_not_show_in_a_fat_world() {
+    let config = Config::new(ample(700, 9000)).with_mode(Mode::Fat).with_margin(Margin::length(0.1));
+    let pairs = |config: Config| {
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = slab.world::<u32>(&config);
+        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0)]);
+        // Until boxes are predicted.
+        for k in 0..20u16 {
+            world.set_aabb(ids[1], cube(0.5 + f32::from(k) * 0.35, 0.0, 0.0)).expect("a good box");
+            world.step().expect("room for the pair");
+        }
+        world.set_aabb(ids[0], cube(8.2, 0.0, 0.0)).expect("a good box");
+        assert_eq!(world.step().expect("room for the pair").pairs(), [[0, 1]]);
+        // Inside what is reported.
+        world.set_aabb(ids[1], Aabb::from_center([7.2, 0.5, 0.5], [0.05; 3])).expect("a good box");
+        world.step().expect("room for the pair").pairs().len()
+    };
+    assert_eq!((pairs(config), pairs(config.without_predicted_boxes())), (1, 1));
+}
+
 /// Without events nothing says which object has moved inside its margin since the step before, so the pairs
 /// that a world takes along to another one are not held against their boxes.
 #[test]
@@ -284,6 +330,29 @@ fn a_world_that_moved_inside_margins_is_valid_where_it_moves_to_a_tree() {
     let mut moved = world.move_into(large.bytes_mut(), &config(700)).expect("room");
     assert_eq!(moved.validate(), Ok(()));
     assert!(moved.step().expect("room").pairs().is_empty());
+}
+
+/// A world that moved to where no boxes are predicted took along that boxes had moved inside theirs: its snapshots were refused.
+#[test]
+fn a_snapshot_is_loaded_after_a_move_to_a_world_without_predicted_boxes() {
+    for config in [Config::new(ample(700, 9)), Config::new(ample(700, 9)).with_events()] {
+        let plain = config.without_predicted_boxes();
+        let mut slabs = [&config, &plain].map(Slab::new::<u32>);
+        let [from, to] = &mut slabs;
+        let mut world = from.world::<u32>(&config);
+        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0)]);
+        // Until boxes are predicted.
+        for k in 0..20u16 {
+            world.set_aabb(ids[1], cube(0.5 + f32::from(k) * 0.01, 0.0, 0.0)).expect("a good box");
+            world.step().expect("room for the pair");
+        }
+        world.set_aabb(ids[1], cube(0.7, 0.0, 0.0)).expect("a good box");
+        let mut world = world.move_into(to.bytes_mut(), &plain).expect("room");
+        assert_eq!(world.validate(), Ok(()));
+        let bytes = saved(&world);
+        assert_eq!(world.load(&bytes), Ok(()));
+        assert_eq!(world.step().expect("room").pairs(), [[0, 1]]);
+    }
 }
 
 /// Which large objects a world had before it loaded a snapshot decided when their list was brought into order, and so the order of

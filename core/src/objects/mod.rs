@@ -109,8 +109,9 @@ impl Objects<'_> {
         let Some(now) = self.now.get_mut(at).filter(|now| !now.is_empty()) else {
             return self.hide(at, bounds);
         };
-        let ([margin], around) = (self.fat.margins(at), self.fat.boxes.get(at).unwrap_or(now));
-        // Far too wide. No predicted box is at first.
+        let ([margin], fat) = (self.fat.margins(at), self.fat.boxes.get(at));
+        // Far too wide. No predicted box is at first. What is reported follows from boxes alone.
+        let around = fat.filter(|_| !MARGINS || self.given.is_empty()).unwrap_or(now);
         if (MARGINS || TREE) && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin) {
             return self.anchor(at, bounds);
         }

