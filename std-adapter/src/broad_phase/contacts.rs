@@ -31,6 +31,15 @@ impl Numbers {
         self.update(world, world.lost(), world.found())
     }
 
+    /// Brings the numbers into the order that the pairs get when their results are sorted.
+    pub(super) fn sort(&mut self, world: &World<'_>) {
+        for (pairs, numbers) in [(world.lost(), &mut self.ended), (world.found(), &mut self.began)] {
+            let mut numbered: Vec<_> = pairs.iter().zip(numbers.drain(..)).collect();
+            numbered.sort_unstable();
+            numbers.extend(numbered.iter().map(|(_, number)| *number));
+        }
+    }
+
     fn update(&mut self, world: &World<'_>, lost: &[[u32; 2]], found: &[[u32; 2]]) -> Result<(), Error> {
         let Self { contacts, ended, began } = self;
         loop {

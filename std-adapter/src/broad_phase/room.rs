@@ -134,9 +134,11 @@ fn copy(from: &World<'_>, id: Id, to: &mut World<'_>) -> Result<Id, Error> {
     if values && let Some(value) = from.value(id) {
         to.set_value(copy, value)?;
     }
-    if from.is_resting(id) {
-        to.set_resting(&[copy])?;
-    }
     to.set_enabled(copy, from.is_enabled(id))?;
+    if from.is_resting(id) {
+        to.set_resting(&[copy])?
+    } else {
+        to.wake(&[copy])?
+    }
     Ok(copy)
 }

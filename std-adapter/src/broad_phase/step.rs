@@ -108,6 +108,9 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// Puts the pairs of the last step into an order that depends on them alone, whatever the room, the workers and the past
     /// of the broad phase are: by the [slots](trisap_core::Id::slot) of their objects. See [`World::sort_results`].
     pub fn sort_results(&mut self) {
+        if let Some(numbers) = &mut self.numbers {
+            numbers.sort(self.owned.as_world());
+        }
         self.owned.change(|world| world.sort_results());
     }
 

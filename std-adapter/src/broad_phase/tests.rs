@@ -370,6 +370,7 @@ fn a_crowd_that_has_gone_gives_its_memory_back() {
     broad_phase.world().set_value(id, 4711).expect("values");
     broad_phase.step().expect("room");
     assert!(broad_phase.set_enabled(&17_005, false) && !broad_phase.set_enabled(&30_000, false));
+    broad_phase.wake(&17_005);
     let bytes = broad_phase.owned.bytes();
     (0..20_000)
         .filter(|key| !(17_000..17_100).contains(key))
@@ -378,6 +379,7 @@ fn a_crowd_that_has_gone_gives_its_memory_back() {
     broad_phase.shrink_to_fit().expect("memory");
     assert!(broad_phase.owned.bytes() < bytes / 20 && broad_phase.pairs().count() == 0);
     assert!(!broad_phase.is_enabled(&17_005) && broad_phase.is_enabled(&17_006));
+    assert!(!broad_phase.is_resting(&17_005));
     assert!(!broad_phase.is_enabled(&30_000) && broad_phase.set_enabled(&17_005, true));
     assert_eq!(broad_phase.margin(&17_000), Some(2.0));
     assert!(broad_phase.is_resting(&17_001));
@@ -481,4 +483,31 @@ fn an_object_comes_with_all_that_it_has_or_not_at_all() {
         assert_eq!(plain.insert(1, object), Err(KeyedError { key: 1, error }));
     }
     assert!(plain.is_empty());
+}
+
+/// The numbers stayed in the order of the step.
+#[test]
+fn sorted_events_have_their_numbers() {
+    let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+    let mut broad_phase = BroadPhase::new();
+    broad_phase.keep_contacts().expect("memory");
+    for round in 0..4u8 {
+        // Pairs of neighbours come and go, in another order than that of their slots.
+        broad_phase.extend((0..200u8).map(|key| {
+            let place = f32::from(key.wrapping_mul(37));
+            (key, cube(place * if round % 2 == 0 { 0.75 } else { 3.0 }))
+        }));
+        let numbers: BTreeMap<_, _> =
+            broad_phase.pairs().map(|pair| (pair, broad_phase.contact(&pair[0], &pair[1]))).collect();
+        broad_phase.step().expect("memory");
+        broad_phase.sort_results();
+        assert!(broad_phase.found().eq(broad_phase.found_contacts().map(|(pair, _)| pair)));
+        for ([a, b], number) in broad_phase.found_contacts() {
+            assert_eq!(broad_phase.contact(&a, &b), Some(number));
+        }
+        assert_eq!(broad_phase.lost_contacts().count(), broad_phase.lost().count());
+        for (pair, number) in broad_phase.lost_contacts() {
+            assert_eq!(numbers[&pair], Some(number));
+        }
+    }
 }
