@@ -1348,7 +1348,7 @@ trisap_status trisap_world_overlaps_many(const struct trisap_world *world,
 TRISAP_NOEXCEPT;
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
-/// O(leaves).
+/// `trisap_stats` also counts empty ones that are nowhere. O(leaves).
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 TRISAP_NODISCARD

@@ -49,7 +49,7 @@ impl From<PlaneView> for trisap_plane {
 }
 
 /// Writes the leaves, from left to right, to `leaves`, which has room for `room` of them, and their number to `count`.
-/// O(leaves).
+/// `trisap_stats` also counts empty ones that are nowhere. O(leaves).
 ///
 /// Errors: `TRISAP_STATUS_OUTPUT_FULL`. After it the number is right, and the room holds as many as fit.
 #[unsafe(no_mangle)]

@@ -86,11 +86,15 @@ struct Model {
 
     bool rule(std::uint32_t a, std::uint32_t b) const { return objects.at(a).temper != objects.at(b).temper; }
 
-    bool wanted(const Object &a, const Object &b) const {
+    bool filters_meet(const Object &a, const Object &b) const {
         const bool groups = (a.filter.group & b.filter.mask) != 0 && (b.filter.group & a.filter.mask) != 0;
         const bool matrix = (classes[a.filter.object_class] >> b.filter.object_class & 1) != 0 &&
                             (classes[b.filter.object_class] >> a.filter.object_class & 1) != 0;
-        return (!has_filters || (groups && matrix)) && (!has_rule || rule(trisap::slot(a.id), trisap::slot(b.id)));
+        return !has_filters || (groups && matrix);
+    }
+
+    bool wanted(const Object &a, const Object &b) const {
+        return filters_meet(a, b) && (!has_rule || rule(trisap::slot(a.id), trisap::slot(b.id)));
     }
 
     std::vector<IdPair> pairs() const {

@@ -29,6 +29,7 @@ public:
         config_.has_margin = below(2);
         config_.margin_per_extent = 0.2f;
         config_.fixed_margins = below(2);
+        config_.predicted_boxes = below(2);
         config_.mode = config_.has_margin != 0 && below(3) == 0 ? TRISAP_MODE_FAT : TRISAP_MODE_EXACT;
         config_.workers = 1 + below(4);
         model_.has_filters = config_.filters != 0;
@@ -314,7 +315,11 @@ private:
     trisap::Step advance(trisap::World &world, const trisap::Boxes *boxes) {
         auto jobs = trisap::jobs(pool_.workers(), [this](std::uint32_t count, trisap::Task task) { pool_.run(count, task); });
         const auto rule = [this](std::uint32_t a, std::uint32_t b) {
-            CHECK(a < b);
+            // Both live, or `at` finds nobody.
+            const Object &first = model_.objects.at(a), &second = model_.objects.at(b);
+            CHECK(a < b && model_.filters_meet(first, second));
+            const bool overlap = share_a_point(first.box.min, first.box.max, second.box.min, second.box.max);
+            CHECK(overlap || config_.has_margin != 0 || config_.predicted_boxes != 0);
             return model_.rule(a, b);
         };
         if (model_.has_rule) {

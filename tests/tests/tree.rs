@@ -23,10 +23,15 @@ fn look<I: Index>(world: &World<'_, I>, boxes: &[Option<Aabb>]) {
     let mut large: Vec<u32> = world.large().map(|id| id.slot()).collect();
     large.sort_unstable();
     assert!(large.windows(2).all(|two| two[0] != two[1]), "no object is large twice");
+    // Also those of leaves that nobody is in.
+    for cell in leaves.iter().map(|leaf| leaf.cell).chain(planes.iter().map(|plane| plane.cell)) {
+        assert!((0..3).all(|k| cell.min[k] <= cell.max[k]), "a cell is turned inside out: {cell:?}");
+    }
     if world.stats().leaves <= 1 {
         return;
     }
-    assert_eq!(leaves.len() as u32, world.stats().leaves);
+    assert!(leaves.len() as u32 <= world.stats().leaves);
+    assert_eq!(leaves.len(), planes.len() + 1, "each plane divides a leaf");
     assert_eq!(world.stats().large as usize, large.len());
     let mut counts = vec![0; leaves.len()];
     for (slot, aabb) in boxes.iter().enumerate() {

@@ -112,7 +112,9 @@ impl<I: Index> World<'_, I> {
 
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
     fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
-        let is_large = parts.state.objects.live >= SHARED_FROM;
+        // An interpreter takes minutes for so many.
+        let from = if cfg!(miri) { 512 } else { SHARED_FROM };
+        let is_large = parts.state.objects.live >= from;
         !context.is_small() && parts.config().forced.of(SHARING).unwrap_or(is_large)
     }
 

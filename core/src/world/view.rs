@@ -5,7 +5,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::id::{Id, Index};
 use crate::tree::cells::{cell_of, divide};
-use crate::tree::{SUB_LEAVES, UNSPLIT, axis_of, key_of};
+use crate::tree::{Cell, SUB_LEAVES, UNSPLIT, axis_of, key_of};
 use crate::world::World;
 
 /// A leaf of the tree.
@@ -49,15 +49,14 @@ pub struct PlaneView {
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {
-    /// The leaves. O(leaves).
+    /// The leaves. [`Stats::leaves`](crate::Stats::leaves) also counts empty ones that are nowhere. O(leaves).
     #[doc(alias("debug_draw", "debug_render"))]
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
         let tree = &self.parts.tree;
-        (0..self.leaf_count()).map(|leaf| {
-            let cell = tree.cells.at(leaf);
-            let cell = KeyBox { min: cell.low(), max: cell.high() };
-            LeafView { cell: shown(cell), objects: tree.leaves.at(leaf).len }
-        })
+        let all = (0..self.leaf_count()).map(|leaf| (tree.cells.at(leaf), tree.leaves.at(leaf).len));
+        // What was not worth a division has no upper part.
+        let somewhere = all.filter(|(cell, _)| cell.low()[0] < i32::MAX);
+        somewhere.map(|(cell, objects)| LeafView { cell: shown(cell), objects })
     }
 
     /// The planes, each once. O(leaves · depth).
@@ -81,8 +80,7 @@ impl<I: Index> World<'_, I> {
             })
         });
         inner.chain(below).filter(|(plane, _, _)| key_of(*plane) != UNSPLIT).map(|(plane, cell, depth)| {
-            let cell = shown(KeyBox { min: cell.low(), max: cell.high() });
-            PlaneView { axis: axis_of(plane), position: value(key_of(plane)), cell, depth }
+            PlaneView { axis: axis_of(plane), position: value(key_of(plane)), cell: shown(cell), depth }
         })
     }
 
@@ -97,7 +95,7 @@ impl<I: Index> World<'_, I> {
 }
 
 /// Sides beyond all floats are infinite.
-fn shown(cell: KeyBox) -> Aabb {
+fn shown(cell: Cell) -> Aabb {
     let shown = |key: i32| key.clamp(NEGATIVE_INFINITY, POSITIVE_INFINITY);
-    KeyBox { min: cell.min.map(shown), max: cell.max.map(shown) }.to_aabb()
+    KeyBox { min: cell.low().map(shown), max: cell.high().map(shown) }.to_aabb()
 }
