@@ -1,6 +1,6 @@
 //! Computes how many items of each kind a world has.
 
-use super::limits::{CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row};
+use super::limits::{CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row, row_of_bits};
 use super::scratch;
 use crate::config::{Config, EVENTS, FILTERS, LISTS, MARGINS, Mode, TREE, VALUES};
 use crate::error::{Error, Field};
@@ -85,7 +85,7 @@ pub(crate) const fn sweeps_margins(config: &Config) -> bool {
 
 /// Whether objects have a fat box.
 pub(crate) const fn has_fat(config: &Config) -> bool {
-    TREE && (sweeps_margins(config) || config.predicted && !is_small(config))
+    TREE && !is_small(config) && (sweeps_margins(config) || config.predicted)
 }
 
 /// So many, if there are any.
@@ -178,7 +178,17 @@ impl Sizes {
     /// Bits that tell whether a reported box has changed, one an object, for events. A world with fat boxes
     /// and a tree needs them, too: it parks a pair only while both boxes stay, also inside fat boxes.
     pub(crate) const fn changed(&self) -> usize {
-        if_so(EVENTS && self.config.events || TREE && self.fat > 0 && self.tree > 0, self.objects)
+        if_so(self.keeps_boxes() || TREE && self.fat > 0, self.objects)
+    }
+
+    /// Whether events are told by the boxes of the last complete step; if not, by a bit for each two slots.
+    pub(crate) const fn keeps_boxes(&self) -> bool {
+        EVENTS && self.config.events && !self.is_small()
+    }
+
+    /// Words with a bit for each two slots, for events.
+    pub(crate) const fn met(&self) -> usize {
+        if_so(EVENTS && self.config.events && self.is_small(), row_of_bits(self.objects))
     }
 
     /// Records of all leaves. They are read in groups of eight, also behind the last leaf.

@@ -87,3 +87,9 @@ impl Forced {
 /// Steps at the end of a pause of fat boxes, and of the first ones of a new world, in which some objects try
 /// them.
 pub(crate) const TRIAL: u8 = 8;
+
+/// Where the bits of a slot start that say something about it and each lower slot, in words: each slot has as
+/// many words as it takes, behind those of all lower ones.
+pub(crate) const fn row_of_bits(slot: usize) -> usize {
+    (slot / 32 + 1) * (slot - slot / 32 * 16)
+}

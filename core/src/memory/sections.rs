@@ -21,17 +21,20 @@ macro_rules! sections {
             settled: SlotSet<'m> = [u32; SlotSet::len(s.objects)], new 0, saved settled [n.words];
             /// One bit a slot: the caller has put the object to rest.
             resting: &'m mut [u32] = [u32; bits::words(s.objects)], new 0, saved resting [n.words];
-            /// With events, and with fat boxes and a tree: the swept box, the reported box or the filter has
+            /// With a tree and events or fat boxes: the swept box, the reported box or the filter has
             /// changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
-            /// With events: `before` may be out of date, since the slot changed before the last complete
+            /// With events and a tree: `before` may be out of date, since the slot changed before the last complete
             /// step.
-            outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(EVENTS && s.config.events))], new 0;
+            outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.keeps_boxes()))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
             active: &'m mut [u32] = [u32; bits::words(if_so(TREE, s.tree))], new 0;
             /// Without a tree, unless every two boxes are tested: by ascending minimum on the swept axis, words
             /// with a [`slot`](crate::memory::state::slot).
             list: &'m mut [i32] = [i32; s.list], used state.lists.listed as usize;
+            /// With events and without a tree: a bit for each two slots, set for the pairs of the last complete
+            /// result.
+            met: &'m mut [u32] = [u32; s.met()], new 0;
             /// With a tree: scratch memory of a step, for slots and what else is as wide.
             spare: &'m mut [I] = [I; if_so(TREE, s.tree)], used 0;
             /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
@@ -53,10 +56,10 @@ macro_rules! sections {
                 fat: &'m mut [KeyBox] = [KeyBox; if_so(TREE, s.fat)], used state.objects.slots as usize;
                 /// With margins: the length that the box is grown by (erratum E2).
                 margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
-                /// With events: the box that the last complete step reported, if the object has
+                /// With events and a tree: the box that the last complete step reported, if the object has
                 /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this
                 /// is its reported box, unless it is [outdated](Parts::outdated).
-                before: &'m mut [KeyBox] = [KeyBox; s.by_object(EVENTS && s.config.events)], used state.objects.slots as usize;
+                before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.keeps_boxes())], used state.objects.slots as usize;
                 + /// Whether `now` is swept though there are fat boxes, while these are left unused. They then mean
                 /// nothing.
                 tight: bool = state.step.margins_in > 0;

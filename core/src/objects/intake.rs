@@ -1,7 +1,7 @@
 //! Takes in the caller's bounds array: one pass, no copy, bad boxes found on the way.
 
 use crate::access::{Access, bits};
-use crate::config::EVENTS;
+use crate::config::{EVENTS, TREE};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 use crate::id::Index;
@@ -158,7 +158,7 @@ fn take_in(
     let (is_fat, has_fat, at) = (objects.is_fat(), objects.fat.exist(), word * 32);
     let Objects { now, given, fat, before, changed: kept, .. } = objects;
     // The boxes that events compare with are kept where they have not changed since the last complete step.
-    let unkept = if EVENTS && !before.is_empty() { !kept.words.at(word) } else { 0 };
+    let unkept = if EVENTS && TREE && !before.is_empty() { !kept.words.at(word) } else { 0 };
     let has_margins = is_fat || has_fat;
     let apart = if has_margins { u32::MAX } else { unkept };
     // The bit of a slot, turned on from slot to slot, which takes a small processor less than to make each.

@@ -1,7 +1,6 @@
 //! Divides lists of pairs by a test of their boxes, or of sets of slots.
 
 use crate::access::{Access, bits};
-use crate::config::{FILTERS, TREE};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
@@ -94,18 +93,6 @@ fn cut<'p, T>((rest, from): &mut (&'p mut [T], usize), range: &mut Range<usize>,
 /// that does not pass changes places with the last one that passes, and so on.
 #[inline(always)]
 fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>) -> usize {
-    if !TREE {
-        let meet =
-            |boxes, pair: &Pair<I>| KeyBox::of(boxes, pair[0].at()).overlaps(KeyBox::of(boxes, pair[1].at()));
-        return match test {
-            Test::Overlap(now) => one_by_one(pairs, |pair| meet(now, pair)),
-            Test::Ended { now, before: [] } => one_by_one(pairs, |pair| !meet(now, pair)),
-            Test::Ended { now, before } => one_by_one(pairs, |pair| !(meet(now, pair) && meet(before, pair))),
-            Test::ClearOf(set) if FILTERS => one_by_one(pairs, |pair| is_clear_of(set, pair)),
-            Test::Holds(test) if FILTERS => one_by_one(pairs, test),
-            _ => 0,
-        };
-    }
     // Pairs are tested together, since which ones pass is hard to predict: the next ones from either end.
     // These have bits where pairs wait to change places.
     let (mut start, mut end) = (0, pairs.len());
@@ -141,22 +128,16 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
 
 /// The same, for a small processor, which predicts nothing: a loop for each test, in registers.
 #[inline(always)]
-fn one_by_one<I: Index>(pairs: &mut [Pair<I>], holds: impl Fn(&Pair<I>) -> bool) -> usize {
-    let (mut start, mut end) = (0, pairs.len());
-    while start < end {
-        if !holds(&pairs.at(start)) {
-            end -= 1;
-            while end > start && !holds(&pairs.at(end)) {
-                end -= 1;
-            }
-            if end == start {
-                break;
-            }
-            pairs.swap_at(start, end);
+pub(super) fn one_by_one<I: Index>(pairs: &mut [Pair<I>], holds: impl Fn(&Pair<I>) -> bool) -> usize {
+    let (mut count, mut rest) = (0, pairs.iter_mut());
+    while let Some(pair) = rest.next() {
+        if !holds(pair) {
+            let Some(last) = rest.rfind(|pair| holds(pair)) else { break };
+            core::mem::swap(pair, last);
         }
-        start += 1;
+        count += 1;
     }
-    start
+    count
 }
 
 /// Exchanges the pair of a word's lowest bit with the pair of another word's highest bit; clears both bits.

@@ -2,13 +2,15 @@
 //!
 //! A pair is found exactly if its boxes did not overlap at the last complete step. It is lost exactly if that
 //! step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
-//! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own.
+//! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own. A
+//! world without a tree keeps a bit for each two slots instead: see [`met`].
 
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, FILTERS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, FilterParts, Parts};
 use crate::memory::state::{PairState, State};
+use crate::pairs::met;
 use crate::pairs::partition::Test::{self, ClearOf, Ended, Holds, Overlap};
 use crate::pairs::partition::{is_clear_of, partition};
 use crate::pairs::persistent::{exchange, set_aside};
@@ -27,18 +29,16 @@ pub(crate) fn sort_out<I: Index>(
     context: StepContext<'_>,
 ) {
     parts.state.pairs.swept = swept as u64;
+    if parts.sizes.is_small() {
+        return compare(parts, swept, complete);
+    }
     let events = EVENTS && parts.sizes.previous > 0;
     let has_surplus = parts.has_surplus();
-    if !TREE && !events && !has_surplus {
-        (parts.state.pairs.reported, parts.state.pairs.found, parts.state.pairs.lost) = (swept as u64, 0, 0);
-        return;
-    }
-    // Without fat boxes a step that keeps pairs has nothing to sort out.
-    let kept_pairs = if TREE { parts.state.pairs } else { PairState::default() };
-    let PairState { parked, kept, kept_result, surplus_parked, .. } = kept_pairs;
+    let PairState { parked, kept, kept_result, surplus_parked, listed, .. } = parts.state.pairs;
+    let listed = listed != 0;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming) = (kept_result, 0);
-    if TREE && parts.state.objects.moved_inside_margin != 0 {
+    if parts.state.objects.moved_inside_margin != 0 {
         let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));
@@ -57,17 +57,20 @@ pub(crate) fn sort_out<I: Index>(
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
-        persisting = partition(context, new, Overlap(before));
+        let clear = ClearOf(parts.former.reused.words);
+        persisting = partition(context, new, if listed { clear } else { Overlap(before) });
         let ended = ended(&parts.boxes, &parts.filters, parts.state);
         let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
+        lost = if listed { 0 } else { lost };
         let previous = previous.span_mut(lost, previous.len() - lost);
-        if FILTERS && parts.filters.changed.count() > 0 {
+        if listed || FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
             let asked = &*parts.filters.changed.words;
-            let known = stay_known(context, new.span_mut(0, persisting), previous, asked);
+            let is_asked = |pair: &Pair<I>| listed || !is_clear_of(asked, pair);
+            let known = stay_known(context, new.span_mut(0, persisting), previous, &is_asked);
             persisting = known.end;
             let known = new.span(known.start, known.len());
-            let dropped = |pair: &Pair<I>| !is_clear_of(asked, pair) && known.binary_search(pair).is_err();
+            let dropped = |pair: &Pair<I>| is_asked(pair) && known.binary_search(pair).is_err();
             lost += partition(context, previous, Holds(&dropped));
         }
         parts.state.pairs.lost = lost as u64;
@@ -76,7 +79,7 @@ pub(crate) fn sort_out<I: Index>(
         parts.state.pairs.found = 0;
     }
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
-    if !TREE || kept == parked {
+    if kept == parked {
         return;
     }
     // Staying, gone, coming and other kept pairs; persisting, found and other new ones. Now: staying,
@@ -87,6 +90,19 @@ pub(crate) fn sort_out<I: Index>(
     exchange(pairs.span_mut(coming, others + persisting), others);
     exchange(pairs.span_mut(0, coming + persisting), coming);
     exchange(pairs.span_mut(coming + persisting, others + result - persisting), others);
+}
+
+/// The same for a world without a tree, which keeps no pairs and has no surplus.
+fn compare<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
+    let Parts { state, output, met, former, .. } = parts;
+    let (mut persisting, mut lost) = (swept, 0);
+    if EVENTS && !met.is_empty() && complete {
+        let last = output.previous.span_mut(0, state.pairs.previous as usize);
+        let reused = (state.objects.has_inserted != 0).then_some(&*former.reused.words);
+        (persisting, lost) = met::compare(met, output.pairs.span_mut(0, swept), last, reused);
+    }
+    let found = swept - persisting;
+    (state.pairs.reported, state.pairs.found, state.pairs.lost) = (swept as u64, found as u64, lost as u64);
 }
 
 /// A pair is lost if its boxes overlapped before and do not now. If slots may have new objects, or others be
@@ -100,7 +116,7 @@ pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, filters: &FilterParts<'_>, s
 /// Brings `before` up to date for objects that have not changed since the last complete step. The others have
 /// kept their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
-    if !EVENTS {
+    if !(EVENTS && TREE) {
         return;
     }
     let BoxParts { now, before, .. } = &mut parts.boxes;
@@ -113,16 +129,16 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// For pairs whose boxes overlapped before and do now, where a filter may answer differently: the previous
-/// result alone tells which stay. Brings these to the front; returns where the told ones are, in order.
+/// For pairs whose boxes overlapped before and do now, where a filter may answer differently, or nobody knows
+/// the boxes of before: the previous result alone tells which stay. Brings these to the front; returns where the told ones are, in order.
 fn stay_known<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
     previous: &mut [Pair<I>],
-    asked: &[u32],
+    is_asked: &(dyn Fn(&Pair<I>) -> bool + Sync),
 ) -> core::ops::Range<usize> {
-    let others = partition(context, pairs, ClearOf(asked));
-    let known = partition(context, previous, Holds(&|pair| !is_clear_of(asked, pair)));
+    let others = partition(context, pairs, Holds(&|pair| !is_asked(pair)));
+    let known = partition(context, previous, Holds(is_asked));
     let known = previous.span_mut(0, known);
     heapsort(known, |a, b| a < b);
     let open = pairs.span_mut(others, pairs.len() - others);

@@ -11,6 +11,7 @@ use crate::memory::sections::sections;
 use crate::memory::slab::{BoxParts, Parts, Section as _};
 use crate::memory::slot_set::SlotSet;
 use crate::memory::state::{PairState, State};
+use crate::pairs::met;
 use bytemuck::Pod;
 use core::marker::PhantomData;
 
@@ -210,6 +211,7 @@ impl<I: Index> Stored<'_, I> {
         if self.changed.len() == 0 {
             to.changed.load(self.moved.bytes);
             self.settled.slots().for_each(|slot| to.changed.set(slot));
+            to.state.pairs.listed |= u8::from(!to.boxes.before.is_empty());
         }
         let former = &mut to.former.generations;
         self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));
@@ -219,5 +221,9 @@ impl<I: Index> Stored<'_, I> {
         let [first, parked] = &self.previous;
         to.output.previous.load(first.bytes);
         to.output.previous.get_mut(first.len()..).unwrap_or_default().load(parked.bytes);
+        let PairState { complete, reported, previous, .. } = to.state.pairs;
+        let (pairs, previous) =
+            (to.output.pairs.span(0, reported as usize), to.output.previous.span(0, previous as usize));
+        met::set_all(to.met, if complete != 0 { pairs } else { previous });
     }
 }

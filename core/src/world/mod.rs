@@ -15,7 +15,7 @@ pub use steps::{Step, Stepper};
 pub use view::{LeafView, PlaneView};
 
 use crate::access::Access;
-use crate::config::{EVENTS, SHARING, TREE};
+use crate::config::{SHARING, TREE};
 use crate::error::{Error, Rejected};
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index};
@@ -25,7 +25,7 @@ use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
 use crate::memory::stats::{Path, Reason, Route};
 use crate::objects::intake::ingest;
-use crate::pairs::{persistent, results};
+use crate::pairs::{met, persistent, results};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::{OneStep, Stage};
 use crate::simd::kernels::Kernels;
@@ -192,7 +192,8 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.pairs.complete = 1;
         parts.state.tree.known = parts.state.objects.slots;
-        if EVENTS || TREE {
+        if TREE {
+            parts.state.pairs.listed = 0;
             parts.changed.move_to(&mut parts.outdated);
         }
         parts.moved.clear();
@@ -222,6 +223,7 @@ impl<I: Index> Drop for Unfinished<'_, '_, I> {
         }
         parts.boxes.tight = parts.state.step.margins_in > 0;
         persistent::start_over(parts);
+        met::set_all(parts.met, parts.output.previous.span(0, parts.state.pairs.previous as usize));
         let PairState { swept, reported, found, lost, .. } = &mut parts.state.pairs;
         (*swept, *reported, *found, *lost) = (0, 0, 0, 0);
         parts.state.tree.forget();

@@ -62,3 +62,46 @@ fn test_all(keys: &[Keys], pairs: &mut [Pair<u16>]) -> usize {
     }
     count
 }
+
+/// Tells what is new in `pairs` since `last`, both in order, by one walk along both. Writes what fits, and returns how
+/// many pairs were found and lost.
+#[inline(never)]
+pub fn compare(
+    last: &[Pair<u16>],
+    pairs: &[Pair<u16>],
+    found: &mut [Pair<u16>],
+    lost: &mut [Pair<u16>],
+) -> [usize; 2] {
+    let number = |[a, b]: Pair<u16>| u32::from(a) << 16 | u32::from(b);
+    let (mut founds, mut losts, mut last) = (0, 0, last);
+    for &pair in pairs {
+        loop {
+            match last.split_first() {
+                Some((&before, rest)) if number(before) <= number(pair) => {
+                    last = rest;
+                    if before == pair {
+                        break;
+                    }
+                    if let Some(place) = lost.get_mut(losts) {
+                        *place = before;
+                    }
+                    losts += 1;
+                }
+                _ => {
+                    if let Some(place) = found.get_mut(founds) {
+                        *place = pair;
+                    }
+                    founds += 1;
+                    break;
+                }
+            }
+        }
+    }
+    for &before in last {
+        if let Some(place) = lost.get_mut(losts) {
+            *place = before;
+        }
+        losts += 1;
+    }
+    [founds, losts]
+}

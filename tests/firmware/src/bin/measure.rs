@@ -56,6 +56,9 @@ struct Memory {
     boxes: [Aabb; LARGEST],
     keys: [Keys; LARGEST],
     pairs: [[u16; 2]; LARGEST * (LARGEST - 1) / 2],
+    last: [[u16; 2]; 40000],
+    found: [[u16; 2]; 40000],
+    lost: [[u16; 2]; 40000],
 }
 
 static mut MEMORY: Memory = Memory {
@@ -63,6 +66,9 @@ static mut MEMORY: Memory = Memory {
     boxes: [Aabb::new([0.0; 3], [0.0; 3]); LARGEST],
     keys: [Keys::NONE; LARGEST],
     pairs: [[0; 2]; LARGEST * (LARGEST - 1) / 2],
+    last: [[0; 2]; 40000],
+    found: [[0; 2]; 40000],
+    lost: [[0; 2]; 40000],
 };
 
 /// Instructions of all frames, and of the frame that had the most.
@@ -113,7 +119,9 @@ struct Row {
 
 /// Steps through a scene and prints its row.
 fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usize) -> Result<Row, Error> {
-    let Memory { world, boxes, keys, pairs } = memory;
+    let Memory { world, boxes, keys, pairs, last, found: ff, lost: ll } = memory;
+    let (mut pairs, mut last, mut lastn) = (&mut pairs[..], &mut last[..], 0);
+ let mut sums=[0usize;3];
     let all = objects * (objects - 1) / 2;
     let mut config = config(objects, scene.pairs_per_object.map_or(all, |count| count * objects));
     config.events = capability == EVENTS;
@@ -138,7 +146,15 @@ fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usiz
         (scene.frame)(index, boxes);
         let (mut found, mut expected) = (Ok(0), 0);
         ours.add(board::instructions(|| found = step(&mut world, Boxes::new(boxes))));
-        theirs.add(board::instructions(|| expected = brute::force(Boxes::new(boxes), keys, pairs)));
+        theirs.add(board::instructions(|| {
+            expected = brute::force(Boxes::new(boxes), keys, pairs);
+            if config.events {
+                let r = brute::compare(&last[..lastn.min(last.len())], &pairs[..expected.min(pairs.len())], ff, ll);
+                sums[0] += r[0]; sums[1] += r[1]; sums[2] += usize::from(r[1] > 0);
+                lastn = expected;
+                core::mem::swap(&mut pairs, &mut last);
+            }
+        }));
         let apart = config.filters && boxes[0].overlaps(&boxes[1]);
         agree &= found? == expected - usize::from(apart);
         bounded &= ours.last <= bound(objects, expected.max(last_pairs), capability);
@@ -156,6 +172,7 @@ fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usiz
     ours.print();
     cell(bound(objects, most_pairs, capability), 11);
     theirs.print();
+    if config.events { for x in sums { cell(x as u32, 5); } }
     board::print("\n");
     Ok(Row { agree, bounded, ours: ours.mean() })
 }

@@ -1,0 +1,72 @@
+//! Events of worlds without a tree: a bit for each two slots says whether the last complete result had the
+//! pair. These have few slots, and to compare the boxes of two steps takes a small processor longer.
+
+use super::partition::{is_clear_of, one_by_one};
+use crate::id::{Index, Pair};
+use crate::memory::limits::row_of_bits;
+
+/// Brings the pairs of a complete result that the last one had, too, to its front, and those of the last one
+/// that are lost to the front of that. Returns how many persist and how many are lost. Slots may be `reused`
+/// since by other objects, whose pairs are others. O(pairs + n² / 32).
+pub(crate) fn compare<I: Index>(
+    met: &mut [u32],
+    result: &mut [Pair<I>],
+    last: &mut [Pair<I>],
+    reused: Option<&[u32]>,
+) -> (usize, usize) {
+    if met.len() <= 32 {
+        compare_of::<I, true>(met, result, last, reused)
+    } else {
+        compare_of::<I, false>(met, result, last, reused)
+    }
+}
+
+/// With `FEW` slots each has one word. Not inline, so that the loops stay in registers.
+#[inline(never)]
+fn compare_of<I: Index, const FEW: bool>(
+    met: &mut [u32],
+    result: &mut [Pair<I>],
+    last: &mut [Pair<I>],
+    reused: Option<&[u32]>,
+) -> (usize, usize) {
+    if let Some(reused) = reused {
+        last.iter().filter(|pair| !is_clear_of(reused, pair)).for_each(|pair| put::<I, FEW>(met, pair, false));
+    }
+    let persisting = one_by_one(result, |pair| has::<I, FEW>(met, pair));
+    let (same, found) = result.split_at_mut_checked(persisting).unwrap_or_default();
+    let mut lost = 0;
+    if persisting < last.len() {
+        met.fill(0);
+        same.iter().for_each(|pair| put::<I, FEW>(met, pair, true));
+        lost = one_by_one(last, |pair| !has::<I, FEW>(met, pair));
+    }
+    found.iter().for_each(|pair| put::<I, FEW>(met, pair, true));
+    (persisting, lost)
+}
+
+/// Has exactly the pairs of a result. O(pairs + n² / 32).
+pub(crate) fn set_all<I: Index>(met: &mut [u32], result: &[Pair<I>]) {
+    met.fill(0);
+    result.iter().for_each(|pair| put::<I, false>(met, pair, true));
+}
+
+/// The word of a pair's bit, and which bit it is.
+#[inline(always)]
+fn place<I: Index, const FEW: bool>(pair: &Pair<I>) -> (usize, u32) {
+    let (low, high) = (pair[0].at(), pair[1].at());
+    if FEW { (high, low as u32) } else { (row_of_bits(high) + low / 32, low as u32) }
+}
+
+#[inline(always)]
+pub(crate) fn has<I: Index, const FEW: bool>(met: &[u32], pair: &Pair<I>) -> bool {
+    let (word, bit) = place::<I, FEW>(pair);
+    met.get(word).is_some_and(|word| word.wrapping_shr(bit) & 1 != 0)
+}
+
+#[inline(always)]
+fn put<I: Index, const FEW: bool>(met: &mut [u32], pair: &Pair<I>, met_now: bool) {
+    let (word, bit) = place::<I, FEW>(pair);
+    if let Some(word) = met.get_mut(word) {
+        *word = *word & !1u32.wrapping_shl(bit) | u32::from(met_now).wrapping_shl(bit);
+    }
+}
