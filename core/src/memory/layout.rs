@@ -1,6 +1,8 @@
 //! Computes how many items of each kind a world has.
 
-use super::limits::{CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row, row_of_bits};
+use super::limits::{
+    CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row, row_of_bits,
+};
 use super::scratch;
 use crate::config::{Config, EVENTS, FILTERS, LISTS, MARGINS, Mode, TREE, VALUES};
 use crate::error::{Error, Field};

@@ -108,7 +108,10 @@ impl FatBoxes<'_> {
             return None;
         }
         let from = last.map_or([*now], |last| to.map(|to| to.came_from(&last, new)));
-        if EVENTS && TREE && let Some(before) = before {
+        if EVENTS
+            && TREE
+            && let Some(before) = before
+        {
             *before = *now;
         }
         [*now] = to;

@@ -77,7 +77,8 @@ impl Objects<'_> {
     /// Keeps the box that the last complete step reported, for the events of the next one. To be called
     /// before anything of the slot is replaced; only the first call after that step counts.
     fn keep(&mut self, at: usize) {
-        if EVENTS && TREE
+        if EVENTS
+            && TREE
             && let Some(before) = self.before.get_mut(at)
             && !bits::test(self.changed.words, at)
         {
@@ -96,7 +97,10 @@ impl Objects<'_> {
     /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another
     /// object had the slot in the last step, its pairs are lost in any case.
     pub(crate) fn insert(&mut self, at: usize, bounds: KeyBox) {
-        if EVENTS && TREE && let Some(before) = self.before.get_mut(at) {
+        if EVENTS
+            && TREE
+            && let Some(before) = self.before.get_mut(at)
+        {
             *before = KeyBox::EMPTY;
         }
         self.place(at, bounds);
@@ -115,7 +119,8 @@ impl Objects<'_> {
         if (MARGINS || TREE) && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin) {
             return self.anchor(at, bounds);
         }
-        let before = self.before.get_mut(at).filter(|_| EVENTS && TREE && !bits::test(self.changed.words, at));
+        let before =
+            self.before.get_mut(at).filter(|_| EVENTS && TREE && !bits::test(self.changed.words, at));
         if let Some(stays) = self.fat.replace(self.given, at, now, &bounds, before) {
             self.note(at / 32, 1 << (at % 32), u32::from(stays) << (at % 32));
         }

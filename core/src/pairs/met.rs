@@ -2,36 +2,26 @@
 //! pair. These have few slots, and to compare the boxes of two steps takes a small processor longer.
 
 use super::partition::{is_clear_of, one_by_one};
+use crate::access::Access;
 use crate::id::{Index, Pair};
 use crate::memory::limits::row_of_bits;
+use crate::memory::slab::{OutputParts, Parts};
+use crate::memory::state::{PairState, State};
 
 /// Brings the pairs of a complete result that the last one had, too, to its front, and those of the last one
 /// that are lost to the front of that. Returns how many persist and how many are lost. Slots may be `reused`
-/// since by other objects, whose pairs are others. O(pairs + n² / 32).
-pub(crate) fn compare<I: Index>(
-    met: &mut [u32],
-    result: &mut [Pair<I>],
-    last: &mut [Pair<I>],
-    reused: Option<&[u32]>,
-) -> (usize, usize) {
-    if met.len() <= 32 {
-        compare_of::<I, true>(met, result, last, reused)
-    } else {
-        compare_of::<I, false>(met, result, last, reused)
-    }
-}
-
-/// With `FEW` slots each has one word. Not inline, so that the loops stay in registers.
+/// since by other objects, whose pairs are others. With `FEW` slots each has one word. O(pairs + n² / 32).
+// Not inline, so that its loops stay in registers.
 #[inline(never)]
-fn compare_of<I: Index, const FEW: bool>(
+pub(crate) fn compare<I: Index, const FEW: bool>(
     met: &mut [u32],
     result: &mut [Pair<I>],
     last: &mut [Pair<I>],
-    reused: Option<&[u32]>,
+    reused: &[u32],
 ) -> (usize, usize) {
-    if let Some(reused) = reused {
-        last.iter().filter(|pair| !is_clear_of(reused, pair)).for_each(|pair| put::<I, FEW>(met, pair, false));
-    }
+    let asked = if reused.is_empty() { &[] } else { &*last };
+    let others = asked.iter().filter(|pair| !is_clear_of(reused, pair));
+    others.for_each(|pair| put::<I, FEW>(met, pair, false));
     let persisting = one_by_one(result, |pair| has::<I, FEW>(met, pair));
     let (same, found) = result.split_at_mut_checked(persisting).unwrap_or_default();
     let mut lost = 0;
@@ -44,10 +34,18 @@ fn compare_of<I: Index, const FEW: bool>(
     (persisting, lost)
 }
 
-/// Has exactly the pairs of a result. O(pairs + n² / 32).
-pub(crate) fn set_all<I: Index>(met: &mut [u32], result: &[Pair<I>]) {
-    met.fill(0);
-    result.iter().for_each(|pair| put::<I, false>(met, pair, true));
+/// The pairs of the last complete result, of a world without a tree.
+pub(crate) fn last_result<'p, I: Index>(state: &State, output: &'p OutputParts<'_, I>) -> &'p [Pair<I>] {
+    let PairState { complete, reported, previous, .. } = state.pairs;
+    let (from, count) = if complete != 0 { (&output.pairs, reported) } else { (&output.previous, previous) };
+    from.span(0, count as usize)
+}
+
+/// Sets the bits of the last complete result. O(pairs + n² / 32).
+pub(crate) fn set_all<I: Index>(parts: &mut Parts<'_, I>) {
+    parts.met.fill(0);
+    let last = if parts.met.is_empty() { &[] } else { last_result(parts.state, &parts.output) };
+    last.iter().for_each(|pair| put::<I, false>(parts.met, pair, true));
 }
 
 /// The word of a pair's bit, and which bit it is.

@@ -48,9 +48,6 @@ pub(crate) fn partition_within<I: Index>(
     run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
 ) -> usize {
     let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
-    if context.is_small() {
-        return to_front(pairs);
-    }
     let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let mut fronts = [0; PAIR_BLOCKS];
     let blocks = (Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1));

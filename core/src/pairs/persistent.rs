@@ -24,13 +24,11 @@ const ACTIVE_FOR_EACH: u32 = 8;
 /// For a step that tests only moved objects: brings the pairs of two resting ones to the front of the buffer,
 /// pairs of the result first; returns how many. With events, all other pairs are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
-    if TREE && !parts.sizes.is_small() {
-        park(parts, context);
-    }
+    park(parts, context);
     let Parts { state, moved, output, .. } = parts;
     let (swept, result) = (state.pairs.swept as usize, state.pairs.result().end);
     let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
-    if TREE && moved.count() > 0 {
+    if moved.count() > 0 {
         let (parked, clear) = (state.pairs.parked as usize, ClearOf(moved.words));
         kept_result = parked + partition(context, output.pairs.span_mut(parked, result - parked), clear);
         gone = result - kept_result;
@@ -56,9 +54,6 @@ pub(super) fn exchange<I: Index>(pairs: &mut [Pair<I>], from: usize) {
 
 /// With events: sets aside the kept pairs of the result from a position on, too.
 pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
-    if !TREE {
-        return;
-    }
     let PairState { kept_result, previous, .. } = &mut parts.state.pairs;
     let pairs = parts.output.pairs.get(from..*kept_result as usize).unwrap_or_default();
     if let Some(to) = parts.output.previous.get_mut(*previous as usize..) {
@@ -71,7 +66,7 @@ pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
 /// For a step that finds all pairs anew. With events, the last complete result is kept to be compared: the
 /// two buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
-    if EVENTS && parts.state.pairs.complete == 0 {
+    if EVENTS && TREE && parts.state.pairs.complete == 0 {
         // A step that did not end, or had no room for its pairs, has set the others aside.
         set_aside(parts, parts.state.pairs.result().start);
     }

@@ -29,15 +29,18 @@ pub(crate) fn sort_out<I: Index>(
     context: StepContext<'_>,
 ) {
     parts.state.pairs.swept = swept as u64;
+    if parts.state.objects.has_inserted == 0 {
+        // They are of the step before.
+        parts.former.reused.clear();
+    }
     if parts.sizes.is_small() {
         return compare(parts, swept, complete);
     }
     let events = EVENTS && parts.sizes.previous > 0;
     let has_surplus = parts.has_surplus();
     let PairState { parked, kept, kept_result, surplus_parked, listed, .. } = parts.state.pairs;
-    let listed = listed != 0;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
-    let (mut staying, mut coming) = (kept_result, 0);
+    let (mut staying, mut coming, listed) = (kept_result, 0, listed != 0);
     if parts.state.objects.moved_inside_margin != 0 {
         let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
@@ -60,8 +63,8 @@ pub(crate) fn sort_out<I: Index>(
         let clear = ClearOf(parts.former.reused.words);
         persisting = partition(context, new, if listed { clear } else { Overlap(before) });
         let ended = ended(&parts.boxes, &parts.filters, parts.state);
+        let lost = if listed { Some(0) } else { lost };
         let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
-        lost = if listed { 0 } else { lost };
         let previous = previous.span_mut(lost, previous.len() - lost);
         if listed || FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
@@ -98,8 +101,10 @@ fn compare<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
     let (mut persisting, mut lost) = (swept, 0);
     if EVENTS && !met.is_empty() && complete {
         let last = output.previous.span_mut(0, state.pairs.previous as usize);
-        let reused = (state.objects.has_inserted != 0).then_some(&*former.reused.words);
-        (persisting, lost) = met::compare(met, output.pairs.span_mut(0, swept), last, reused);
+        let result = output.pairs.span_mut(0, swept);
+        let reused = if state.objects.has_inserted != 0 { &*former.reused.words } else { &[] };
+        let compare = if met.len() <= 32 { met::compare::<I, true> } else { met::compare::<I, false> };
+        (persisting, lost) = compare(met, result, last, reused);
     }
     let found = swept - persisting;
     (state.pairs.reported, state.pairs.found, state.pairs.lost) = (swept as u64, found as u64, lost as u64);

@@ -84,20 +84,6 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
 }
 
 /// Many queries at once, on the workers of a job system, which may ask the condition at the same time.
-///
-/// ```
-/// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, Serial, layout};
-/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
-/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
-/// # let mut world = memory.init::<u16>(&CONFIG)?;
-/// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
-/// let a = world.insert(cube(2.0))?;
-/// let rays = [2.5, 7.0].map(|x| Cast::ray([x, 0.5, 9.0], [0.0, 0.0, -1.0], 100.0));
-/// let mut hits = [None; 2];
-/// world.among(|_| true).first_hits(&rays, &Serial, &mut hits)?;
-/// assert_eq!(hits.map(|hit| hit.map(|hit| hit.id)), [Some(a), None]);
-/// # Ok::<(), Error>(())
-/// ```
 impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     /// [`first_hit`](Self::first_hit) of each cast, in their order.
     ///

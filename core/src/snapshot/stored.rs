@@ -6,7 +6,7 @@ use crate::config::{Config, FILTERS, MARGINS, VALUES};
 use crate::filter::{CLASSES, Filter};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-use crate::memory::layout::{Sizes, if_so, reports_margins};
+use crate::memory::layout::{Sizes, if_so, is_small, reports_margins};
 use crate::memory::sections::sections;
 use crate::memory::slab::{BoxParts, Parts, Section as _};
 use crate::memory::slot_set::SlotSet;
@@ -206,12 +206,16 @@ impl<I: Index> Stored<'_, I> {
         if !before.is_empty() {
             before.load(self.now.bytes);
             self.of_set(&self.changed, &self.before).for_each(|(slot, bounds)| before.put(slot, bounds));
+            if is_small(&self.config) {
+                let changed = self.moved.slots().chain(self.settled.slots());
+                changed.for_each(|slot| before.put(slot, KeyBox::EMPTY));
+                to.state.pairs.listed = 1;
+            }
         }
         // Where nothing else tells which boxes have changed.
         if self.changed.len() == 0 {
             to.changed.load(self.moved.bytes);
             self.settled.slots().for_each(|slot| to.changed.set(slot));
-            to.state.pairs.listed |= u8::from(!to.boxes.before.is_empty());
         }
         let former = &mut to.former.generations;
         self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));
@@ -221,9 +225,6 @@ impl<I: Index> Stored<'_, I> {
         let [first, parked] = &self.previous;
         to.output.previous.load(first.bytes);
         to.output.previous.get_mut(first.len()..).unwrap_or_default().load(parked.bytes);
-        let PairState { complete, reported, previous, .. } = to.state.pairs;
-        let (pairs, previous) =
-            (to.output.pairs.span(0, reported as usize), to.output.previous.span(0, previous as usize));
-        met::set_all(to.met, if complete != 0 { pairs } else { previous });
+        met::set_all(to);
     }
 }

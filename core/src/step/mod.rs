@@ -7,7 +7,6 @@ mod incremental;
 mod lists;
 pub(crate) mod policy;
 
-use crate::config::TREE;
 use crate::id::Index;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
@@ -27,19 +26,17 @@ pub(crate) fn find<I: Index>(
 ) -> (Route, u64, Option<usize>) {
     parts.state.pairs.unkept = 0;
     match route.path {
+        _ if parts.sizes.is_small() => (route, lists::small(parts, context), None),
         // Without fat boxes nothing is left to do.
-        Path::Unchanged if TREE => {
+        Path::Unchanged => {
             parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
             (route, persistent::persistent(parts, context), None)
         }
-        _ if parts.sizes.is_small() => (route, lists::small(parts, context), None),
         Path::Movers => match incremental::movers(parts, context) {
             Some(pairs) => (route, pairs, None),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
-        Path::Unchanged | Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => {
-            full::full(parts, route, context)
-        }
+        Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => full::full(parts, route, context),
     }
 }
 

@@ -7,6 +7,7 @@ use crate::memory::layout::Sizes;
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, slot};
 use crate::memory::stats::Path;
+use crate::pairs::met;
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::large;
 
@@ -50,7 +51,14 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         let same = *before == now || before.is_empty() && now.is_empty();
         check(!known || same, "a box of the last step is not kept", slot)?;
     }
-    Ok(())
+    let last = met::last_result(parts.state, &parts.output);
+    let bits: u32 = parts.met.iter().map(|word| word.count_ones()).sum();
+    let known = bits as usize == last.len() && last.iter().all(|pair| met::has::<I, false>(parts.met, pair));
+    check(
+        parts.met.is_empty() || known,
+        "the bits of the last step are not those of its pairs",
+        bits as usize,
+    )
 }
 
 /// The list has every living object once, and is in order once it was swept.

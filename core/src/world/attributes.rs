@@ -38,9 +38,6 @@ use crate::memory::slab::Parts;
 /// assert_eq!(world.step()?.lost(), [[0, 2]]);
 /// assert_eq!((world.len(), world.aabb(floor)), (3, Some(cube(0.0)))); // it is still there
 /// assert!(world.pair_values().eq([[12, 4711]]));
-///
-/// world.set_filter(ball, Filter::groups(1, 0))?; // meets nobody
-/// assert!(world.step()?.pairs().is_empty());
 /// # Ok::<(), Error>(())
 /// ```
 impl<I: Index> World<'_, I> {

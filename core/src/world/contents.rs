@@ -9,22 +9,6 @@ use crate::id::{Id, Index};
 use core::fmt;
 
 /// Looking around.
-///
-/// ```
-/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
-/// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
-/// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
-/// # let mut world = memory.init::<u16>(&CONFIG)?;
-/// let [a, b] = [world.insert(Aabb::new([0.0; 3], [1.0; 3]))?, world.insert(Aabb::new([1.0; 3], [2.0; 3]))?];
-/// world.step()?;
-/// assert!(world.pairs_of(a).eq([b]));
-/// assert_eq!((world.id_at(1), world.aabb(b)), (Some(b), Some(Aabb::new([1.0; 3], [2.0; 3]))));
-///
-/// world.remove(a)?;
-/// assert!(world.ids().eq([b]) && !world.contains(a));
-/// assert_eq!((world.len(), world.capacity().objects), (1, 8));
-/// # Ok::<(), Error>(())
-/// ```
 impl<I: Index> World<'_, I> {
     /// How much fits into the world.
     #[must_use]

@@ -60,22 +60,6 @@ impl<'m, I: Index> World<'m, I> {
     ///
     /// # Errors
     /// [`Error::OtherConfig`]; nothing is done then.
-    ///
-    /// ```
-    /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
-    /// # const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
-    /// # const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
-    /// let (mut memory, mut kept) = (InlineWorld::<BYTES>::EMPTY, InlineWorld::<BYTES>::EMPTY);
-    /// let mut world = memory.init::<u16>(&CONFIG)?;
-    /// let mut kept = kept.init::<u16>(&CONFIG)?;
-    ///
-    /// kept.copy_from(&world)?; // before the frame
-    /// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
-    /// world.step()?;
-    /// world.copy_from(&kept)?; // as if it had not been
-    /// assert!(world.is_empty());
-    /// # Ok::<(), Error>(())
-    /// ```
     #[doc(alias("clone", "rollback"))]
     pub fn copy_from(&mut self, other: &World<'_, I>) -> Result<(), Error> {
         let (own, others) = (&self.parts, &other.parts);
@@ -101,19 +85,6 @@ impl<'m, I: Index> World<'m, I> {
 ///
 /// `BYTES` comes from [`layout`](crate::layout), so the memory is exactly what the configuration needs. It is
 /// all zero until [`init`](Self::init), so a static is in `.bss`.
-///
-/// ```
-/// use trisap_core::{Aabb, Capacity, Config, InlineWorld, layout};
-///
-/// const CONFIG: Config = Config::new(Capacity::for_objects(64));
-/// const BYTES: usize = layout::<u16>(&CONFIG).unwrap().bytes;
-///
-/// let mut memory = InlineWorld::<BYTES>::EMPTY;
-/// let mut world = memory.init::<u16>(&CONFIG)?;
-/// world.insert(Aabb::new([0.0; 3], [1.0; 3]))?;
-/// assert_eq!(format!("{memory:?}"), format!("InlineWorld<{BYTES}>"));
-/// # Ok::<(), trisap_core::Error>(())
-/// ```
 #[repr(C, align(64))]
 #[derive(Clone)]
 pub struct InlineWorld<const BYTES: usize>([u8; BYTES]);

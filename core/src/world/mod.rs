@@ -134,7 +134,9 @@ impl<I: Index> World<'_, I> {
         let swept_anew = if cfg!(feature = "large") { policy::renew(parts, moved) } else { moved };
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
-        if route.path == Path::Unchanged && (!TREE || parts.state.objects.moved_inside_margin == 0) {
+        if route.path == Path::Unchanged
+            && (parts.sizes.is_small() || parts.state.objects.moved_inside_margin == 0)
+        {
             Self::keep(parts, shared);
             return None;
         }
@@ -200,10 +202,6 @@ impl<I: Index> World<'_, I> {
         parts.state.objects.moved_inside_margin = 0;
         parts.state.objects.outran = 0;
         parts.filters.changed.clear();
-        if parts.state.objects.has_inserted == 0 {
-            // They are of the step before.
-            parts.former.reused.clear();
-        }
         parts.state.objects.has_inserted = 0;
         parts.state.objects.dirty = 0;
         Ok(())
@@ -223,7 +221,7 @@ impl<I: Index> Drop for Unfinished<'_, '_, I> {
         }
         parts.boxes.tight = parts.state.step.margins_in > 0;
         persistent::start_over(parts);
-        met::set_all(parts.met, parts.output.previous.span(0, parts.state.pairs.previous as usize));
+        met::set_all(parts);
         let PairState { swept, reported, found, lost, .. } = &mut parts.state.pairs;
         (*swept, *reported, *found, *lost) = (0, 0, 0, 0);
         parts.state.tree.forget();

@@ -90,20 +90,6 @@ impl<'m, I: Index> World<'m, I> {
     /// some leaves for queries, as a calm step does, until all are divided. Does nothing in worlds without a
     /// tree. O(objects that have changed + n/64), or O(n) where these are many.
     ///
-    /// ```
-    /// # use trisap_core::{Aabb, Capacity, Cast, Config, Error, InlineWorld, layout};
-    /// # const CONFIG: Config = Config::new(Capacity::for_objects(1000).with_pairs(0));
-    /// # let mut memory = Box::new(InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY);
-    /// # let mut world = memory.init::<u16>(&CONFIG)?; // needs no room for pairs
-    /// for k in 0..1000u16 {
-    ///     world.insert(Aabb::from_center([f32::from(k); 3], [1.0; 3]))?;
-    /// }
-    /// world.refresh()?;
-    /// let ray = Cast::ray([500.0, 500.0, 0.0], [0.0, 0.0, 1.0], f32::INFINITY);
-    /// assert_eq!(world.first_hit(&ray)?.map(|hit| hit.distance), Some(498.0));
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
     /// # Errors
     /// [`Error::InvariantBroken`], which says that this library is at fault.
     pub fn refresh(&mut self) -> Result<(), Error> {
@@ -232,20 +218,6 @@ impl<I: Index> World<'_, I> {
     ///
     /// O(pairs log pairs), in place. The next step with few movers looks at all pairs once more, as pairs at
     /// rest are no longer set aside.
-    ///
-    /// ```
-    /// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
-    /// # const CONFIG: Config = Config::new(Capacity::for_objects(8));
-    /// # let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
-    /// # let mut world = memory.init::<u16>(&CONFIG)?;
-    /// for x in [2.0, 1.0, 0.0] {
-    ///     world.insert(Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]))?;
-    /// }
-    /// world.step()?;
-    /// world.sort_results();
-    /// assert_eq!(world.pairs(), [[0, 1], [1, 2]]);
-    /// # Ok::<(), Error>(())
-    /// ```
     pub fn sort_results(&mut self) {
         results::sort_results(&mut self.parts);
     }

@@ -33,21 +33,6 @@ pub struct PlaneView {
 }
 
 /// The tree of the last step; nothing if there is none.
-///
-/// ```
-/// # use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
-/// const CONFIG: Config = Config::new(Capacity::for_objects(1000));
-/// # let mut memory = Box::new(InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY);
-/// # let mut world = memory.init::<u16>(&CONFIG)?;
-/// for i in 0..1000u16 {
-///     world.insert(Aabb::from_center([f32::from(i), 0.0, 0.0], [0.25; 3]))?;
-/// }
-/// world.step()?;
-/// assert_eq!(world.leaves().map(|leaf| leaf.objects).sum::<u32>(), 1000);
-/// assert_eq!(world.planes().count() + 1, world.leaves().count());
-/// assert!(world.planes().all(|plane| plane.axis == 0)); // all objects stand in a row along x
-/// # Ok::<(), Error>(())
-/// ```
 impl<I: Index> World<'_, I> {
     /// The leaves. [`Stats::leaves`](crate::Stats::leaves) also counts empty ones that are nowhere. O(leaves).
     #[doc(alias("debug_draw", "debug_render"))]

@@ -1,5 +1,5 @@
-//! Brute force with the same care as the world: integer keys, computed once a step, and nothing else in the inner
-//! loop than the compares.
+//! Brute force with the same care as the world: integer keys, computed once a step, bad boxes refused, and nothing else
+//! in the inner loop than the compares.
 
 use trisap_core::{Aabb, Boxes, Pair};
 
@@ -20,6 +20,15 @@ impl Keys {
     /// No box yet.
     pub const NONE: Self = Self { min: [0; 3], max: [0; 3] };
 
+    /// Whether no minimum is above its maximum, and none is NaN, which is beyond the infinities.
+    #[inline(always)]
+    fn is_box(&self) -> bool {
+        let infinite = key(f32::INFINITY);
+        let is_side = |low: i32, high: i32| !infinite <= low && low <= high && high <= infinite;
+        let ([a, b, c], [d, e, f]) = (self.min, self.max);
+        is_side(a, d) && is_side(b, e) && is_side(c, f)
+    }
+
     #[inline(always)]
     fn overlaps(&self, other: &Self) -> bool {
         self.min[0] <= other.max[0]
@@ -36,7 +45,11 @@ impl Keys {
 pub fn force(boxes: Boxes<'_>, keys: &mut [Keys], pairs: &mut [Pair<u16>]) -> usize {
     for (index, keys) in keys.iter_mut().enumerate() {
         let Some(Aabb { min: [a, b, c], max: [d, e, f] }) = boxes.get(index) else { continue };
-        *keys = Keys { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
+        let new = Keys { min: [key(a), key(b), key(c)], max: [key(d), key(e), key(f)] };
+        // One that is refused leaves the last one there.
+        if new.is_box() {
+            *keys = new;
+        }
     }
     test_all(&keys[..keys.len().min(boxes.len())], pairs)
 }
@@ -63,7 +76,7 @@ fn test_all(keys: &[Keys], pairs: &mut [Pair<u16>]) -> usize {
     count
 }
 
-/// Tells what is new in `pairs` since `last`, both in order, by one walk along both. Writes what fits, and returns how
+/// Events: tells what is new in `pairs` since `last`, both in order, by one walk along both. Writes what fits, and returns how
 /// many pairs were found and lost.
 #[inline(never)]
 pub fn compare(

@@ -159,8 +159,7 @@ pub(crate) struct PairState {
     pub(crate) complete: u8,
     /// Whether the pairs cannot be kept, since they come from a snapshot: the next step finds all anew.
     pub(crate) unkept: u8,
-    /// With events: whether the pairs of the last complete result alone tell what happens, as its boxes are
-    /// those of a world that keeps none.
+    /// With events: whether the pairs of the last complete result tell alone, as nobody has kept its boxes.
     pub(crate) listed: u8,
     /// With events: whether the two pair buffers have changed places.
     pub(crate) swapped: u8,

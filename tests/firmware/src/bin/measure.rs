@@ -1,6 +1,6 @@
 //! Prints the instructions that steps take, beside those of brute force.
 //!
-//! Each step's pairs are counted by both ways; exit code 1 if they differ, or if nobody counts instructions. Exit code 3
+//! Each step's pairs, and those found and lost, are counted by both ways; exit code 1 if they differ, or if nobody counts instructions. Exit code 3
 //! if the recorded steps take more than they may, 4 if a step takes more than its bound.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -28,7 +28,7 @@ struct Capability {
 }
 
 const ALONE: Capability = Capability { name: "", costs: [0, 0] };
-const EVENTS: Capability = Capability { name: "events", costs: [80, 130] };
+const EVENTS: Capability = Capability { name: "events", costs: [20, 40] };
 const MARGINS: Capability = Capability { name: "margins", costs: [0, 0] };
 const FILTERS: Capability = Capability { name: "filters", costs: [60, 60] };
 
@@ -50,25 +50,27 @@ const MOST: Config =
     config(LARGEST, LARGEST * (LARGEST - 1) / 2).with_events().with_margin(MARGIN).with_filters();
 const BYTES: usize = layout::<u16>(&MOST).unwrap().bytes;
 
+/// All pairs that there can be.
+type Pairs = [[u16; 2]; LARGEST * (LARGEST - 1) / 2];
+
 /// The memory of all measurements, one after another.
 struct Memory {
     world: InlineWorld<BYTES>,
     boxes: [Aabb; LARGEST],
     keys: [Keys; LARGEST],
-    pairs: [[u16; 2]; LARGEST * (LARGEST - 1) / 2],
-    last: [[u16; 2]; 40000],
-    found: [[u16; 2]; 40000],
-    lost: [[u16; 2]; 40000],
+    /// Of this step, and of the last one.
+    pairs: [Pairs; 2],
+    found: Pairs,
+    lost: Pairs,
 }
 
 static mut MEMORY: Memory = Memory {
     world: InlineWorld::EMPTY,
     boxes: [Aabb::new([0.0; 3], [0.0; 3]); LARGEST],
     keys: [Keys::NONE; LARGEST],
-    pairs: [[0; 2]; LARGEST * (LARGEST - 1) / 2],
-    last: [[0; 2]; 40000],
-    found: [[0; 2]; 40000],
-    lost: [[0; 2]; 40000],
+    pairs: [[[0; 2]; LARGEST * (LARGEST - 1) / 2]; 2],
+    found: [[0; 2]; LARGEST * (LARGEST - 1) / 2],
+    lost: [[0; 2]; LARGEST * (LARGEST - 1) / 2],
 };
 
 /// Instructions of all frames, and of the frame that had the most.
@@ -97,11 +99,11 @@ impl Instructions {
     }
 }
 
-/// What steps come to: how many pairs, whether they fit or not, or why not.
-fn step(world: &mut World<'_, u16>, boxes: Boxes<'_>) -> Result<usize, Error> {
+/// What steps come to: how many pairs, whether they fit or not, and how many are found and lost if they do; or why not.
+fn step(world: &mut World<'_, u16>, boxes: Boxes<'_>) -> Result<(usize, Option<[usize; 2]>), Error> {
     match world.step_over(boxes) {
-        Ok(step) => Ok(step.pairs().len()),
-        Err(Error::PairsFull { needed, .. }) => Ok(needed as usize),
+        Ok(step) => Ok((step.pairs().len(), Some([step.found().len(), step.lost().len()]))),
+        Err(Error::PairsFull { needed, .. }) => Ok((needed as usize, None)),
         Err(error) => Err(error),
     }
 }
@@ -119,9 +121,8 @@ struct Row {
 
 /// Steps through a scene and prints its row.
 fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usize) -> Result<Row, Error> {
-    let Memory { world, boxes, keys, pairs, last, found: ff, lost: ll } = memory;
-    let (mut pairs, mut last, mut lastn) = (&mut pairs[..], &mut last[..], 0);
- let mut sums=[0usize;3];
+    let Memory { world, boxes, keys, pairs: [pairs, last], found, lost } = memory;
+    let (mut pairs, mut last) = (pairs, last);
     let all = objects * (objects - 1) / 2;
     let mut config = config(objects, scene.pairs_per_object.map_or(all, |count| count * objects));
     config.events = capability == EVENTS;
@@ -144,19 +145,18 @@ fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usiz
     let (mut most_pairs, mut last_pairs) = (0, 0);
     for index in 0..FRAMES {
         (scene.frame)(index, boxes);
-        let (mut found, mut expected) = (Ok(0), 0);
-        ours.add(board::instructions(|| found = step(&mut world, Boxes::new(boxes))));
+        let (mut told, mut expected, mut events) = (Ok((0, None)), 0, [0; 2]);
+        ours.add(board::instructions(|| told = step(&mut world, Boxes::new(boxes))));
         theirs.add(board::instructions(|| {
             expected = brute::force(Boxes::new(boxes), keys, pairs);
             if config.events {
-                let r = brute::compare(&last[..lastn.min(last.len())], &pairs[..expected.min(pairs.len())], ff, ll);
-                sums[0] += r[0]; sums[1] += r[1]; sums[2] += usize::from(r[1] > 0);
-                lastn = expected;
+                events = brute::compare(&last[..last_pairs], &pairs[..expected], found, lost);
                 core::mem::swap(&mut pairs, &mut last);
             }
         }));
         let apart = config.filters && boxes[0].overlaps(&boxes[1]);
-        agree &= found? == expected - usize::from(apart);
+        let (count, told) = told?;
+        agree &= count == expected - usize::from(apart) && told.is_none_or(|told| told == events);
         bounded &= ours.last <= bound(objects, expected.max(last_pairs), capability);
         last_pairs = expected;
         most_pairs = most_pairs.max(expected);
@@ -172,7 +172,6 @@ fn row(memory: &mut Memory, scene: &Scene, capability: Capability, objects: usiz
     ours.print();
     cell(bound(objects, most_pairs, capability), 11);
     theirs.print();
-    if config.events { for x in sums { cell(x as u32, 5); } }
     board::print("\n");
     Ok(Row { agree, bounded, ours: ours.mean() })
 }
