@@ -77,7 +77,9 @@ pub fn on_every_setup(config: Config, frames: &[Vec<Aabb>], jobs: &[Jobs]) -> Ve
     let first = frames.first().expect("a frame");
     let pairs = frames.iter().map(|frame| crate::checked::expected(frame).len()).max().unwrap_or(0);
     // Fat boxes meet more often than the boxes themselves.
-    let capacity: Capacity = ample(first.len(), 4 * pairs + 4 * first.len() + 64);
+    // Worlds for fewer sweep no boxes with margins.
+    let room = first.len().max(if config.margin.is_some() { 65 } else { 0 });
+    let capacity: Capacity = ample(room, 4 * pairs + 4 * first.len() + 64);
     let config = config.with_capacity(capacity).with_events();
     let mut reference: Option<Vec<Outcome>> = None;
     for setup in Setup::each(jobs) {

@@ -65,7 +65,7 @@ fn e02_a_margin_belongs_to_its_object() {
     assert_eq!(moved(&outcomes), [1000, 0, 999], "a mean over all sizes would make a margin of 10");
 
     // Within bounds, where the caller wants them.
-    let config = EXACT.with_margin(Margin { per_extent: 0.01, min: 0.05, max: 0.5 });
+    let config = EXACT.with_margin(Margin { per_extent: 0.01, min: 0.05, max: 0.5 }).with_fixed_margins();
     let sizes = [0.1, 10.0, 1000.0];
     let frame = |by: f32| {
         let place = |(i, edge): (usize, f32)| at([by, 3000.0 * i as f32, 0.0], [edge; 3]);

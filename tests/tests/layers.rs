@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1469),
     ("geometry", 1156),
-    ("memory", 1817),
-    ("objects", 636),
-    ("pairs", 579),
+    ("memory", 1839),
+    ("objects", 644),
+    ("pairs", 644),
     ("parallel", 475),
-    ("query", 1266),
+    ("query", 1252),
     ("simd", 2227),
-    ("snapshot", 581),
-    ("step", 726),
+    ("snapshot", 588),
+    ("step", 722),
     ("sweep", 1396),
     ("tree", 2103),
-    ("validate", 379),
-    ("world", 1689),
+    ("validate", 387),
+    ("world", 1598),
 ];
 
 #[test]

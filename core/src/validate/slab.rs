@@ -53,7 +53,7 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     }
     let last = met::last_result(parts.state, &parts.output);
     let bits: u32 = parts.met.iter().map(|word| word.count_ones()).sum();
-    let known = bits as usize == last.len() && last.iter().all(|pair| met::has::<I, false>(parts.met, pair));
+    let known = bits as usize <= last.len() && last.iter().all(|pair| met::has::<I, false>(parts.met, pair));
     check(
         parts.met.is_empty() || known,
         "the bits of the last step are not those of its pairs",
