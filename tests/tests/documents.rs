@@ -406,7 +406,7 @@ fn the_bytes_of_small_worlds_are_as_the_table_says() {
         rows += 1;
     }
     assert!(rows >= 7, "{rows} rows");
-    for (objects, bytes) in [(256, "24,640"), (128, "12,544")] {
+    for (objects, bytes) in [(256, "23,040"), (128, "10,688")] {
         let config =
             Config::new(Capacity::for_objects(objects).with_pairs(4 * objects)).with_lean().with_events();
         let told = layout::<u16>(&config).expect("a world").bytes;
