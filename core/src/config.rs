@@ -77,8 +77,8 @@ pub enum Mode {
 /// box, or less for flat boxes: see [`per_extent`](Self::per_extent).
 ///
 /// In [`Mode::Fat`] these boxes are what the pairs are of; where one in 16 is left in a step that hands over
-/// all boxes, all are made anew. In an exact world a margin changes no pair, and without the feature `large` no
-/// step. It pays there where many objects rest or move little; it is enough that the moving ones have one: see
+/// all boxes, all are made anew. In an exact world a margin changes no pair, and in one without a tree no step.
+/// It pays there where many objects rest or move little; it is enough that the moving ones have one: see
 /// [`World::set_margin`](crate::World::set_margin). Where many leave their fat boxes in each step, these are
 /// left unused: see [`Config::fixed_margins`]. Unless the caller leaves that out, what is swept is also
 /// [predicted](Config::predicted), so that it holds objects that move steadily.

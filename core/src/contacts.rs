@@ -283,8 +283,14 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
         }
         let number = |contacts: &Self, pair: Pair<I>| contacts.get(pair[0].slot(), pair[1].slot());
         if self.len() + found.len() > room as usize {
-            let gone = lost.iter().filter(|pair| number(self, **pair).is_some()).count();
-            let needed = self.len().saturating_sub(gone) + found.len();
+            // A pair may be told twice. A found one with a number keeps it, unless it is lost as well.
+            let told =
+                |at, [a, b]: Pair<I>| lost.iter().take(at).any(|told| *told == [a, b] || *told == [b, a]);
+            let is_gone =
+                |(at, pair): &(usize, &Pair<I>)| number(self, **pair).is_some() && !told(*at, **pair);
+            let is_new = |pair: &&Pair<I>| number(self, **pair).is_none() || told(lost.len(), **pair);
+            let gone = lost.iter().enumerate().filter(is_gone).count();
+            let needed = self.len().saturating_sub(gone) + found.iter().filter(is_new).count();
             if needed > room as usize {
                 let needed = u32::try_from(needed).unwrap_or(u32::MAX);
                 return Err(Error::NoRoom { field: Field::Contacts, needed, room });

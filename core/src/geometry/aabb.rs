@@ -113,14 +113,6 @@ impl Aabb {
     }
 
     /// The least box that holds both.
-    ///
-    /// ```
-    /// use trisap_core::Aabb;
-    ///
-    /// let (a, b) = (Aabb::new([0.0; 3], [1.0; 3]), Aabb::new([2.0; 3], [3.0; 3]));
-    /// assert_eq!(a.union(&b), Aabb::new([0.0; 3], [3.0; 3]));
-    /// assert!(a.union(&b).contains(&a) && !a.contains(&b));
-    /// ```
     #[doc(alias("merged", "merge"))]
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
