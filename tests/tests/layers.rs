@@ -199,7 +199,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("geometry", 1148),
     ("memory", 1839),
     ("objects", 644),
-    ("pairs", 644),
+    ("pairs", 647),
     ("parallel", 475),
     ("query", 1252),
     ("simd", 2227),
@@ -208,7 +208,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("sweep", 1396),
     ("tree", 2103),
     ("validate", 387),
-    ("world", 1598),
+    ("world", 1597),
 ];
 
 #[test]

@@ -103,8 +103,11 @@ fn compare<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
         let last = output.previous.span_mut(0, state.pairs.previous as usize);
         let result = output.pairs.span_mut(0, swept);
         let reused = if state.objects.has_inserted != 0 { &*former.reused.words } else { &[] };
-        let compare = if met.len() <= 32 { met::compare::<I, true> } else { met::compare::<I, false> };
-        (persisting, lost) = compare(met, result, last, reused);
+        (persisting, lost) = if met.len() <= 32 {
+            met::compare::<I, true>(met, result, last, reused)
+        } else {
+            met::compare::<I, false>(met, result, last, reused)
+        };
     }
     let found = swept - persisting;
     (state.pairs.reported, state.pairs.found, state.pairs.lost) = (swept as u64, found as u64, lost as u64);

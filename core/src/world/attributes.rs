@@ -18,8 +18,7 @@ use crate::memory::slab::Parts;
 /// # let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
 /// const STATIC: u32 = 1;
 /// let [floor, wall, ball] = [world.insert(cube(0.0))?, world.insert(cube(0.5))?, world.insert(cube(0.75))?];
-/// world.set_filter(floor, Filter::class(STATIC))?;
-/// world.set_filter(wall, Filter::class(STATIC))?;
+/// [floor, wall].iter().try_for_each(|id| world.set_filter(*id, Filter::class(STATIC)))?;
 /// assert_eq!(world.step()?.pairs().len(), 3);
 ///
 /// let mut meets = [u32::MAX; 32];
