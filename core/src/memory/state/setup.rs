@@ -5,7 +5,7 @@ use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
 /// The version, and a bit for the feature that changes the layout of the slab.
-const MAGIC: u32 = 0x7452_000c | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+const MAGIC: u32 = 0x7452_000d | if cfg!(feature = "large") { 1 << 15 } else { 0 };
 
 /// A [`Config`] as plain bytes.
 #[repr(C)]
