@@ -64,7 +64,7 @@ for file in wasm/*.wasm; do
     bytes=$(wc -c <"$file") packed=$(gzip -9nc "$file" | wc -c)
     echo "$file: $bytes bytes, $packed with gzip"
     # Growth does not go unnoticed.
-    most=101
+    most=102
     [[ "$file" != *-pairs.wasm ]] || most=67
     if ((packed > most * 1024)); then
         echo "$file: more than $most KiB with gzip" >&2

@@ -103,7 +103,7 @@ fn compare<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
         let last = output.previous.span_mut(0, state.pairs.previous as usize);
         let result = output.pairs.span_mut(0, swept);
         let reused = if state.objects.has_inserted != 0 { &*former.reused.words } else { &[] };
-        (persisting, lost) = if met.len() <= 32 {
+        (persisting, lost) = if !TREE && met.len() <= 32 {
             met::compare::<I, true>(met, result, last, reused)
         } else {
             met::compare::<I, false>(met, result, last, reused)
