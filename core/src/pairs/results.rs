@@ -137,8 +137,8 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// For pairs whose boxes overlapped before and do now, where a filter may answer differently, or nobody knows
-/// the boxes of before: the previous result alone tells which stay. Brings these to the front; returns where the told ones are, in order.
+/// Which pairs stay, by the previous result alone: where a filter may answer differently, or nobody has the
+/// boxes of before. Brings these to the front; returns where the told ones are, in order.
 fn stay_known<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
