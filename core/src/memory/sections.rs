@@ -24,8 +24,8 @@ macro_rules! sections {
             /// With a tree and events or fat boxes: the swept box, the reported box or the filter has
             /// changed since the last complete step.
             changed: SlotSet<'m> = [u32; SlotSet::len(s.changed())], new 0, saved changed [n.words];
-            /// With events and a tree: `before` may be out of date, since the slot changed before the last complete
-            /// step.
+            /// With events and a tree: `before` may be out of date, since the slot changed before the last
+            /// complete step.
             outdated: SlotSet<'m> = [u32; SlotSet::len(s.by_object(s.keeps_boxes()))], new 0;
             /// With a tree, one bit a slot: the object is active, so its pairs are not parked.
             active: &'m mut [u32] = [u32; bits::words(if_so(TREE, s.tree))], new 0;
@@ -56,8 +56,8 @@ macro_rules! sections {
                 fat: &'m mut [KeyBox] = [KeyBox; if_so(TREE, s.fat)], used state.objects.slots as usize;
                 /// With margins: the length that the box is grown by (erratum E2).
                 margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
-                /// With events and a tree: the box that the last complete step reported, if the object has
-                /// [changed](Parts::changed) since; empty if the object is new. If it has not changed, this
+                /// With events and a tree: the box that the last complete step reported, if the object
+                /// has [changed](Parts::changed) since; empty if it is new. If it has not changed, this
                 /// is its reported box, unless it is [outdated](Parts::outdated).
                 before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.keeps_boxes())], used state.objects.slots as usize;
                 + /// Whether `now` is swept though there are fat boxes, while these are left unused. They then mean
