@@ -263,7 +263,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
     ///
     /// # Errors
     /// [`Error::NoRoom`] where the slots or the pairs do not fit; [`Error::BadPair`]. Nothing is told or
-    /// changed then: with [more room](Self::move_into) the same events fit.
+    /// changed then: with [more room](Self::move_into) the same events fit. A pair may be lost once: where one
+    /// that was told twice leaves too little room, the error comes after some were told.
     pub fn update<I: Index>(
         &mut self,
         lost: &[Pair<I>],
@@ -283,13 +284,9 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
         }
         let number = |contacts: &Self, pair: Pair<I>| contacts.get(pair[0].slot(), pair[1].slot());
         if self.len() + found.len() > room as usize {
-            // A pair may be told twice. A found one with a number keeps it, unless it is lost as well.
-            let told =
-                |at, [a, b]: Pair<I>| lost.iter().take(at).any(|told| *told == [a, b] || *told == [b, a]);
-            let is_gone =
-                |(at, pair): &(usize, &Pair<I>)| number(self, **pair).is_some() && !told(*at, **pair);
-            let is_new = |pair: &&Pair<I>| number(self, **pair).is_none() || told(lost.len(), **pair);
-            let gone = lost.iter().enumerate().filter(is_gone).count();
+            // A found pair with a number keeps it, unless it is lost as well.
+            let is_new = |pair: &&Pair<I>| number(self, **pair).is_none() || lost.contains(pair);
+            let gone = lost.iter().filter(|pair| number(self, **pair).is_some()).count();
             let needed = self.len().saturating_sub(gone) + found.iter().filter(is_new).count();
             if needed > room as usize {
                 let needed = u32::try_from(needed).unwrap_or(u32::MAX);
@@ -303,7 +300,12 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
             }
         }
         for pair in found {
-            let contact = number(self, *pair).unwrap_or_else(|| self.insert(pair.map(Index::slot)));
+            let contact = match number(self, *pair) {
+                Some(contact) => contact,
+                None if self.len() < room as usize => self.insert(pair.map(Index::slot)),
+                // A pair was lost twice.
+                None => return Err(Error::BadPair),
+            };
             began(*pair, contact);
         }
         Ok(())

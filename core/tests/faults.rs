@@ -11,19 +11,22 @@ use trisap_core::{Aabb, Boxes, Capacity, Config, Error, Kernels, World, layout};
 struct Line([u8; 64]);
 
 const COUNT: u32 = 6000;
-const CONFIG: Config = Config::new(Capacity::for_objects(COUNT)).with_events();
+
+fn config(count: u32) -> Config {
+    Config::new(Capacity::for_objects(count)).with_events()
+}
 
 fn cube(x: f32) -> Aabb {
     Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0])
 }
 
-fn slab() -> Vec<Line> {
-    vec![Line([0; 64]); layout::<u32>(&CONFIG).unwrap().bytes / 64]
+fn slab(count: u32) -> Vec<Line> {
+    vec![Line([0; 64]); layout::<u32>(&config(count)).unwrap().bytes / 64]
 }
 
 /// A row of cubes, each of which overlaps the next one.
 fn row(slab: &mut [Line], count: u32) -> World<'_> {
-    let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(slab), &CONFIG).unwrap();
+    let mut world = World::<u32>::new_in(bytemuck::cast_slice_mut(slab), &config(count)).unwrap();
     let boxes: Vec<Aabb> = (0..count).map(|k| cube(k as f32)).collect();
     assert_eq!(world.insert_many(Boxes::new(&boxes)).unwrap().count(), count as usize);
     world.set_kernels(Kernels::BASELINE);
@@ -47,9 +50,10 @@ fn faulty_step(world: &mut World<'_>) {
 /// moved, or all but some.
 #[test]
 fn events_are_relative_to_the_last_step_without_a_fault() {
-    for moved in [3, COUNT - 9] {
-        let mut slab = slab();
-        let mut world = row(&mut slab, COUNT);
+    // A world for 60 has no tree.
+    for (count, moved) in [(COUNT, 3), (COUNT, COUNT - 9), (60, 3), (60, 51)] {
+        let mut slab = slab(count);
+        let mut world = row(&mut slab, count);
         let before = world.step().unwrap().pairs().to_vec();
         for slot in 0..moved {
             let x = [-2.0, 0.125, 1.25][slot as usize % 3];
@@ -70,7 +74,7 @@ fn events_are_relative_to_the_last_step_without_a_fault() {
 /// Worlds with faults, on the same thread and on another, do not disturb a world.
 #[test]
 fn a_fault_is_a_matter_of_one_world() {
-    let (mut good, mut other, mut parallel) = (slab(), slab(), slab());
+    let (mut good, mut other, mut parallel) = (slab(COUNT), slab(COUNT), slab(COUNT));
     let mut good = row(&mut good, COUNT);
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -97,7 +101,7 @@ fn a_fault_is_a_matter_of_one_world() {
 #[cfg(not(debug_assertions))]
 #[test]
 fn an_index_out_of_range_is_an_error_of_the_step() {
-    let mut slab = slab();
+    let mut slab = slab(COUNT);
     row(&mut slab, 100);
     // All objects are in one leaf, in the order of their slots: somewhere these are their places.
     let words: &mut [u32] = bytemuck::cast_slice_mut(&mut slab);

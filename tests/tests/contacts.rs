@@ -142,10 +142,11 @@ fn what_does_not_fit_changes_nothing() {
     // What was removed since and comes again has a number of its own, the last that became free.
     assert_eq!(update(&[[0, 1], [1, 2]], &[[1, 2]]), (None, vec![1], 1));
     assert_eq!(update(&[[0, 1]], &[[0, 3]]), (None, vec![0], 2));
-    // A pair with a number needs no room; one that is told as lost twice makes room once.
+    // A pair with a number needs no room; one that is lost twice makes room once.
     assert_eq!(update(&[], &[[0, 3]]), (None, vec![0], 2));
-    assert_eq!(update(&[[0, 3], [3, 0]], &[[0, 1], [0, 2]]), (full(3), vec![], 2));
     assert_eq!(update(&[[0, 3]], &[[0, 3]]), (None, vec![0], 2));
+    assert_eq!(update(&[[0, 3], [3, 0]], &[[0, 1], [0, 2]]), (Some(Error::BadPair), vec![0], 2));
+    assert!(Contacts::open(contacts.memory()).is_ok());
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1475),
+    ("", 1477),
     ("geometry", 1148),
     ("memory", 1839),
     ("objects", 644),
@@ -207,7 +207,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("step", 722),
     ("sweep", 1396),
     ("tree", 2103),
-    ("validate", 387),
+    ("validate", 383),
     ("world", 1597),
 ];
 

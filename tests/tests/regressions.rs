@@ -297,6 +297,16 @@ fn a_pair_that_fitted_is_not_told_of_an_object_that_came_after_it() {
     }
 }
 
+/// Two cubes, of which one moves until boxes are predicted.
+fn predicted(world: &mut World<'_, u32>, by: f32) -> Vec<Id> {
+    let ids = fill(world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0)]);
+    for k in 0..20u16 {
+        world.set_aabb(ids[1], cube(0.5 + f32::from(k) * by, 0.0, 0.0)).expect("a good box");
+        world.step().expect("room for the pair");
+    }
+    ids
+}
+
 /// What is predicted decided whether a box that became smaller is reported with a new margin.
 #[test]
 fn predicted_boxes_do_not_show_in_a_fat_world() {
@@ -304,12 +314,7 @@ fn predicted_boxes_do_not_show_in_a_fat_world() {
     let pairs = |config: Config| {
         let mut slab = Slab::new::<u32>(&config);
         let mut world = slab.world::<u32>(&config);
-        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0)]);
-        // Until boxes are predicted.
-        for k in 0..20u16 {
-            world.set_aabb(ids[1], cube(0.5 + f32::from(k) * 0.35, 0.0, 0.0)).expect("a good box");
-            world.step().expect("room for the pair");
-        }
+        let ids = predicted(&mut world, 0.35);
         world.set_aabb(ids[0], cube(8.2, 0.0, 0.0)).expect("a good box");
         assert_eq!(world.step().expect("room for the pair").pairs(), [[0, 1]]);
         // Inside what is reported.
@@ -324,8 +329,8 @@ fn predicted_boxes_do_not_show_in_a_fat_world() {
 #[test]
 fn a_world_that_moved_inside_margins_is_valid_where_it_moves_to_a_tree() {
     let config = |objects| Config::new(ample(objects, 9)).with_margin(Margin::length(0.5));
-    let (mut small, mut large) = (Slab::new::<u32>(&config(8)), Slab::new::<u32>(&config(700)));
-    let mut world = small.world::<u32>(&config(8));
+    let (mut small, mut large) = (Slab::new::<u32>(&config(70)), Slab::new::<u32>(&config(700)));
+    let mut world = small.world::<u32>(&config(70));
     let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.9, 0.0, 0.0)]);
     assert_eq!(world.step().expect("room").pairs(), [[0, 1]]);
     world.set_aabb(ids[1], cube(1.2, 0.0, 0.0)).expect("a good box");
@@ -342,12 +347,7 @@ fn a_snapshot_is_loaded_after_a_move_to_a_world_without_predicted_boxes() {
         let mut slabs = [&config, &plain].map(Slab::new::<u32>);
         let [from, to] = &mut slabs;
         let mut world = from.world::<u32>(&config);
-        let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.5, 0.0, 0.0)]);
-        // Until boxes are predicted.
-        for k in 0..20u16 {
-            world.set_aabb(ids[1], cube(0.5 + f32::from(k) * 0.01, 0.0, 0.0)).expect("a good box");
-            world.step().expect("room for the pair");
-        }
+        let ids = predicted(&mut world, 0.01);
         world.set_aabb(ids[1], cube(0.7, 0.0, 0.0)).expect("a good box");
         let mut world = world.move_into(to.bytes_mut(), &plain).expect("room");
         assert_eq!(world.validate(), Ok(()));

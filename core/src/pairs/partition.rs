@@ -123,7 +123,7 @@ fn to_front<S: Simd, I: Index>(simd: S, pairs: &mut [Pair<I>], test: Test<'_, I>
     end + front
 }
 
-/// The same, for a small processor, which predicts nothing: a loop for each test, in registers.
+/// The same, pair by pair, for the few of a world without a tree: a loop for each test, in registers.
 #[inline(always)]
 pub(super) fn one_by_one<I: Index>(pairs: &mut [Pair<I>], holds: impl Fn(&Pair<I>) -> bool) -> usize {
     let (mut count, mut rest) = (0, pairs.iter_mut());

@@ -34,13 +34,13 @@ pub(crate) fn sort_out<I: Index>(
         parts.former.reused.clear();
     }
     if parts.sizes.is_small() {
-        return compare(parts, swept, complete);
+        return sort_out_small(parts, swept, complete);
     }
     let events = EVENTS && parts.sizes.previous > 0;
     let has_surplus = parts.has_surplus();
-    let PairState { parked, kept, kept_result, surplus_parked, listed, .. } = parts.state.pairs;
+    let PairState { parked, kept, kept_result, surplus_parked, before_unknown, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
-    let (mut staying, mut coming, listed) = (kept_result, 0, listed != 0);
+    let (mut staying, mut coming, by_pairs) = (kept_result, 0, before_unknown != 0);
     if parts.state.objects.moved_inside_margin != 0 {
         let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
@@ -61,15 +61,15 @@ pub(crate) fn sort_out<I: Index>(
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
         let clear = ClearOf(parts.former.reused.words);
-        persisting = partition(context, new, if listed { clear } else { Overlap(before) });
+        persisting = partition(context, new, if by_pairs { clear } else { Overlap(before) });
         let ended = ended(&parts.boxes, &parts.filters, parts.state);
-        let lost = if listed { Some(0) } else { lost };
+        let lost = if by_pairs { Some(0) } else { lost };
         let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
         let previous = previous.span_mut(lost, previous.len() - lost);
-        if listed || FILTERS && parts.filters.changed.count() > 0 {
+        if by_pairs || FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
             let asked = &*parts.filters.changed.words;
-            let is_asked = |pair: &Pair<I>| listed || !is_clear_of(asked, pair);
+            let is_asked = |pair: &Pair<I>| by_pairs || !is_clear_of(asked, pair);
             let known = stay_known(context, new.span_mut(0, persisting), previous, &is_asked);
             persisting = known.end;
             let known = new.span(known.start, known.len());
@@ -96,7 +96,7 @@ pub(crate) fn sort_out<I: Index>(
 }
 
 /// The same for a world without a tree, which keeps no pairs and has no surplus.
-fn compare<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
+fn sort_out_small<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bool) {
     let Parts { state, output, met, former, .. } = parts;
     let (mut persisting, mut lost) = (swept, 0);
     if EVENTS && !met.is_empty() && complete {

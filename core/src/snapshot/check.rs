@@ -50,8 +50,8 @@ pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Flags are flags, and counts agree.
 fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let (objects, pairs) = (&stored.state.objects, &stored.state.pairs);
-    let came = objects.has_inserted / 2;
-    let flags = [objects.dirty, objects.resting, came, objects.moved_inside_margin, pairs.complete];
+    let (came, inside) = (objects.has_inserted / 2, objects.moved_inside_margin);
+    let flags = [objects.dirty, objects.resting, came, inside, pairs.complete, pairs.before_unknown];
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }

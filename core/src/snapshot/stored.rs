@@ -209,7 +209,7 @@ impl<I: Index> Stored<'_, I> {
             if is_small(&self.config) {
                 let changed = self.moved.slots().chain(self.settled.slots());
                 changed.for_each(|slot| before.put(slot, KeyBox::EMPTY));
-                to.state.pairs.listed = 1;
+                to.state.pairs.before_unknown = 1;
             }
         }
         // Where nothing else tells which boxes have changed.

@@ -54,11 +54,7 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let last = met::last_result(parts.state, &parts.output);
     let bits: u32 = parts.met.iter().map(|word| word.count_ones()).sum();
     let known = bits as usize <= last.len() && last.iter().all(|pair| met::has::<I, false>(parts.met, pair));
-    check(
-        parts.met.is_empty() || known,
-        "the bits of the last step are not those of its pairs",
-        bits as usize,
-    )
+    check(parts.met.is_empty() || known, "the bits are not those of the last pairs", bits as usize)
 }
 
 /// The list has every living object once, and is in order once it was swept.
@@ -90,7 +86,7 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let (events, room) = (sizes.previous > 0, sizes.previous as u64);
     // A step that finds all pairs anew adds the parked ones.
     let more = if pairs.complete != 0 || !events { 0 } else { parked.saturating_sub(surplus) };
-    let flags = [lists.stale, tree.uneven, pairs.unkept, pairs.swapped];
+    let flags = [lists.stale, tree.uneven, pairs.unkept, pairs.swapped, pairs.before_unknown];
     let all = [
         (flags.iter().all(|flag| *flag <= 1), "a number that is neither yes nor no"),
         (objects.slots as usize <= sizes.objects, "more slots than there is room for"),

@@ -194,8 +194,8 @@ impl<I: Index> World<'_, I> {
         }
         parts.state.pairs.complete = 1;
         parts.state.tree.known = parts.state.objects.slots;
+        parts.state.pairs.before_unknown = 0;
         if TREE {
-            parts.state.pairs.listed = 0;
             parts.changed.move_to(&mut parts.outdated);
         }
         parts.moved.clear();

@@ -76,8 +76,8 @@ fn test_all(keys: &[Keys], pairs: &mut [Pair<u16>]) -> usize {
     count
 }
 
-/// Events: tells what is new in `pairs` since `last`, both in order, by one walk along both. Writes what fits, and returns how
-/// many pairs were found and lost.
+/// Events: tells what is new in `pairs` since `last`, both in order, by one walk along both. Writes what fits, and
+/// returns how many pairs were found and lost.
 #[inline(never)]
 pub fn compare(
     last: &[Pair<u16>],
@@ -95,26 +95,23 @@ pub fn compare(
                     if before == pair {
                         break;
                     }
-                    if let Some(place) = lost.get_mut(losts) {
-                        *place = before;
-                    }
-                    losts += 1;
+                    put(lost, &mut losts, before);
                 }
                 _ => {
-                    if let Some(place) = found.get_mut(founds) {
-                        *place = pair;
-                    }
-                    founds += 1;
+                    put(found, &mut founds, pair);
                     break;
                 }
             }
         }
     }
-    for &before in last {
-        if let Some(place) = lost.get_mut(losts) {
-            *place = before;
-        }
-        losts += 1;
-    }
+    last.iter().for_each(|before| put(lost, &mut losts, *before));
     [founds, losts]
+}
+
+#[inline(always)]
+fn put(pairs: &mut [Pair<u16>], count: &mut usize, pair: Pair<u16>) {
+    if let Some(place) = pairs.get_mut(*count) {
+        *place = pair;
+    }
+    *count += 1;
 }

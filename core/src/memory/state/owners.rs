@@ -159,8 +159,8 @@ pub(crate) struct PairState {
     pub(crate) complete: u8,
     /// Whether the pairs cannot be kept, since they come from a snapshot: the next step finds all anew.
     pub(crate) unkept: u8,
-    /// With events: whether the pairs of the last complete result tell alone, as nobody has kept its boxes.
-    pub(crate) listed: u8,
+    /// With events: whether nobody has kept the boxes of the last complete step: its pairs alone tell events.
+    pub(crate) before_unknown: u8,
     /// With events: whether the two pair buffers have changed places.
     pub(crate) swapped: u8,
 }
@@ -181,9 +181,9 @@ impl PairState {
     /// See [`State::portable`](super::State::portable). None of the pairs are parked: no more can be active,
     /// so the next step looks which it can park.
     pub(super) fn portable(&self, previous: u64) -> Self {
-        let Self { reported, found, lost, complete, listed, .. } = *self;
+        let Self { reported, found, lost, complete, before_unknown, .. } = *self;
         let counts = Self { swept: reported, reported, found, lost, previous, ..Self::default() };
-        Self { active: u32::MAX, complete, listed, unkept: 1, ..counts }
+        Self { active: u32::MAX, complete, before_unknown, unkept: 1, ..counts }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Prints the instructions that steps take, beside those of brute force.
 //!
-//! Each step's pairs, and those found and lost, are counted by both ways; exit code 1 if they differ, or if nobody counts instructions. Exit code 3
-//! if the recorded steps take more than they may, 4 if a step takes more than its bound.
+//! Each step's pairs, and those found and lost, are counted by both ways; exit code 1 if they differ, or if nobody
+//! counts instructions. Exit code 3 if the recorded steps take more than they may, 4 if a step takes more than its bound.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
