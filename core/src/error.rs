@@ -87,8 +87,8 @@ pub enum Error {
     BadSnapshot,
     /// The two slots of a pair are the same one.
     BadPair,
-    /// A world, a snapshot or [contacts](crate::Contacts) hold more than there is room for where they move
-    /// to, or contacts are to hold more than there is room for. Nothing is done.
+    /// A world, a snapshot or contacts hold more than there is room for where they move to, or contacts are to
+    /// hold more than there is room for. Nothing is done.
     NoRoom {
         /// What there is too much of.
         field: Field,
@@ -148,7 +148,7 @@ pub enum Field {
     Bytes,
     /// The width of slots.
     Index,
-    /// The numbers of [`Contacts`](crate::Contacts).
+    /// The numbers of contacts.
     Contacts,
 }
 

@@ -13,7 +13,6 @@ extern crate std;
 
 mod access;
 mod config;
-mod contacts;
 mod error;
 mod filter;
 mod geometry;
@@ -42,7 +41,6 @@ mod snapshot;
 mod validate;
 
 pub use config::{Capacity, Config, Margin, Mode};
-pub use contacts::Contacts;
 pub use error::{Error, Field, Rejected};
 pub use filter::{Filter, Rule};
 pub use geometry::aabb::Aabb;

@@ -17,16 +17,17 @@ mkdir -p "$root/ffi" "$root/.cargo"
 cp -R include LICENSE-* Cargo.lock "$root"
 cp -R ffi/src ffi/cmake ffi/pkg-config ffi/packaging ffi/build.rs ffi/CMakeLists.txt ffi/README.md ffi/examples "$root/ffi"
 cp ffi/packaging/build.sh "$root"
-for crate in core ffi; do
+for crate in core core/contacts ffi; do
     mkdir -p "$root/$crate"
     # What only tests need stays behind, and so do their crates.
     awk '/^\[/ { dropped = /^\[(dev-dependencies|target.*dev-dependencies)/ || /^\[\[(test|bench|example)\]\]/ } !dropped' \
         "$crate/Cargo.toml" >"$root/$crate/Cargo.toml"
 done
 cp -R core/src core/*.md "$root/core"
+cp -R core/contacts/src "$root/core/contacts"
 [ ! -e core/build.rs ] || cp core/build.rs "$root/core"
-# Of the workspace the two crates.
-awk '/^default-members|^exclude/ { next } { sub(/^members = .*/, "members = [\"core\", \"ffi\"]"); print }' Cargo.toml |
+# Of the workspace these crates.
+awk '/^default-members|^exclude/ { next } { sub(/^members = .*/, "members = [\"core\", \"core/contacts\", \"ffi\"]"); print }' Cargo.toml |
     grep -v '^trisap\(-tests\|-paper\)\? = ' >"$root/Cargo.toml"
 
 cd "$root"

@@ -4,9 +4,9 @@ use crate::border::{self, Answers};
 use crate::report;
 use crate::status::{Refusal, trisap_status};
 use crate::structs::trisap_pair;
+use ::trisap_contacts::Contacts;
 use core::ffi::c_void;
 use core::ops::Range;
-use trisap_core::Contacts;
 
 /// No pair has this number.
 pub const TRISAP_NO_CONTACT: u32 = u32::MAX;

@@ -36,4 +36,5 @@ pub use owners::Owners;
 pub use pool::Rayon;
 #[cfg(feature = "rayon")]
 pub use sharing::Sharing;
+pub use trisap_contacts::Contacts;
 pub use trisap_core::*;

@@ -1,7 +1,8 @@
 //! Contacts have one number for each pair from the step that finds it to the step that loses it, also after going back.
 
 use std::collections::BTreeMap;
-use trisap_core::{Config, Contacts, Error, Field, World};
+use trisap_contacts::Contacts;
+use trisap_core::{Config, Error, Field, World};
 use trisap_tests::lives::{act, configs, lived, saved};
 use trisap_tests::scenes::Rng;
 use trisap_tests::worlds::{Setup, Slab, ample};

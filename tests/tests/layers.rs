@@ -9,7 +9,7 @@ use std::path::Path;
 /// From the ground up. What stands beside each other does not know each other.
 const LAYERS: [&[&str]; 12] = [
     &["access", "config", "error", "filter", "id", "sort"],
-    &["contacts", "geometry"],
+    &["geometry"],
     &["object", "simd"],
     &["parallel"],
     &["memory"],
@@ -195,7 +195,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1477),
+    ("", 1097),
     ("geometry", 1148),
     ("memory", 1839),
     ("objects", 644),

@@ -2,7 +2,8 @@
 
 use super::BroadPhase;
 use core::hash::Hash;
-use trisap_core::{Contacts, Error, Field, World};
+use trisap_contacts::Contacts;
+use trisap_core::{Error, Field, World};
 
 /// Contacts, and the numbers of the lost and found pairs of the last step, in their order.
 #[derive(Clone, Debug)]

@@ -5,7 +5,8 @@ use super::names::Names;
 use super::{BroadPhase, FIRST};
 use crate::OwnedWorld;
 use core::hash::Hash;
-use trisap_core::{Capacity, Config, Contacts, Error, Id, World};
+use trisap_contacts::Contacts;
+use trisap_core::{Capacity, Config, Error, Id, World};
 
 /// A broad phase as it was: see [`BroadPhase::save`].
 #[derive(Clone, Debug)]

@@ -1,14 +1,16 @@
-//! A number for each pair, from the step that finds it to the step that loses it.
+//! A number for each pair, from the step that finds it to the step that loses it: [`Contacts`].
+//!
+//! They stand beside a world of [`trisap_core`], and know of it only which pairs a step has found and lost.
+//! `trisap` has them as `BroadPhase::keep_contacts`.
+#![no_std]
 
-use crate::access::Access;
-use crate::error::{Error, Field};
-use crate::id::{Index, Pair};
+use trisap_core::{Error, Field, Index, Pair};
 
 /// Small numbers for pairs: what is kept for each pair (a manifold, a sound, damage) is an array.
 ///
 /// A pair has a number from the step that finds it to the step that loses it; then the number is given again,
 /// the last freed number first. So numbers are below the most pairs that there were at once, and the
-/// same calls give the same numbers. Contacts stand beside a [`World`](crate::World) with events and are
+/// same calls give the same numbers. Contacts stand beside a [`World`](trisap_core::World) with events and are
 /// [told](Self::update) of the lost and found pairs of each step.
 ///
 /// The memory, of [`words`](Self::words), is the caller's: a slice, an array, a vector. All state is in it
@@ -16,7 +18,8 @@ use crate::id::{Index, Pair};
 /// world it gives each pair the same number after going back. A number takes 24 bytes, a slot 4.
 ///
 /// ```
-/// use trisap_core::{Aabb, Capacity, Config, Contacts, Error, InlineWorld, layout};
+/// use trisap_contacts::Contacts;
+/// use trisap_core::{Aabb, Capacity, Config, Error, InlineWorld, layout};
 ///
 /// const CONFIG: Config = Config::new(Capacity::for_objects(8)).with_events();
 /// let mut memory = InlineWorld::<{ layout::<u16>(&CONFIG).unwrap().bytes }>::EMPTY;
@@ -169,16 +172,21 @@ impl<M: AsRef<[u32]>> Contacts<M> {
             }
         }
         let mut to = Contacts::new_in(memory, objects, contacts)?;
-        let (from, own, used) = (self.memory.as_ref(), own as usize, used as usize);
+        let (from, own, used) = (self.memory.as_ref(), own as usize, EACH * used as usize);
         let into = to.memory.as_mut();
-        into.span_mut(LIVE, HEAD - LIVE).copy_in(from.span(LIVE, HEAD - LIVE));
-        into.span_mut(HEAD, own).copy_in(from.span(HEAD, own));
-        into.span_mut(HEAD + objects as usize, EACH * used).copy_in(from.span(HEAD + own, EACH * used));
+        // Where words stand, where they go, and how many they are.
+        let spans =
+            [(LIVE, LIVE, HEAD - LIVE), (HEAD, HEAD, own), (HEAD + own, HEAD + objects as usize, used)];
+        for (start, to, count) in spans {
+            for (to, from) in into.iter_mut().skip(to).zip(from.iter().skip(start).take(count)) {
+                *to = *from;
+            }
+        }
         Ok(to)
     }
 
     fn word(&self, at: usize) -> u32 {
-        self.memory.as_ref().at(at)
+        self.memory.as_ref().get(at).copied().unwrap_or_default()
     }
 
     /// Where a word of a contact is.
@@ -252,9 +260,12 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
             let [needed, given] = [words, given].map(|words| words.saturating_mul(size_of::<u32>()));
             return Err(Error::SlabTooSmall { needed, given });
         }
-        memory.as_mut().span_mut(0, HEAD).copy_in(&[MARK, objects, contacts, 0, 0, NONE]);
-        memory.as_mut().span_mut(HEAD, objects as usize).fill(NONE);
-        Ok(Self { memory })
+        if let Some(head) = memory.as_mut().first_chunk_mut::<HEAD>() {
+            *head = [MARK, objects, contacts, 0, 0, NONE];
+        }
+        let mut empty = Self { memory };
+        empty.clear();
+        Ok(empty)
     }
 
     /// Takes back the numbers of the lost pairs, then gives the found pairs numbers, and tells each. A pair
@@ -322,9 +333,13 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
 
     /// Takes back all numbers. O(objects).
     pub fn clear(&mut self) {
+        for (at, value) in [(LIVE, 0), (USED, 0), (FREE, NONE)] {
+            self.set(at, value);
+        }
         let objects = self.word(OBJECTS) as usize;
-        self.memory.as_mut().span_mut(LIVE, HEAD - LIVE).copy_in(&[0, 0, NONE]);
-        self.memory.as_mut().span_mut(HEAD, objects).fill(NONE);
+        for first in self.memory.as_mut().iter_mut().skip(HEAD).take(objects) {
+            *first = NONE;
+        }
     }
 
     /// Gives a pair a number that is free.
@@ -349,7 +364,9 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Contacts<M> {
     }
 
     fn set(&mut self, at: usize, value: u32) {
-        self.memory.as_mut().put(at, value);
+        if let Some(word) = self.memory.as_mut().get_mut(at) {
+            *word = value;
+        }
     }
 
     /// Lets a contact of a slot, if it is one, lead to another.
