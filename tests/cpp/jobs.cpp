@@ -5,6 +5,7 @@
 #include "recording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <cstring>
 #include <iterator>
 #include <random>
+#include <shared_mutex>
 #include <thread>
 #include <trisap.hpp>
 #include <utility>
@@ -279,6 +281,80 @@ static void readers() {
     CHECK_OK(world.validate());
 }
 
+/// One thread steps a world, others ask its last complete copy meanwhile: they are never refused, and what they hear is of one step.
+static void readers_of_copies() {
+    struct Copy {
+        mutable std::shared_mutex mutex;
+        trisap::World world;
+        std::vector<trisap::Aabb> boxes;
+    };
+    std::array<Copy, 2> copies;
+    std::atomic<std::size_t> last = 0, answers = 0;
+    std::atomic<bool> done = false;
+    trisap::Config config = trisap::config(OBJECTS);
+    config.pairs = 40 * OBJECTS;
+    config.workers = 2;
+    trisap::World world;
+    CHECK_OK(world.init(config));
+    std::vector<trisap::Id> ids(OBJECTS);
+    std::vector<trisap::Aabb> boxes = scene(1);
+    CHECK_OK(world.insert(trisap::boxes(boxes), ids));
+    // Nobody has the older one, but for a reader that is late.
+    const auto publish = [&] {
+        Copy &copy = copies[1 - last];
+        const std::unique_lock<std::shared_mutex> alone(copy.mutex);
+        CHECK_OK(copy.world.copy_from(world));
+        copy.boxes = boxes;
+        last = 1 - last;
+    };
+    publish();
+    const auto read = [&](unsigned seed) {
+        std::mt19937 random(seed);
+        std::vector<trisap::Id> room(OBJECTS), expected;
+        while (!done) {
+            const Copy &copy = copies[last];
+            const std::shared_lock<std::shared_mutex> shared(copy.mutex);
+            // For so long that the next step may be over meanwhile.
+            for (int asked = 0; asked < 50; asked++, answers++) {
+                const trisap::Aabb &about = copy.boxes[random() % OBJECTS];
+                expected.clear();
+                for (std::size_t i = 0; i < copy.boxes.size(); i++) {
+                    if (share_a_point(about.min, about.max, copy.boxes[i].min, copy.boxes[i].max)) {
+                        expected.push_back(ids[i]);
+                    }
+                }
+                const trisap::Answers<trisap::Id> found = copy.world.overlaps(trisap::region(about), room);
+                CHECK_OK(found.status);
+                CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+            }
+        }
+    };
+    std::thread first(read, 1), second(read, 2);
+    Pool pool(2);
+    std::size_t during = 0;
+    for (unsigned step = 0; step < 2 * STEPS; step++) {
+        boxes = scene(2 + step);
+        bool waits = true;
+        auto jobs = trisap::jobs(pool.workers(), [&](std::uint32_t count, trisap::Task task) {
+            // The step is not over before somebody has asked.
+            if (const std::size_t before = answers; std::exchange(waits, false)) {
+                CHECK_STATUS(world.size().status, TRISAP_STATUS_BUSY);
+                while (answers == before) {
+                    std::this_thread::yield();
+                }
+                during++;
+            }
+            pool.run(count, task);
+        });
+        CHECK_OK(world.step_over(trisap::boxes(boxes), jobs).status);
+        publish();
+    }
+    done = true;
+    first.join();
+    second.join();
+    CHECK(during == 2 * STEPS);
+}
+
 #ifdef WITH_TBB
 /// One arena, for a world of the calling thread and for several worlds in tasks of their own.
 static void tasks_of_tbb(const std::vector<unsigned char> &expected) {
@@ -401,6 +477,7 @@ int main() {
     CHECK_OK(world.validate());
     rule_and_queries();
     readers();
+    readers_of_copies();
     std::printf("jobs: the same %zu bytes from every job system\n", expected.size());
     return 0;
 }

@@ -327,6 +327,99 @@ static void values(void) {
     free(world);
 }
 
+static uint32_t all_meet(void *user, uint32_t a, uint32_t b) {
+    *(uint32_t *)user += a == 1 || b == 1;
+    return 1;
+}
+
+// An object whose slot was another's has none of its pairs, by ids and by values, is asked about where it is, and the contact ends.
+// Few in lists, many in a tree.
+static void newcomer(uint32_t objects) {
+    enum { ROOM = 16 };
+    trisap_config config = trisap_default_config(objects);
+    config.events = config.values = config.filters = 1;
+    trisap_world *world = make(&config);
+    trisap_id *ids = malloc(sizeof *ids * objects);
+    trisap_aabb *aabbs = malloc(sizeof *aabbs * objects);
+    const size_t bytes = trisap_contacts_size(objects, ROOM);
+    void *memory = malloc(bytes);
+    CHECK(ids != NULL && aabbs != NULL && memory != NULL);
+    // The first three overlap, all others are alone.
+    for (uint32_t i = 0; i < objects; i++) {
+        aabbs[i] = cube(i < 3 ? 0.25f * (float)i : 4.0f * (float)i);
+    }
+    const trisap_boxes boxes = trisap_default_boxes(aabbs, objects);
+    CHECK_OK(trisap_world_insert_many(world, &boxes, ids));
+    for (uint32_t i = 0; i < 3; i++) {
+        CHECK_OK(trisap_world_set_value(world, ids[i], 100 + i));
+    }
+    trisap_contacts *contacts = NULL;
+    CHECK_OK(trisap_contacts_init(memory, bytes, objects, ROOM, &contacts));
+    uint32_t numbers[ROOM], ended[ROOM], asked = 0;
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, all_meet, &asked, NULL, &result));
+    CHECK(result.pair_count == 3 && result.found_count == 3 && asked == 2);
+    CHECK_OK(trisap_contacts_update(contacts, NULL, 0, NULL, result.found, 3, numbers, NULL));
+    const uint32_t staying = trisap_contacts_get(contacts, 0, 2);
+
+    // Another one in its slot, in the place of the old one at first and then far away: between the steps it is in no pair.
+    CHECK_OK(trisap_world_remove(world, ids[1]));
+    trisap_id other = TRISAP_NULL_ID;
+    CHECK_OK(trisap_world_insert(world, &aabbs[1], &other));
+    CHECK(other != ids[1] && trisap_id_slot(other) == 1);
+    CHECK_OK(trisap_world_set_value(world, other, 7));
+    const trisap_aabb far = cube(-9.0f);
+    for (int place = 0; place < 2; place++) {
+        for (uint32_t what = TRISAP_PAIRS_ALL; what <= TRISAP_PAIRS_FOUND; what++) {
+            trisap_id_pair named[3];
+            trisap_value_pair valued[3];
+            size_t count = 0, value_count = 0;
+            CHECK_OK(trisap_world_pair_ids(world, what, named, 3, &count));
+            CHECK_OK(trisap_world_pair_values(world, what, valued, 3, &value_count));
+            CHECK(count == 1 && named[0].a == ids[0] && named[0].b == ids[2]);
+            CHECK(value_count == 1 && valued[0].a == 100 && valued[0].b == 102);
+        }
+        CHECK_OK(trisap_world_update(world, other, &far));
+    }
+
+    // The next step loses the pairs of the old one, by its id and its value, asks about nobody far away, and ends two contacts.
+    asked = 0;
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, all_meet, &asked, NULL, &result));
+    CHECK(result.pair_count == 1 && result.found_count == 0 && result.lost_count == 2 && asked == 0);
+    trisap_id_pair lost[2];
+    trisap_value_pair values_of_lost[2];
+    size_t count = 0;
+    CHECK_OK(trisap_world_pair_ids(world, TRISAP_PAIRS_LOST, lost, 2, &count));
+    CHECK_OK(trisap_world_pair_values(world, TRISAP_PAIRS_LOST, values_of_lost, 2, &count));
+    CHECK(count == 2);
+    for (int i = 0; i < 2; i++) {
+        CHECK((lost[i].a == ids[1]) + (lost[i].b == ids[1]) == 1);
+        CHECK((values_of_lost[i].a == 101) + (values_of_lost[i].b == 101) == 1);
+    }
+    CHECK_OK(trisap_contacts_update(contacts, result.lost, 2, ended, NULL, 0, NULL, NULL));
+    CHECK(trisap_contacts_count(contacts) == 1 && trisap_contacts_get(contacts, 0, 2) == staying);
+    CHECK(ended[0] != staying && ended[1] != staying && trisap_contacts_get(contacts, 0, 1) == TRISAP_NO_CONTACT);
+
+    // In the slot and in the place of one that is gone, one is found and the other lost: the contact is a new one.
+    CHECK_OK(trisap_world_remove(world, ids[2]));
+    trisap_id third = TRISAP_NULL_ID;
+    CHECK_OK(trisap_world_insert(world, &aabbs[2], &third));
+    CHECK(trisap_id_slot(third) == 2);
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, all_meet, &asked, NULL, &result));
+    CHECK(result.pair_count == 1 && result.found_count == 1 && result.lost_count == 1);
+    CHECK_OK(trisap_world_pair_ids(world, TRISAP_PAIRS_FOUND, lost, 2, &count));
+    CHECK(count == 1 && lost[0].a == ids[0] && lost[0].b == third);
+    CHECK_OK(trisap_world_pair_ids(world, TRISAP_PAIRS_LOST, lost, 2, &count));
+    CHECK(count == 1 && lost[0].a == ids[0] && lost[0].b == ids[2]);
+    CHECK_OK(trisap_contacts_update(contacts, result.lost, 1, ended, result.found, 1, numbers, NULL));
+    CHECK(ended[0] == staying && trisap_contacts_count(contacts) == 1 && trisap_contacts_get(contacts, 2, 0) == numbers[0]);
+    CHECK_OK(trisap_world_validate(world));
+    free(memory);
+    free(aabbs);
+    free(ids);
+    free(world);
+}
+
 // No world: a first call tells how much memory the pairs take.
 static void once(void) {
     trisap_aabb aabbs[40];
@@ -741,6 +834,8 @@ int main(void) {
     once();
     queries();
     values();
+    newcomer(4);
+    newcomer(2000);
     resting();
     questions();
     tree();

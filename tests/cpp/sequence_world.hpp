@@ -3,7 +3,7 @@
 #ifndef SEQUENCE_WORLD_HPP
 #define SEQUENCE_WORLD_HPP
 
-#include "check.h"
+#include "calls.hpp"
 #include "sequence.hpp"
 
 #include <algorithm>
@@ -188,16 +188,20 @@ protected:
         return jobs;
     }
 
-    trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result) {
+    /// What a forged world asks is not looked at.
+    trisap::Status step_with(const Operation &op, const trisap::Boxes *boxes, trisap_result &result, bool forged = false) {
         std::uint32_t how = op.argument < 4 ? 4 : op.argument / 8 % 4;
         const trisap_jobs jobs = jobs_of(how);
         const trisap_jobs *given = how == 3 ? nullptr : &jobs;
         if (header_.rule()) {
-            const auto rule = [](void *user, std::uint32_t a, std::uint32_t b) -> std::uint32_t {
-                const auto &opinions = *static_cast<const std::vector<std::uint32_t> *>(user);
-                return (opinions[a] + opinions[b]) % 3 != 1;
+            const auto rule = [](void *user, std::uint32_t a, std::uint32_t b) {
+                return Asked::opinion(*static_cast<const std::vector<std::uint32_t> *>(user), a, b);
             };
-            return trisap_world_step_with_rule(world_, boxes, rule, &opinions_, given, &result);
+            if (forged) {
+                return trisap_world_step_with_rule(world_, boxes, rule, &opinions_, given, &result);
+            }
+            Asked asked(world_, config_, opinions_, boxes);
+            return trisap_world_step_with_rule(world_, boxes, Asked::rule, &asked, given, &result);
         }
         return boxes == nullptr ? trisap_world_step(world_, given, &result)
                                 : trisap_world_step_over(world_, boxes, given, &result);

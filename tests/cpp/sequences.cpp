@@ -1,6 +1,6 @@
 // Plays the sequences of a file through the C ABI: the calls that `trisap_tests::sequence::play` makes for the same bytes. Prints the
 // hash of each and in the end the counts, which must be those of Rust. What is right is decided there, with a model and a twin;
-// here the sanitizers watch, and each world validates itself after every operation.
+// here the sanitizers watch, each world validates itself after every operation, and it is seen whom rules and queries call.
 //
 //     sequences FILE    # each sequence after its length, of four bytes
 
@@ -382,26 +382,39 @@ private:
         Ids ids(objects_);
         std::size_t count = 0;
         if (say_status(trisap_world_overlaps(world_, &region, nullptr, nullptr, ids.data(), ids.size(), &count))) {
+            say_ids(ids, count);
+            Visit visit = {calls_of({region}, op), 0.0, {}};
+            CHECK_OK(trisap_world_visit_overlaps(world_, &region, tell, &visit));
+            CHECK(visit.hits.size() == count);
             tally_.answers += count;
-            std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
-            Ids visited;
-            const auto visit = [](void *user, trisap::Id id) -> std::uint32_t {
-                static_cast<Ids *>(user)->push_back(id);
-                return 1;
-            };
-            CHECK_OK(trisap_world_visit_overlaps(world_, &region, visit, &visited));
-            CHECK(visited.size() == count);
-            tally_.answers += count;
-            std::for_each(visited.begin(), visited.end(), [this](trisap::Id id) { say(id); });
-            CHECK_OK(trisap_world_overlaps(world_, &region, two_in_three, &op.argument, ids.data(), ids.size(), &count));
-            tally_.answers += count;
-            std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
+            std::for_each(visit.hits.begin(), visit.hits.end(), [this](const trisap::Hit &hit) { say(hit.id); });
+            Calls calls = calls_of({region}, op);
+            CHECK_OK(trisap_world_overlaps(world_, &region, Calls::two_in_three, &calls, ids.data(), ids.size(), &count));
+            say_ids(ids, count);
         }
     }
 
-    /// Two in three objects.
-    static std::uint32_t two_in_three(void *user, trisap::Id id) {
-        return (trisap::slot(id) + *static_cast<const std::uint32_t *>(user)) % 3 != 0;
+    void say_ids(const Ids &ids, std::size_t count) {
+        tally_.answers += count;
+        std::for_each(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), [this](trisap::Id id) { say(id); });
+    }
+
+    [[nodiscard]] Calls calls_of(const std::vector<trisap::Region> &regions, const Operation &op) const {
+        return {world_, op.argument, [regions](const trisap::Aabb &box) {
+                    return std::count_if(regions.begin(), regions.end(), [&](const auto &region) { return meets(region, box); });
+                }};
+    }
+
+    [[nodiscard]] Calls calls_of(const std::vector<trisap::Cast> &casts, const Operation &op) const {
+        return {world_, op.argument, [casts](const trisap::Aabb &box) {
+                    return std::count_if(casts.begin(), casts.end(), [&](const auto &cast) { return touches(cast, box) >= 0; });
+                }};
+    }
+
+    [[nodiscard]] Calls calls_within(const float (&point)[3], double distance, const Operation &op) const {
+        return {world_, op.argument, [&point, distance](const trisap::Aabb &box) {
+                    return std::ptrdiff_t{std::sqrt(squared_distance(point, box)) <= distance};
+                }};
     }
 
     void say_hits(const std::vector<trisap::Hit> &hits, std::size_t count) {
@@ -422,14 +435,17 @@ private:
             trisap::Hit first = {};
             CHECK_OK(trisap_world_first_hit(world_, &cast, nullptr, nullptr, &first));
             CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
-            CHECK_OK(trisap_world_hits(world_, &cast, two_in_three, &op.argument, hits.data(), hits.size(), &count));
+            Calls calls = calls_of({cast}, op);
+            CHECK_OK(trisap_world_hits(world_, &cast, Calls::two_in_three, &calls, hits.data(), hits.size(), &count));
             say_hits(hits, count);
-            CHECK_OK(trisap_world_first_hit(world_, &cast, two_in_three, &op.argument, &first));
+            calls = calls_of({cast}, op);
+            CHECK_OK(trisap_world_first_hit(world_, &cast, Calls::two_in_three, &calls, &first));
             CHECK(first.id == (count == 0 ? trisap::null_id : hits[0].id));
         }
     }
 
     struct Visit {
+        Calls calls;
         /// How far to look on; less than zero: as far as the last hit.
         double far;
         std::vector<trisap::Hit> hits;
@@ -437,13 +453,16 @@ private:
 
     static double tell_far(void *user, trisap::Hit hit) {
         auto &its = *static_cast<Visit *>(user);
+        its.calls.count(hit.id);
         its.hits.push_back(hit);
         return its.far < 0 ? hit.distance : its.far;
     }
 
+    static std::uint32_t tell(void *user, trisap::Id id) { return tell_far(user, {id, 0.0}) >= 0; }
+
     /// All of them, or only those that are nearer than the last.
     void visit_hits(const Operation &op, const trisap::Cast &cast) {
-        Visit visit = {op.argument % 2 == 0 ? static_cast<double>(cast.distance) : -1.0, {}};
+        Visit visit = {calls_of({cast}, op), op.argument % 2 == 0 ? static_cast<double>(cast.distance) : -1.0, {}};
         CHECK_OK(trisap_world_visit_hits(world_, &cast, tell_far, &visit));
         say_hits(visit.hits, visit.hits.size());
     }
@@ -456,10 +475,12 @@ private:
         std::size_t count = 0;
         CHECK_OK(trisap_world_nearest(world_, point, nullptr, nullptr, hits.data(), hits.size(), &count));
         say_hits(hits, count);
-        CHECK_OK(trisap_world_nearest(world_, point, two_in_three, &op.argument, hits.data(), hits.size(), &count));
+        const double infinity = std::numeric_limits<double>::infinity();
+        Calls calls = calls_within(point, infinity, op);
+        CHECK_OK(trisap_world_nearest(world_, point, Calls::two_in_three, &calls, hits.data(), hits.size(), &count));
         say_hits(hits, count);
-        Visit visit = {op.argument % 2 == 0 ? std::numeric_limits<double>::infinity() : -1.0, {}};
         const double distance = count == 0 ? 1.0 : hits[count - 1].distance;
+        Visit visit = {calls_within(point, distance, op), op.argument % 2 == 0 ? infinity : -1.0, {}};
         CHECK_OK(trisap_world_visit_nearest(world_, point, distance, tell_far, &visit));
         say_hits(visit.hits, visit.hits.size());
     }
@@ -476,32 +497,34 @@ private:
             regions.push_back(header_.region(op.rng));
         }
         std::vector<trisap::Hit> hits(length);
-        good &= say_status(first_hits(nullptr, op, casts, hits));
+        good &= say_status(first_hits(nullptr, nullptr, casts, hits));
         Ids ids(3 * length);
         std::vector<std::size_t> ends(length);
-        const trisap::Status status = overlaps_many(nullptr, op, regions, ids, ends);
+        const trisap::Status status = overlaps_many(nullptr, nullptr, regions, ids, ends);
         say_status(status);
         if (good && status != TRISAP_STATUS_BAD_QUERY) {
             say_hits(hits, length);
             std::for_each(ends.begin(), ends.end(), [this](std::size_t end) { say(std::uint64_t{end}); });
-            CHECK_OK(first_hits(two_in_three, op, casts, hits));
-            const trisap::Status full = overlaps_many(two_in_three, op, regions, ids, ends);
+            Calls calls = calls_of(casts, op);
+            CHECK_OK(first_hits(Calls::two_in_three, &calls, casts, hits));
+            calls = calls_of(regions, op);
+            const trisap::Status full = overlaps_many(Calls::two_in_three, &calls, regions, ids, ends);
             CHECK(full == TRISAP_STATUS_OK || full == TRISAP_STATUS_OUTPUT_FULL);
             say_hits(hits, length);
             std::for_each(ends.begin(), ends.end(), [this](std::size_t end) { say(std::uint64_t{end}); });
         }
     }
 
-    trisap::Status first_hits(trisap_condition condition, Operation &op, std::vector<trisap::Cast> &casts,
+    trisap::Status first_hits(trisap_condition condition, Calls *calls, std::vector<trisap::Cast> &casts,
                               std::vector<trisap::Hit> &hits) {
-        return trisap_world_first_hits(world_, data(casts), sizeof(trisap::Cast), casts.size(), condition, &op.argument,
-                                       nullptr, data(hits));
+        return trisap_world_first_hits(world_, data(casts), sizeof(trisap::Cast), casts.size(), condition, calls, nullptr,
+                                       data(hits));
     }
 
-    trisap::Status overlaps_many(trisap_condition condition, Operation &op, std::vector<trisap::Region> &regions, Ids &ids,
+    trisap::Status overlaps_many(trisap_condition condition, Calls *calls, std::vector<trisap::Region> &regions, Ids &ids,
                                  std::vector<std::size_t> &ends) {
-        return trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), regions.size(), condition,
-                                          &op.argument, nullptr, data(ids), ids.size(), data(ends));
+        return trisap_world_overlaps_many(world_, data(regions), sizeof(trisap::Region), regions.size(), condition, calls,
+                                          nullptr, data(ids), ids.size(), data(ends));
     }
 
     void view() {
@@ -608,7 +631,7 @@ private:
         }
         tally_.forged_loaded++;
         trisap_result result = trisap_default_result();
-        if (say_status(step_with(op, nullptr, result))) {
+        if (say_status(step_with(op, nullptr, result, true))) {
             say_result(result);
         }
         CHECK_OK(trisap_world_validate(world_));
