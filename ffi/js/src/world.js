@@ -104,25 +104,25 @@ export class World {
   }
 
   insert(box) {
-    const calls = this.#calls;
     const insert = this.#module.trisap_world_insert;
-    return this.#insert(box, () => insert(this.#world, calls.box(box, "insert"), calls.out));
+    return this.#insert(box, "insert", (at, out) => insert(this.#world, at, out));
   }
 
   insertAt(slot, box) {
-    const calls = this.#calls;
     if (slot >>> 0 !== slot) {
       throw new errors.InvalidArgumentError("slot", "must be a whole number from 0 on");
     }
     const insert = this.#module.trisap_world_insert_at;
-    return this.#insert(box, () => insert(this.#world, slot, calls.box(box, "insertAt"), calls.out));
+    return this.#insert(box, "insertAt", (at, out) => insert(this.#world, slot, at, out));
   }
 
-  #insert(box, ask) {
+  #insert(box, place, ask) {
     const calls = this.#calls;
-    calls.check(this.#fitting(ask), "insert");
+    // A view of the memory is of no use any more once it has grown.
+    const own = box?.buffer === calls.memory.buffer ? box.slice() : box;
+    calls.check(this.#fitting(() => ask(calls.box(own, place), calls.out)), place);
     const id = calls.id(calls.out);
-    this.#keep(id, box, 0);
+    this.#keep(id, own, 0);
     return id;
   }
 
@@ -409,6 +409,8 @@ export class World {
     const { memory } = this.#calls;
     const all = points.length / 3;
     const answers = [];
+    // There are no more.
+    count = Math.min(count, this.size);
     // As many at once as there is room for.
     const most = Math.max(1, Math.floor(memory.roomBytes / (16 + HIT_BYTES * count)));
     for (let from = 0; from < all; from += most) {

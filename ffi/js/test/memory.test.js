@@ -104,6 +104,18 @@ test("a world that grows goes on with its ids, boxes and events", async () => {
   assert.deepEqual([...world.step().pairs], [0, 1]);
 });
 
+test("a world that grows takes boxes that stand in its own memory", async () => {
+  const world = await createWorld({ objects: 2, grows: true });
+  world.insert([0, 1, 2, 3, 4, 5]);
+  // Views of the boxes are taken away while their object comes.
+  for (let slot = 1; slot < 2000; slot++) {
+    const box = world.boxes.subarray(6 * slot - 6, 6 * slot);
+    const id = slot % 2 === 0 ? world.insert(box) : world.insertAt(slot, box);
+    assert.deepEqual([...world.box(id)], [0, 1, 2, 3, 4, 5]);
+    assert.deepEqual([...world.boxes.subarray(6 * slot, 6 * slot + 6)], [0, 1, 2, 3, 4, 5]);
+  }
+});
+
 test("a lean world that grows is lean as long as it can be", async () => {
   const world = await createWorld({ objects: 100, lean: true, grows: true });
   for (let i = 0; i < 300; i++) {

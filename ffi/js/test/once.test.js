@@ -51,4 +51,6 @@ test("what is between planes, and the nearest of many points", async () => {
     assert.equal(many.length, 500);
     many.forEach((near, i) => assert.deepEqual(near, world.nearest(points.slice(3 * i, 3 * i + 3), count)));
   }
+  // More than there are take no more room.
+  assert.deepEqual(world.nearestMany(points.slice(0, 3), 1e9), [world.nearest(points.slice(0, 3), 1e9)]);
 });
