@@ -111,6 +111,7 @@ function number(field, value, kind) {
 const PATHS = ["unchanged", "lists", "movers", "full", "rebuilt", "moversByLeaf"];
 const REASONS = [
   "no movers", "few objects", "few movers", "many movers", "fixed", "nothing kept", "no room", "outgrown", "out of balance",
+  "no room for surplus",
 ];
 
 /** The statistics, from `trisap_stats`. */

@@ -114,3 +114,10 @@ test("objects at rest keep their pairs", async () => {
   move(world.boxes, next);
   assert.deepEqual(texts(world.step().pairs), bruteForce(world.boxes));
 });
+
+test("a step says why its pairs were found as they were", async () => {
+  // Without room for the pairs of boxes with margins those without are found, too: of all reasons the last one.
+  const world = await createWorld({ objects: 400, pairs: 1, marginMin: 3 });
+  world.insertMany(Float32Array.from({ length: 6 * 400 }, (_, i) => 2 * Math.floor(i / 6) + (i % 6 < 3 ? 0 : 1)));
+  assert.equal(world.step().stats().reason, "no room for surplus");
+});
