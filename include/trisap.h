@@ -262,7 +262,8 @@ typedef struct trisap_config {
     /// Upper bound of the margin, a length. By default the largest float.
     float margin_max;
     /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
-    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
+    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare. In a fat world it
+    /// changes which pairs are told.
     uint32_t fixed_margins;
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.
@@ -1250,8 +1251,8 @@ TRISAP_NOEXCEPT;
 
 /// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the
 /// nearest first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are
-/// no more objects. Squares of distances are compared, and two of them can have the same root. Expected O(log n +
-/// room log room + movers since the last step); O(n log room) where the last step had no tree.
+/// no more objects. Boxes at infinity come last. Squares of distances are compared, and two of them can have the same
+/// root. Expected O(log n + room log room + movers since the last step); O(n log room) where the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 TRISAP_NODISCARD

@@ -270,7 +270,8 @@ template <class ForkJoin> [[nodiscard]] Jobs<std::decay_t<ForkJoin>> jobs(std::u
 /// What a step has found. The views are good until the next step or load of the world, also after objects have come, moved
 /// and gone.
 struct Step {
-    /// `TRISAP_STATUS_OK`; or `TRISAP_STATUS_PAIRS_FULL`, with the pairs that fitted; or another refusal, with nothing.
+    /// `TRISAP_STATUS_OK`; or `TRISAP_STATUS_PAIRS_FULL`, with the pairs that fitted; or another refusal, with nothing. Where a world that
+    /// grows finds no room for its pairs, the status says why, and the rest is as after `TRISAP_STATUS_PAIRS_FULL`: the step has happened.
     Status status;
     /// The overlapping pairs by slot, each once, `a < b`.
     View<const Pair> pairs;

@@ -74,7 +74,8 @@ pub enum Mode {
 
 /// How far a box may move before it counts as moved. Its fat box is the box of its last move, grown by
 /// `clamp(per_extent * extent, min, max)` on every side (erratum E2). The extent is the largest side of the
-/// box, or less for flat boxes: see [`per_extent`](Self::per_extent).
+/// box, or less for flat boxes: see [`per_extent`](Self::per_extent). A box that is given by itself also gets
+/// a new one where the largest side of the old one is more than 16 times its own and its margin.
 ///
 /// In [`Mode::Fat`] these boxes are what the pairs are of; where one in 16 is left in a step that hands over
 /// all boxes, all are made anew. In an exact world a margin changes no pair, and in one without a tree no step.
@@ -153,7 +154,7 @@ pub struct Config {
     /// Whether fat boxes stay in use however objects move, each until its box leaves it: so a step takes as
     /// long as few or many objects make it, and none is there for all of them at once. If not, all are made
     /// anew when that costs less than to search for the objects that leave theirs, and are left unused for
-    /// some steps where they cost more than they spare.
+    /// some steps where they cost more than they spare. In [`Mode::Fat`] it changes which pairs are told.
     pub fixed_margins: bool,
     /// Whether steps sweep boxes that are predicted from each object's motion and hold it for some steps, so
     /// that steps in which things lie, hang, roll or fly on cost little. They are used while they pay, and

@@ -334,8 +334,8 @@ pub unsafe extern "C" fn trisap_world_visit_nearest(
 
 /// Writes the objects whose boxes are nearest to a point of three numbers to `hits`, as many as it has room for, the
 /// nearest first, equally near ones by ascending slot, and their number to `count`: less than `room` only if there are
-/// no more objects. Squares of distances are compared, and two of them can have the same root. Expected O(log n +
-/// room log room + movers since the last step); O(n log room) where the last step had no tree.
+/// no more objects. Boxes at infinity come last. Squares of distances are compared, and two of them can have the same
+/// root. Expected O(log n + room log room + movers since the last step); O(n log room) where the last step had no tree.
 ///
 /// Errors: `TRISAP_STATUS_BAD_QUERY`.
 #[unsafe(no_mangle)]

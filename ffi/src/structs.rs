@@ -61,7 +61,8 @@ pub struct trisap_config {
     /// Upper bound of the margin, a length. By default the largest float.
     pub margin_max: f32,
     /// 1 if fat boxes stay in use however objects move. By default 0: all are made anew when that costs less than to search for
-    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare.
+    /// the objects that leave theirs, and are left unused for some steps where they cost more than they spare. In a fat world it
+    /// changes which pairs are told.
     pub fixed_margins: u32,
     /// 1 if objects have a value of 64 bits for the caller's use; costs 8 bytes an object, 16 with events. By default
     /// 0.

@@ -74,7 +74,7 @@ impl<I: Index> World<'_, I> {
 
     /// Writes the objects whose boxes are nearest to a point to `out`, the nearest first, equally near ones
     /// by ascending slot. Squares of distances are compared, and two can have the same root. Returns how many
-    /// there are: less than `out` takes only if there are no more objects.
+    /// there are: less than `out` takes only if there are no more objects. Boxes at infinity come last.
     ///
     /// # Errors
     /// [`Error::BadQuery`] where the point is not finite.

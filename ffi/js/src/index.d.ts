@@ -39,7 +39,7 @@ export interface Config {
   marginMin?: number;
   /** The largest margin, a length. */
   marginMax?: number;
-  /** Margins stay in use however fast objects are. By default false. */
+  /** Margins stay in use however fast objects are. In a `fat` world it changes which pairs are told. By default false. */
   fixedMargins?: boolean;
   /** Objects that go on as they do cost little: their boxes are predicted for some steps. By default true. */
   predictedBoxes?: boolean;
