@@ -134,11 +134,63 @@ static void damaged_memory(void) {
     free(world);
 }
 
+struct asked {
+    const trisap_aabb *aabbs;
+    uint32_t gone, times;
+};
+
+static uint32_t look(void *user, uint32_t a, uint32_t b) {
+    struct asked *asked = user;
+    asked->times++;
+    CHECK(a != asked->gone && b != asked->gone);
+    for (int k = 0; k < 3; k++) {
+        CHECK(asked->aabbs[a].min[k] <= asked->aabbs[b].max[k] && asked->aabbs[b].min[k] <= asked->aabbs[a].max[k]);
+    }
+    return 1;
+}
+
+// The first step after a load asked the rule about objects that had been removed since, and about pairs that did not overlap.
+static void rule_after_load(void) {
+    enum { OBJECTS = 1000 };
+    trisap_config config = trisap_default_config(OBJECTS);
+    config.filters = 1;
+    config.pairs = 20 * OBJECTS;
+    static trisap_aabb aabbs[OBJECTS];
+    static trisap_id ids[OBJECTS];
+    for (int i = 0; i < OBJECTS; i++) {
+        const float corner[3] = {(float)(i * 37 % 101) * 0.1f, (float)(i * 53 % 103) * 0.1f, (float)(i * 71 % 107) * 0.1f};
+        for (int k = 0; k < 3; k++) {
+            aabbs[i].min[k] = corner[k];
+            aabbs[i].max[k] = corner[k] + 1.0f;
+        }
+    }
+    trisap_world *world = make(&config, aabbs, OBJECTS, ids);
+    struct asked asked = {aabbs, UINT32_MAX, 0};
+    trisap_result result = trisap_default_result();
+    CHECK_OK(trisap_world_step_with_rule(world, NULL, look, &asked, NULL, &result));
+    CHECK(asked.times == result.pair_count && asked.times > OBJECTS);
+    const size_t room = trisap_world_snapshot_size(world);
+    void *snapshot = malloc(room);
+    CHECK(snapshot != NULL);
+    size_t size = 0;
+    CHECK_OK(trisap_world_save(world, snapshot, room, &size));
+    for (uint32_t gone = 0; gone < OBJECTS; gone += 30) {
+        CHECK_OK(trisap_world_load(world, snapshot, size));
+        asked.gone = gone;
+        CHECK_OK(trisap_world_remove(world, ids[gone]));
+        CHECK_OK(trisap_world_step_with_rule(world, NULL, look, &asked, NULL, &result));
+        CHECK(result.pair_count > OBJECTS);
+    }
+    free(snapshot);
+    free(world);
+}
+
 int main(void) {
     forged_generation();
     margins_without_room();
     flushed_denormals();
     damaged_memory();
+    rule_after_load();
     puts("regressions: all checks passed");
     return 0;
 }
