@@ -8,8 +8,8 @@ import { Memory } from "./memory.js";
 /** Numbers of `trisap_status`. */
 export const STATUS = {
   OK: 0, MEMORY_TOO_SMALL: 6, CAPACITY_TOO_LARGE: 9, BAD_MARGIN: 10, OBJECTS_FULL: 11, BAD_BOX: 12, STALE_ID: 13, PAIRS_FULL: 14,
-  CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17, BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, NO_VALUES: 24,
-  NO_MARGINS: 25, SLOT_TAKEN: 26,
+  CORRUPT: 15, NO_FILTERS: 16, BAD_CLASS: 17, BAD_QUERY: 18, OUTPUT_FULL: 19, BAD_SNAPSHOT: 20, BAD_SHIFT: 21, OTHER_CONFIG: 23,
+  NO_VALUES: 24, NO_MARGINS: 25, SLOT_TAKEN: 26,
 };
 /** Floats of a box. */
 export const BOX = 6;
@@ -73,7 +73,7 @@ export class Calls {
     const more = Math.max(objects, capacity.objects);
     const [bytes, room] = this.#configure(more, {
       leafRefs: undefined,
-      pairs: Math.max(pairs, capacity.pairs, 8 * more),
+      pairs: Math.min(Math.max(pairs, capacity.pairs, 8 * more), 0xffff_ffff),
       lean: capacity.lean && more <= LEAN_OBJECTS,
     });
     if (bytes === 0) {
@@ -252,7 +252,10 @@ export class Calls {
         throw new errors.BadClassError(Number(detail));
       case STATUS.BAD_QUERY:
         throw new errors.BadQueryError(`${place}: ${text}`);
+      case STATUS.BAD_SHIFT:
+        throw new errors.InvalidArgumentError("by", "has three finite numbers");
       case STATUS.BAD_SNAPSHOT:
+      case STATUS.OTHER_CONFIG:
         throw new errors.BadSnapshotError(`${place}: ${text}`);
       case STATUS.CORRUPT:
         throw new errors.CorruptError(`${place}: ${text}`);

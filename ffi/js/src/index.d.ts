@@ -54,8 +54,8 @@ export interface Options {
   /** The module with 128-bit vectors, or the one without. By default what this host can run. */
   simd?: boolean;
   /**
-   * A smaller module, for pairs alone: no events, filters, values, margins, queries, snapshots, disabled objects or shifts. They are
-   * refused. Hosts without vectors get the complete one, and so do programs with the module inlined. By default false.
+   * A smaller module, for pairs alone: no events, filters, values, margins, queries, pairs by id, snapshots, disabled objects or shifts.
+   * They are refused. Hosts without vectors get the complete one, and so do programs with the module inlined. By default false.
    */
   pairsOnly?: boolean;
   /** The module, if it does not stand where the package has put it. */

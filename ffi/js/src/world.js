@@ -187,6 +187,9 @@ export class World {
   }
 
   idAt(slot) {
+    if (slot >>> 0 !== slot) {
+      return null;
+    }
     const id = BigInt.asUintN(64, this.#module.trisap_world_id_at(this.#world, slot));
     return id === 0n ? null : id;
   }
@@ -219,7 +222,10 @@ export class World {
 
   #refresh(place) {
     const refused = this.#commit();
-    this.#calls.check(this.#module.trisap_world_refresh(this.#world, 0), place);
+    // Only queries need the tree, and the module with pairs alone has none.
+    if ("trisap_world_refresh" in this.#module) {
+      this.#calls.check(this.#module.trisap_world_refresh(this.#world, 0), place);
+    }
     this.#refuse(refused, place);
   }
 

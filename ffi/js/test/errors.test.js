@@ -169,6 +169,7 @@ test("filters, queries and snapshots", async () => {
   const snapshot = world.save();
   snapshot[40] ^= 1;
   refused(() => world.load(snapshot), trisap.BadSnapshotError);
+  refused(() => world.load(filtered.save()), trisap.BadSnapshotError);
   assert.equal(world.size, 1);
 });
 
@@ -176,6 +177,7 @@ test("a host that gives no memory", async () => {
   const { grow } = WebAssembly.Memory.prototype;
   const world = await createWorld({ objects: 1000 });
   const growing = await createWorld({ objects: 1, grows: true });
+  refused(() => growing.insertAt(3_000_000_000, [0, 0, 0, 1, 1, 1]), trisap.OutOfMemoryError);
   try {
     WebAssembly.Memory.prototype.grow = () => {
       throw new RangeError("no memory");
@@ -205,6 +207,8 @@ test("fields and ids that mean nothing", async () => {
   refused(() => world.overlaps({ center: origin, radius: 1, min: origin }), trisap.InvalidArgumentError, { field: "min" });
   refused(() => world.overlaps(), trisap.InvalidArgumentError, { field: "region" });
   refused(() => world.shiftOrigin([1, 2]), trisap.InvalidArgumentError, { field: "by" });
+  refused(() => world.shiftOrigin([1, 2, NaN]), trisap.InvalidArgumentError, { field: "by" });
+  [undefined, NaN, -1, 0.5, 2 ** 32].forEach((slot) => assert.equal(world.idAt(slot), null));
   for (const no of [0, "0", null, undefined, -1n, 2n ** 64n]) {
     const calls = [
       () => world.update(no, [0, 0, 0, 1, 1, 1]), () => world.remove(no), () => world.has(no), () => world.box(no),

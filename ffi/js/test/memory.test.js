@@ -359,6 +359,9 @@ test("a module with pairs alone has the same pairs, and refuses the rest", async
     assert.deepEqual(texts(small.awakePairs()), texts(whole.awakePairs()));
     assert.ok(small.pairs.length > 1000);
   }
+  small.boxes.set([7, 7, 7, 8, 8, 8], 6 * 500);
+  small.commit();
+  assert.deepEqual([...small.box(ids[0][500])], [7, 7, 7, 8, 8, 8]);
   const kept = small.copy();
   small.remove(ids[0][500]);
   small.step();
