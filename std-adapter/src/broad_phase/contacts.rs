@@ -14,10 +14,10 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers of all pairs of a world.
-    fn of(world: &World<'_>) -> Result<Self, Error> {
+    /// The numbers of some pairs of a world.
+    fn of(world: &World<'_>, pairs: &[[u32; 2]]) -> Result<Self, Error> {
         let mut numbers = Self::with(Contacts::new_in(vec![0; Contacts::words(0, 0)], 0, 0)?);
-        numbers.update(world, &[], world.pairs())?;
+        numbers.update(world, &[], pairs)?;
         numbers.began.clear();
         Ok(numbers)
     }
@@ -27,9 +27,15 @@ impl Numbers {
         Self { contacts, ended: Vec::new(), began: Vec::new() }
     }
 
-    /// A step was complete.
-    pub(super) fn step(&mut self, world: &World<'_>) -> Result<(), Error> {
-        self.update(world, world.lost(), world.found())
+    /// A step was complete. If the one before was not, contacts may have been asked for when nobody knew the pairs that stay.
+    pub(super) fn step(&mut self, world: &World<'_>, was_complete: bool) -> Result<(), Error> {
+        if was_complete || !self.contacts.is_empty() {
+            return self.update(world, world.lost(), world.found());
+        }
+        self.update(world, &[], world.pairs())?;
+        let number = |[a, b]: &[u32; 2]| self.contacts.get(*a, *b);
+        self.began = world.found().iter().filter_map(number).collect();
+        Ok(())
     }
 
     /// Brings the numbers into the order that the pairs get when their results are sorted.
@@ -108,7 +114,8 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn keep_contacts(&mut self) -> Result<(), Error> {
         assert!(self.config.events, "contacts need a broad phase made with `Config::with_events`");
         if self.numbers.is_none() {
-            self.numbers = Some(Numbers::of(self.as_world())?);
+            let world = self.as_world();
+            self.numbers = Some(Numbers::of(world, if self.complete { world.pairs() } else { &[] })?);
         }
         Ok(())
     }

@@ -142,7 +142,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         &mut self,
         step: impl Fn(&mut OwnedWorld, &Names<K>, &dyn Executor) -> Result<(), Error>,
     ) -> Result<KeyedStep<'_, K>, Error> {
-        self.complete = false;
+        let was_complete = core::mem::take(&mut self.complete);
         loop {
             #[cfg(feature = "rayon")]
             let executor: &dyn Executor = if self.config.workers > 1 { &self.executor } else { &Serial };
@@ -162,7 +162,7 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
         self.names.step(self.owned.as_world());
         // Without memory for them there are none: they would have missed this step.
         if let Some(mut numbers) = self.numbers.take() {
-            numbers.step(self.owned.as_world())?;
+            numbers.step(self.owned.as_world(), was_complete)?;
             self.numbers = Some(numbers);
         }
         Ok(KeyedStep { broad_phase: self })

@@ -511,3 +511,27 @@ fn sorted_events_have_their_numbers() {
         }
     }
 }
+
+/// A step that panics leaves no result: contacts that are asked for then have the numbers of all pairs after the next one.
+#[test]
+fn contacts_begin_after_a_step_that_was_given_up() {
+    let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+    let config = Config::default().with_events().with_filters();
+    let mut broad_phase = BroadPhase::with_config(&config).expect("a small world");
+    broad_phase.extend((0..4u8).map(|key| (key, cube(0.75 * f32::from(key)))));
+    broad_phase.with_rule(&|_, _| true).step().expect("memory");
+    broad_phase.insert(4, cube(3.0)).expect("a box");
+    let panics = |_, _| std::panic::resume_unwind(Box::new(()));
+    let given_up = catch_unwind(AssertUnwindSafe(|| broad_phase.with_rule(&panics).step().map(drop)));
+    assert!(given_up.is_err() && broad_phase.pairs().count() == 0);
+    broad_phase.keep_contacts().expect("memory");
+    broad_phase.with_rule(&|_, _| true).step().expect("memory");
+    let number = |broad_phase: &BroadPhase<u8>, key: u8| broad_phase.contact(&key, &(key + 1));
+    let numbers: BTreeSet<_> = (0..4).map(|key| number(&broad_phase, key).expect("a pair")).collect();
+    assert_eq!(numbers.len(), 4);
+    let last = number(&broad_phase, 3).expect("a pair");
+    assert!(broad_phase.found_contacts().eq([([3, 4], last)]));
+    broad_phase.insert(4, cube(9.0)).expect("a box");
+    broad_phase.with_rule(&|_, _| true).step().expect("memory");
+    assert!(broad_phase.lost_contacts().eq([([3, 4], last)]));
+}
