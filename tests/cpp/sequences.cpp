@@ -391,7 +391,39 @@ private:
             Calls calls = calls_of({region}, op);
             CHECK_OK(trisap_world_overlaps(world_, &region, Calls::two_in_three, &calls, ids.data(), ids.size(), &count));
             say_ids(ids, count);
+            if (region.kind == TRISAP_REGION_AABB) {
+                ids.resize(count);
+                within(region, visit.hits.size(), ids, op);
+            }
         }
+    }
+
+    /// A box of planes, and one of a callback, hold what the region holds: all, and those that may answer.
+    void within(const trisap::Region &region, std::size_t all, const Ids &some, const Operation &op) {
+        double planes[6][4] = {};
+        for (std::size_t k = 0; k < 3; k++) {
+            if (!std::isfinite(region.min[k]) || !std::isfinite(region.max[k])) {
+                return;
+            }
+            planes[2 * k][k] = 1;
+            planes[2 * k][3] = static_cast<double>(region.max[k]);
+            planes[2 * k + 1][k] = -1;
+            planes[2 * k + 1][3] = -static_cast<double>(region.min[k]);
+        }
+        Ids ids(objects_);
+        std::size_t count = 0;
+        Calls calls = calls_of({region}, op);
+        CHECK_OK(trisap_world_within(world_, planes[0], 6, Calls::two_in_three, &calls, ids.data(), ids.size(), &count));
+        ids.resize(count);
+        CHECK(ids == some);
+        const auto side = [](void *user, const trisap::Aabb *box) -> std::int32_t {
+            const auto &its = *static_cast<const trisap::Region *>(user);
+            return share_a_point(its.min, its.max, box->min, box->max) ? 0 : -1;
+        };
+        Visit visit = {calls_of({region}, op), 0.0, {}};
+        trisap::Region asked = region;
+        CHECK_OK(trisap_world_visit_within(world_, side, &asked, tell, &visit));
+        CHECK(visit.hits.size() == all);
     }
 
     void say_ids(const Ids &ids, std::size_t count) {
@@ -479,6 +511,11 @@ private:
         Calls calls = calls_within(point, infinity, op);
         CHECK_OK(trisap_world_nearest(world_, point, Calls::two_in_three, &calls, hits.data(), hits.size(), &count));
         say_hits(hits, count);
+        // The same twice over.
+        std::vector<trisap::Hit> twice(2 * hits.size());
+        Calls both = {world_, op.argument, [](const trisap::Aabb &) { return std::ptrdiff_t{2}; }};
+        CHECK_OK(trisap_world_nearest_many(world_, point, 0, 2, Calls::two_in_three, &both, nullptr, twice.data(), hits.size()));
+        CHECK(same_hits(trisap::View<trisap::Hit>(twice.data(), count), trisap::View<trisap::Hit>(hits.data(), count)));
         const double distance = count == 0 ? 1.0 : hits[count - 1].distance;
         Visit visit = {calls_within(point, distance, op), op.argument % 2 == 0 ? infinity : -1.0, {}};
         CHECK_OK(trisap_world_visit_nearest(world_, point, distance, tell_far, &visit));
