@@ -88,6 +88,8 @@ pub(crate) struct Record {
 impl Record {
     /// The bits of a tag that hold the slot.
     pub(crate) const SLOT: u32 = (1 << 27) - 1;
+    /// The mark of what a member that left has left behind, while others move in.
+    pub(crate) const HOLE: u32 = 1 << 27;
     /// A mark of a member: the box reaches beyond the cell.
     pub(crate) const STRADDLES: u32 = 1 << 28;
     /// The lowest of three marks of a ghost, one an axis: the minimum is below the cell (erratum E9).

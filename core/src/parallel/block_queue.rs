@@ -86,6 +86,7 @@ macro_rules! parted_tuple {
 }
 parted_tuple!(A 0, B 1);
 parted_tuple!(A 0, B 1, C 2);
+parted_tuple!(A 0, B 1, C 2, D 3);
 parted_tuple!(A 0, B 1, C 2, D 3, E 4);
 
 /// Numbers alone.

@@ -3,10 +3,11 @@
 //! Stores are relaxed atomics: plain moves on every target. So a race would give a wrong result, which tests
 //! see, but never undefined behaviour.
 
-use crate::access::note_fault;
+use crate::access::{Access, note_fault};
+use crate::id::Index;
 use bytemuck::Pod;
 use core::marker::PhantomData;
-use core::sync::atomic::Ordering::Relaxed;
+use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 
 // The widest integer that the target stores in one piece. On other targets such an atomic may need a wider
 // alignment than the integer.
@@ -50,6 +51,38 @@ impl<'a, T: Pod> Shared<'a, T> {
         let bytes = bytemuck::bytes_of(item);
         for (word, piece) in target.iter().zip(bytes.chunks_exact(size_of::<Plain>())) {
             word.store(bytemuck::pod_read_unaligned(piece), Relaxed);
+        }
+    }
+    /// Item `index`, which no other worker writes; or zero.
+    #[inline(always)]
+    pub(crate) fn load(&self, index: usize) -> T {
+        let (mut item, start) = (T::zeroed(), index * Self::WORDS);
+        let words = self.words.get(start..start + Self::WORDS).unwrap_or_default();
+        for (piece, word) in bytemuck::bytes_of_mut(&mut item).chunks_exact_mut(size_of::<Plain>()).zip(words)
+        {
+            piece.copy_in(bytemuck::bytes_of(&word.load(Relaxed)));
+        }
+        item
+    }
+}
+
+/// The same for slots, which are as wide as one or two halves.
+#[derive(Clone, Copy)]
+pub(crate) struct SharedSlots<'a>(&'a [AtomicU16]);
+
+impl<'a> SharedSlots<'a> {
+    pub(crate) fn new<I: Index>(slots: &'a mut [I]) -> Self {
+        let halves = bytemuck::try_cast_slice_mut::<I, u16>(slots).unwrap_or_default();
+        // SAFETY: as above; the atomic is aligned as the integer on every target.
+        Self(unsafe { &*(core::ptr::from_mut(halves) as *const [AtomicU16]) })
+    }
+
+    /// Writes a slot. Does nothing beyond the slice.
+    pub(crate) fn store<I: Index>(&self, index: usize, slot: I) {
+        let width = size_of::<I>() / 2;
+        let halves = self.0.get(index * width..index * width + width).unwrap_or_default();
+        for (half, piece) in halves.iter().zip(bytemuck::bytes_of(&slot).chunks_exact(2)) {
+            half.store(bytemuck::pod_read_unaligned(piece), Relaxed);
         }
     }
 }

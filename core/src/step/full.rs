@@ -77,9 +77,10 @@ pub(super) fn arrange<I: Index>(
     }
     executor.enter(Stage::Fill);
     let (mut coarse, mut rebalanced) = (None, 0);
-    if anew || was_subdivided || refined || !keep(parts, context) {
-        let (mut bounds_scan, left) = assign::count(parts, context);
-        let few = was_filled && left <= parts.state.objects.live / LEAVERS_SHARE;
+    let kept = if anew || was_subdivided || refined { Err(0) } else { keep(parts, context) };
+    if let Err(left) = kept {
+        let (mut bounds_scan, others) = assign::count(parts, context);
+        let few = was_filled && left + others <= parts.state.objects.live / LEAVERS_SHARE;
         executor.enter(Stage::Build);
         rebalanced = balance::balance(parts, &bounds_scan.extent, was_filled && !few);
         executor.enter(Stage::Fill);

@@ -1,20 +1,21 @@
 //! Keeps the leaves as they are where few objects leave theirs: all other records are written where they
-//! stand, and the leavers are moved.
+//! stand, and the leavers are moved: workers that take slots list them for each leaf, and leave holes; and
+//! workers that take leaves let who comes fill the holes.
 //!
 //! Cells, frames and axes stay too, as the step that filled all leaves last has left them. No frame loses a
 //! pair.
 
 use super::enclose::{enclose, number_straddlers};
 use super::relocate::relocate_all;
-use super::{Cell, Frame, Leaf, Record, large};
+use super::{Cell, Frame, Leaf, Record, Split, large, leaf_of};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::SLOT_BLOCKS;
+use crate::memory::limits::{SLOT_BLOCKS, histogram_row};
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
-use crate::parallel::shared::Shared;
+use crate::parallel::shared::{Shared, SharedSlots};
 use crate::simd::Simd;
 use crate::simd::kernels::run;
 
@@ -25,99 +26,212 @@ pub(crate) const LEAVERS_SHARE: u32 = 8;
 /// the statistics of boxes are of late.
 const MOST_KEPT: u8 = 32;
 
-/// Brings all objects to their leaves, if few have left theirs in the last full step. Returns whether all
-/// leaves are filled then; else they must be filled anew.
-pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
+/// Brings all objects to their leaves, if few have left theirs in the last full step. Else all leaves must be
+/// filled anew; returns how many objects have left theirs already.
+pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Result<(), u32> {
     let (live, tree, kept) = (parts.state.objects.live, &parts.state.tree, parts.state.step.kept);
     let (leaves, filled) = (tree.count, tree.filled);
     if tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept) {
-        return false;
+        return Err(0);
     }
     let left = rewrite(parts, context);
     parts.state.tree.filled = 0;
-    if left > live / LEAVERS_SHARE || !relocate_all(parts, left as usize, context) {
-        return false;
+    if left > live / LEAVERS_SHARE || !settle(parts, context) {
+        return Err(left);
     }
     let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context);
     if !large::fit(straddlers.into(), large.into(), leaves, live, parts.tree.straddlers.len()) {
-        return false;
+        return Err(left);
     }
     large::seat(parts, straddlers, large);
     large::arrange(parts, true);
     enclose(parts, true, context);
     parts.state.tree.filled = filled;
     parts.state.step.kept += 1;
-    true
+    Ok(())
 }
 
-/// Writes the records of all objects that are still in their leaf, and the slots of the leavers, of new and
-/// removed ones and of large ones to the front of the scratch memory. Returns how many those are.
+/// Slots in a block.
+fn block_len(slots: usize) -> usize {
+    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(512)
+}
+
+/// Writes the records of all objects that are still in their leaf, and lists the leavers, new and removed ones
+/// and large ones. Returns how many those are.
+///
+/// Each block of slots has a row of the histogram: for each leaf the first one that comes and the first hole,
+/// and at last the first one that is to be moved alone, as it is or was in no leaf; all plus one, as zero ends
+/// a list. The next one stands in the scratch memory, by slot, and in the record of a hole.
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
-    let slots = parts.state.objects.slots as usize;
-    let len = slots.div_ceil(SLOT_BLOCKS).next_multiple_of(32);
-    let (boxes, homes, places) = (parts.boxes.swept(), &*parts.home, &*parts.place);
-    let leaves = parts.tree.leaves.span(0, parts.state.tree.count as usize);
-    let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
+    let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
+    let (len, row) = (block_len(slots), histogram_row(count));
+    let (boxes, places, moved) = (parts.boxes.swept(), &*parts.place, &*parts.moved.words);
+    let leaves = parts.tree.leaves.span(0, count);
+    let tree = (&*parts.tree.cells, &*parts.tree.frames, &*parts.tree.splits, leaves);
     let records = Shared::new(parts.tree.records);
     let mut left = [0; SLOT_BLOCKS];
-    let moved = &*parts.moved.words;
-    let leavers = parts.spare.span_mut(0, slots);
-    context.each((Chunks::new(leavers, len), Chunks::new(&mut left, 1)), |block, (leavers, left)| {
-        let (first, count) = (block * len, leavers.len());
-        let (boxes, homes, places) =
-            (boxes.span(first, count), homes.span(first, count), places.span(first, count));
+    let blocks = (
+        Chunks::new(parts.home.span_mut(0, slots), len),
+        Chunks::new(parts.spare.span_mut(0, slots), len),
+        Chunks::new(parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row), row),
+        Chunks::new(&mut left, 1),
+    );
+    context.each(blocks, |block, (homes, next, lists, left)| {
+        let (first, count) = (block * len, homes.len());
+        lists.fill(0);
         let stay = moved.span(first / 32, count.div_ceil(32)).iter().all(|word| *word == 0);
         if stay && homes.iter().all(|home| *home == I::NONE) {
             // A pool of disabled objects.
             return;
         }
-        let (slots, tree) = ((homes, places), (cells, frames, leaves));
-        left.fill(run!(context.kernels, |simd| {
-            rewrite_block(simd, (first, boxes), slots, tree, records, leavers)
-        }));
+        let slots = (boxes.span(first, count), homes, places.span(first, count));
+        let lists = (next, lists);
+        left.fill(run!(context.kernels, |simd| rewrite_block(simd, first, slots, tree, records, lists)));
     });
-    let (list, mut end) = (&mut *parts.spare, 0);
-    for (block, left) in left.iter().enumerate() {
-        for index in block * len..block * len + *left as usize {
-            list.put(end, list.at(index));
-            end += 1;
-        }
-    }
-    end as u32
+    left.iter().sum()
 }
 
 /// The same for some consecutive slots, from a first one on.
 #[inline(always)]
 fn rewrite_block<S: Simd, I: Index>(
     simd: S,
-    (first, boxes): (usize, &[KeyBox]),
-    (homes, places): (&[I], &[I]),
-    (cells, frames, leaves): (&[Cell], &[Frame], &[Leaf]),
+    first: usize,
+    (boxes, homes, places): (&[KeyBox], &mut [I], &[I]),
+    (cells, frames, splits, leaves): (&[Cell], &[Frame], &[Split], &[Leaf]),
     records: Shared<'_, Record>,
-    leavers: &mut [I],
+    (next, lists): (&mut [I], &mut [u32]),
 ) -> u32 {
     // Of one length, so that one check of an index serves all.
     let (Some(cells), Some(frames)) = (cells.get(..leaves.len()), frames.get(..leaves.len())) else {
         return 0;
     };
     let mut left = 0;
-    for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
-        let slot = (first + index) as u32;
+    for (index, ((bounds, home), place)) in boxes.iter().zip(&*homes).zip(places).enumerate() {
         let mut stays = bounds.is_empty() && *home == I::NONE;
         if let (Some(cell), Some(frame), Some(leaf)) =
             (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
         {
             let keys = simd.keys(bounds);
             let classified = cell.classify(simd, keys);
-            // Also of one that leaves: it is moved anyway.
-            let record = simd.record(frame, keys, slot | classified.marks());
+            // Also of one that leaves: a hole will be there.
+            let record = simd.record(frame, keys, (first + index) as u32 | classified.marks());
             records.store(leaf.start as usize + place.at(), &record);
             stays = classified.is_member() && !bounds.is_empty();
         }
         // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
-        leavers.put(left as usize, I::from_slot(slot));
+        next.put(left as usize, I::from_slot(index as u32));
         left += u32::from(!stays);
     }
+    let (lists, [alone]) = lists.as_chunks_mut::<2>() else { return left };
+    // The last one first: its place by slot is not before the one that it has now.
+    for at in (0..left).rev() {
+        let index = next.at(at as usize).at();
+        let (bounds, home) = (boxes.at(index), homes.at(index));
+        if let (Some(leaf), Some([_, hole])) = (leaves.get(home.at()), lists.get_mut(home.at())) {
+            let record = Record { tag: Record::HOLE | *hole, ..Record::NOTHING };
+            *hole = places.at(index).slot() + 1;
+            records.store((leaf.start + *hole - 1) as usize, &record);
+            homes.put(index, I::NONE);
+        }
+        let goal = leaf_of(splits, &bounds.min);
+        let is_large = cells.at(goal).classify(simd, simd.keys(&bounds)).is_large();
+        let list = match lists.get_mut(goal) {
+            Some([comers, _]) if home != I::LARGE && !is_large && !bounds.is_empty() => {
+                homes.put(index, I::from_slot(goal as u32));
+                comers
+            }
+            _ => &mut *alone,
+        };
+        next.put(index, I::from_slot(core::mem::replace(list, (first + index) as u32 + 1)));
+    }
     left
+}
+
+/// Moves the leavers that [`rewrite`] has listed. Returns whether there was room.
+fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
+    let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
+    let row = histogram_row(count);
+    let lists = parts.tree.histogram.span(0, slots.div_ceil(block_len(slots)) * row);
+    let (boxes, next, places) = (parts.boxes.swept(), &*parts.spare, SharedSlots::new(parts.place));
+    let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
+    let records = Shared::new(parts.tree.records);
+    let leaves = parts.tree.leaves.span_mut(0, count);
+    context.each(Chunks::new(leaves, 1), |index, leaves| {
+        for leaf in leaves {
+            let firsts =
+                [0, 1].map(|which| lists.chunks_exact(row).map(move |row| row.at(2 * index + which)));
+            let (tree, arrays) = ((&cells.at(index), &frames.at(index)), (boxes, next, places));
+            run!(context.kernels, |simd| settle_leaf(simd, leaf, tree, firsts, arrays, records));
+        }
+    });
+    let fits = leaves.iter().all(|leaf| leaf.len <= leaf.room);
+    let mut alone = 0;
+    for mut link in lists.chunks_exact(row).map(|row| row.at(2 * count)) {
+        while let Some(slot) = link.checked_sub(1) {
+            link = parts.spare.at(slot as usize).slot();
+            parts.spare.put(alone, I::from_slot(slot));
+            alone += 1;
+        }
+    }
+    fits && relocate_all(parts, alone, context)
+}
+
+/// Who comes to a leaf takes the holes in it, then the free places; other holes are filled up from the end.
+/// Too many members tell that there was no room.
+#[inline(always)]
+fn settle_leaf<S: Simd, I: Index>(
+    simd: S,
+    leaf: &mut Leaf,
+    (cell, frame): (&Cell, &Frame),
+    [comers, holes]: [impl Iterator<Item = u32>; 2],
+    (boxes, next, places): (&[KeyBox], &[I], SharedSlots<'_>),
+    records: Shared<'_, Record>,
+) {
+    let start = leaf.start;
+    let mut comers = linked(comers, |slot| next.at(slot as usize).slot());
+    let after = |hole| records.load((start + hole) as usize).tag & !Record::HOLE;
+    // No more than there can be, whatever the memory holds.
+    let mut holes = linked(holes, after).take(leaf.len as usize);
+    loop {
+        match (comers.next(), holes.next()) {
+            (Some(slot), hole) => {
+                let place = hole.unwrap_or(leaf.len);
+                leaf.len = leaf.len.max(place + 1);
+                if leaf.len > leaf.room {
+                    return;
+                }
+                let keys = simd.keys(KeyBox::of(boxes, slot as usize));
+                let record = simd.record(frame, keys, slot | cell.classify(simd, keys).marks());
+                records.store((start + place) as usize, &record);
+                places.store(slot as usize, I::from_slot(place));
+            }
+            (None, Some(hole)) => {
+                while hole < leaf.len {
+                    leaf.len -= 1;
+                    let last = records.load((start + leaf.len) as usize);
+                    if last.tag & Record::HOLE == 0 {
+                        records.store((start + hole) as usize, &last);
+                        places.store(last.slot() as usize, I::from_slot(hole));
+                        break;
+                    }
+                }
+            }
+            (None, None) => return,
+        }
+    }
+}
+
+/// What is in some lists, one list after another. `after` an item comes the next one of its list.
+#[inline(always)]
+fn linked(mut firsts: impl Iterator<Item = u32>, after: impl Fn(u32) -> u32) -> impl Iterator<Item = u32> {
+    let mut link = 0;
+    core::iter::from_fn(move || {
+        while link == 0 {
+            link = firsts.next()?;
+        }
+        let this = link - 1;
+        link = after(this);
+        Some(this)
+    })
 }
