@@ -75,7 +75,13 @@ impl<'m> SlotSet<'m> {
 
     /// Takes all slots out and adds them to another set, if the world keeps that.
     pub(crate) fn move_to(&mut self, other: &mut SlotSet<'_>) {
-        self.for_each_word(|index, word| other.add(index, word));
+        let to = other.groups.iter_mut().zip(other.words.chunks_mut(32));
+        for ((group, words), to) in self.groups.iter_mut().zip(self.words.chunks_mut(32)).zip(to) {
+            if *group != 0 {
+                *to.0 |= core::mem::take(group);
+                to.1.iter_mut().zip(words).for_each(|(to, word)| *to |= core::mem::take(word));
+            }
+        }
         self.clear();
     }
 
@@ -93,10 +99,12 @@ impl<'m> SlotSet<'m> {
         if !TREE {
             return (0..).zip(&*self.words).for_each(|(index, word)| each(index, *word));
         }
-        for (group, bits) in self.groups.iter().enumerate() {
-            for bit in bits::of_word(*bits) {
-                let index = group * 32 + bit;
-                each(index, self.words.at(index));
+        for (group, (bits, words)) in self.groups.iter().zip(self.words.chunks(32)).enumerate() {
+            if *bits == u32::MAX {
+                // No look at single bits where nearly all slots are members.
+                words.iter().enumerate().for_each(|(bit, word)| each(group * 32 + bit, *word));
+            } else {
+                bits::of_word(*bits).for_each(|bit| each(group * 32 + bit, words.at(bit)));
             }
         }
     }
