@@ -153,21 +153,21 @@ fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool 
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
     let row = histogram_row(count);
     let lists = parts.tree.histogram.span(0, slots.div_ceil(block_len(slots)) * row);
+    let rows = || lists.chunks_exact(row.max(1));
     let (boxes, next, places) = (parts.boxes.swept(), &*parts.spare, SharedSlots::new(parts.place));
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
     let records = Shared::new(parts.tree.records);
     let leaves = parts.tree.leaves.span_mut(0, count);
     context.each(Chunks::new(leaves, 1), |index, leaves| {
         for leaf in leaves {
-            let firsts =
-                [0, 1].map(|which| lists.chunks_exact(row).map(move |row| row.at(2 * index + which)));
+            let firsts = [0, 1].map(|which| rows().map(move |row| row.at(2 * index + which)));
             let (tree, arrays) = ((&cells.at(index), &frames.at(index)), (boxes, next, places));
             run!(context.kernels, |simd| settle_leaf(simd, leaf, tree, firsts, arrays, records));
         }
     });
     let fits = leaves.iter().all(|leaf| leaf.len <= leaf.room);
     let mut alone = 0;
-    for mut link in lists.chunks_exact(row).map(|row| row.at(2 * count)) {
+    for mut link in rows().map(|row| row.at(2 * count)) {
         while let Some(slot) = link.checked_sub(1) {
             link = parts.spare.at(slot as usize).slot();
             parts.spare.put(alone, I::from_slot(slot));
