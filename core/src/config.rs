@@ -68,7 +68,8 @@ pub enum Mode {
     #[default]
     Exact,
     /// The overlaps of the boxes with their margins: a superset that changes less often. The surplus is
-    /// counted by [`Step::surplus`](crate::Step::surplus).
+    /// counted by [`Step::surplus`](crate::Step::surplus). Where the host flushes denormals and there is no
+    /// margin, a denormal side may count as zero, outwards.
     Fat,
 }
 

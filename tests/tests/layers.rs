@@ -195,7 +195,7 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1098),
+    ("", 1099),
     ("geometry", 1150),
     ("memory", 1847),
     ("objects", 644),

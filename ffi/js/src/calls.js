@@ -72,7 +72,7 @@ export class Calls {
     const [boxes, count] = [memory.boxes, BOX * capacity.objects];
     const more = Math.max(objects, capacity.objects);
     const [bytes, room] = this.#configure(more, {
-      leafRefs: undefined,
+      leafRefs: Math.max(capacity.leafRefs, Math.floor(more / 2)),
       pairs: Math.min(Math.max(pairs, capacity.pairs, 8 * more), 0xffff_ffff),
       lean: capacity.lean && more <= LEAN_OBJECTS,
     });

@@ -116,6 +116,13 @@ test("a world that grows takes boxes that stand in its own memory", async () => 
   }
 });
 
+test("a world that grows keeps the room that there was", async () => {
+  const world = await createWorld({ objects: 2, leafRefs: 500, pairs: 9000, grows: true });
+  world.insertMany(new Float32Array(6 * 100));
+  const { leafRefs, pairs } = world.config;
+  assert.deepEqual([leafRefs, pairs], [500, 9000]);
+});
+
 test("a lean world that grows is lean as long as it can be", async () => {
   const world = await createWorld({ objects: 100, lean: true, grows: true });
   for (let i = 0; i < 300; i++) {

@@ -28,8 +28,9 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     pub fn reserve(&mut self, additional: usize) -> Result<(), Error> {
         let objects = u32::try_from(self.len().saturating_add(additional)).unwrap_or(u32::MAX);
         if objects > self.config.capacity.objects {
-            let more = Capacity::for_objects(objects);
-            self.grow(more.with_pairs(more.pairs.max(self.config.capacity.pairs)))?;
+            let (more, now) = (Capacity::for_objects(objects), self.config.capacity);
+            let leaf_refs = more.leaf_refs.max(now.leaf_refs);
+            self.grow(more.with_pairs(more.pairs.max(now.pairs)).with_leaf_refs(leaf_refs))?;
         }
         self.names.reserve(additional);
         Ok(())

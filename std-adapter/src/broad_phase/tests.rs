@@ -535,3 +535,13 @@ fn contacts_begin_after_a_step_that_was_given_up() {
     broad_phase.with_rule(&|_, _| true).step().expect("memory");
     assert!(broad_phase.lost_contacts().eq([([3, 4], last)]));
 }
+
+/// Room that was asked for stays where the world moves to more.
+#[test]
+fn growth_keeps_the_room_that_there_was() {
+    let config = Config::new(Capacity::for_objects(100).with_leaf_refs(500).with_pairs(9000));
+    let mut broad_phase = BroadPhase::<u8>::with_config(&config).expect("a small world");
+    broad_phase.reserve(200).expect("memory");
+    let Capacity { objects, leaf_refs, pairs, .. } = broad_phase.config().capacity;
+    assert_eq!((objects, leaf_refs, pairs), (200, 500, 9000));
+}
