@@ -85,8 +85,8 @@ pub struct Hit {
 /// ```
 impl<I: Index> World<'_, I> {
     /// Visits the objects that a cast meets, each once, nearer leaves of the tree before farther ones. The
-    /// visitor returns how far to look on: the cast's distance to see all, the hit's distance to see only
-    /// nearer ones, less than zero to stop.
+    /// visitor returns how far to look on: the cast's distance to see all, the hit's distance to see only what
+    /// is not farther, less than zero to stop.
     ///
     /// # Errors
     /// [`Error::BadQuery`]: NaN, an infinity other than the distance, a negative distance.
