@@ -200,7 +200,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("memory", 1847),
     ("objects", 644),
     ("pairs", 647),
-    ("parallel", 509),
+    ("parallel", 510),
     ("query", 1252),
     ("simd", 2227),
     ("snapshot", 588),

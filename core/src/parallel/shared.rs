@@ -53,6 +53,7 @@ impl<'a, T: Pod> Shared<'a, T> {
             word.store(bytemuck::pod_read_unaligned(piece), Relaxed);
         }
     }
+
     /// Item `index`, which no other worker writes; or zero.
     #[inline(always)]
     pub(crate) fn load(&self, index: usize) -> T {
