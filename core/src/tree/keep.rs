@@ -52,8 +52,8 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
     Ok(())
 }
 
-/// Slots in a block.
-fn block_len(slots: usize) -> usize {
+/// Slots in a block: half of those of other passes at least, as a slot takes longer here.
+fn rewritten_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(512)
 }
 
@@ -65,7 +65,7 @@ fn block_len(slots: usize) -> usize {
 /// a list. The next one stands in the scratch memory, by slot, and in the record of a hole.
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
-    let (len, row) = (block_len(slots), histogram_row(count));
+    let (len, row) = (rewritten_len(slots), histogram_row(count));
     let (boxes, places, moved) = (parts.boxes.swept(), &*parts.place, &*parts.moved.words);
     let leaves = parts.tree.leaves.span(0, count);
     let tree = (&*parts.tree.cells, &*parts.tree.frames, &*parts.tree.splits, leaves);
@@ -152,7 +152,7 @@ fn rewrite_block<S: Simd, I: Index>(
 fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
     let row = histogram_row(count);
-    let lists = parts.tree.histogram.span(0, slots.div_ceil(block_len(slots)) * row);
+    let lists = parts.tree.histogram.span(0, slots.div_ceil(rewritten_len(slots)) * row);
     let rows = || lists.chunks_exact(row.max(1));
     let (boxes, next, places) = (parts.boxes.swept(), &*parts.spare, SharedSlots::new(parts.place));
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
