@@ -339,6 +339,24 @@ fn a_world_that_moved_inside_margins_is_valid_where_it_moves_to_a_tree() {
     assert!(moved.step().expect("room").pairs().is_empty());
 }
 
+/// Slots that got other objects before the last step were still said to be new when pairs were told, where the world of then had no
+/// tree: a sequence that `soak` found.
+#[test]
+fn a_pair_of_a_reused_slot_is_told_once_where_its_world_moves_to_a_tree() {
+    let config = |objects| Config::new(ample(objects, 9)).with_events().without_predicted_boxes();
+    let (mut small, mut large) = (Slab::new::<u32>(&config(70)), Slab::new::<u32>(&config(700)));
+    let mut world = small.world::<u32>(&config(70));
+    let ids = fill(&mut world, &[cube(0.0, 0.0, 0.0), cube(0.9, 0.0, 0.0)]);
+    world.step().expect("room");
+    world.remove(ids[1]).expect("there");
+    fill(&mut world, &[cube(0.8, 0.0, 0.0)]);
+    assert_eq!(world.step().expect("room").found(), [[0, 1]]);
+    let mut world = world.move_into(large.bytes_mut(), &config(700)).expect("room");
+    let step = world.step().expect("room");
+    assert_eq!(step.pairs(), [[0, 1]]);
+    assert!(step.found().is_empty() && step.lost().is_empty());
+}
+
 /// A world that moved to where no boxes are predicted took along that boxes had moved inside theirs: its snapshots were refused.
 #[test]
 fn a_snapshot_is_loaded_after_a_move_to_a_world_without_predicted_boxes() {

@@ -34,15 +34,13 @@ pub(crate) const SLOTS_PER_BLOCK: usize = GROUP;
 /// The fewest objects in a block where each is tested by itself: its test outweighs the queue.
 pub(crate) const MOVERS_PER_BLOCK: usize = 64;
 /// Blocks of pairs where lists of pairs are divided.
-pub(crate) const PAIR_BLOCKS: usize = 32;
+pub(crate) const PAIR_BLOCKS: usize = 64;
 /// The fewest pairs in such a block.
-pub(crate) const PAIRS_PER_BLOCK: usize = 2048;
+pub(crate) const PAIRS_PER_BLOCK: usize = 1024;
 /// Pairs that are tested before the first of them changes its place: a bit each in one word.
 pub(crate) const PAIRS_TOGETHER: usize = usize::BITS as usize;
 /// Pairs that a worker of a shared sweep writes to one chunk.
 pub(crate) const CHUNK: usize = 256;
-/// Pairs that a worker copies at a time when chunks are put in order.
-pub(crate) const MERGED: usize = 8 * CHUNK;
 /// Queries that a worker takes at a time.
 pub(crate) const QUERIES_PER_BLOCK: usize = 32;
 /// The most workers of a batch of queries, which need no scratch memory.

@@ -198,9 +198,14 @@ impl TreeParts<'_> {
 }
 
 impl BoxParts<'_> {
+    /// Whether fat boxes are swept, of which overlaps may not be pairs.
+    pub(crate) fn are_fat(&self) -> bool {
+        TREE && !self.fat.is_empty() && !self.tight
+    }
+
     /// The boxes that lists, planes and sweeps use.
     pub(crate) fn swept(&self) -> &[KeyBox] {
-        if !TREE || self.fat.is_empty() || self.tight { self.now } else { self.fat }
+        if self.are_fat() { self.fat } else { self.now }
     }
 
     /// The boxes as given last.
@@ -237,11 +242,6 @@ impl<'m, I: Index> Parts<'m, I> {
     /// What the world was made for.
     pub(crate) fn config(&self) -> &Config {
         &self.sizes.config
-    }
-
-    /// Whether overlaps of fat boxes may not be pairs.
-    pub(crate) fn has_surplus(&self) -> bool {
-        TREE && !self.boxes.fat.is_empty() && !self.boxes.tight
     }
 }
 

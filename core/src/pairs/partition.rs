@@ -6,9 +6,9 @@ use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::{StepContext, within};
-use crate::parallel::executor;
 use crate::simd::kernels::run;
 use crate::simd::{Simd, call};
+use arrayvec::ArrayVec;
 use core::ops::Range;
 
 /// A test of a pair.
@@ -36,27 +36,36 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
-    let StepContext { executor, workers, .. } = context;
-    partition_within(context, pairs, test, &mut |blocks, job| executor::run(executor, workers, blocks, job))
+    partition_within(context, pairs, &|_, _| (), Some(test), &mut |blocks, job| context.run(blocks, job))
 }
 
-/// The same, but the blocks are divided in a job of the caller's: see [`within`].
+/// The same in a job of the caller's: see [`within`]. There `make` writes the pairs of each block first, and is
+/// told where it starts. Without a test all pass.
 pub(crate) fn partition_within<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
-    test: Test<'_, I>,
+    make: &(dyn Fn(&mut [Pair<I>], usize) + Sync),
+    test: Option<Test<'_, I>>,
     run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
 ) -> usize {
-    let to_front = |pairs: &mut [Pair<I>]| run!(context.kernels, |simd| to_front(simd, pairs, test));
-    let len = pairs.len().div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
+    let to_front = |pairs: &mut [Pair<I>]| match test {
+        Some(test) => run!(context.kernels, |simd| to_front(simd, pairs, test)),
+        None => pairs.len(),
+    };
+    let count = pairs.len();
+    let len = count.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let mut fronts = [0; PAIR_BLOCKS];
     let blocks = (Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1));
-    within(context.workers, blocks, |_, (pairs, front)| front.fill(to_front(pairs)), run);
+    let work = |block, (pairs, front): (&mut [_], &mut [_])| {
+        make(pairs, block * len);
+        front.fill(to_front(pairs));
+    };
+    within(context.workers, blocks, work, run);
     let (border, mut late): (usize, _) = (fronts.iter().sum(), 0..0);
-    let starts = || (0..PAIR_BLOCKS).map(|block| block * len).zip(&fronts);
+    let starts = || (0..).map(|block| block * len).take_while(|start| *start < count).zip(&fronts);
     let mut all_late = starts().map(|(start, front)| border.max(start)..start + front);
     // Runs of one length that change places. Each two use up what a block has on the wrong side.
-    let (mut exchanged, mut count): ([[&mut [Pair<I>]; 2]; PAIR_BLOCKS], _) = Default::default();
+    let mut exchanged = ArrayVec::<_, PAIR_BLOCKS>::new();
     let (front, back) = pairs.split_at_mut_checked(border).unwrap_or_default();
     let (mut front, mut back) = ((front, 0), (back, border));
     for (start, passing) in starts() {
@@ -66,11 +75,10 @@ pub(crate) fn partition_within<I: Index>(
                 late = all_late.next().unwrap_or(usize::MAX - len..usize::MAX);
             }
             let len = late.len().min(early.len());
-            exchanged.put(count, [cut(&mut front, &mut early, len), cut(&mut back, &mut late, len)]);
-            count += 1;
+            let _ = exchanged.try_push([cut(&mut front, &mut early, len), cut(&mut back, &mut late, len)]);
         }
     }
-    context.each(Chunks::new(exchanged.span_mut(0, count), 1), |_, exchanged| {
+    context.each(Chunks::new(&mut exchanged, 1), |_, exchanged| {
         for [early, late] in exchanged {
             early.iter_mut().zip(&mut **late).for_each(|(early, late)| core::mem::swap(early, late));
         }

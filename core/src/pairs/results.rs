@@ -17,27 +17,42 @@ use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// Orders the first `swept` pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the
-/// lost ones, if they are not in front already. Kept pairs are looked at only if a box has moved inside its
-/// fat box: where such a pair stands tells whether it overlapped before. Events need complete pairs: a part
-/// does not tell what is lost.
-pub(crate) fn sort_out<I: Index>(
-    parts: &mut Parts<'_, I>,
-    swept: usize,
-    lost: Option<usize>,
-    complete: bool,
-    context: StepContext<'_>,
-) {
+/// What a step has found.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Swept {
+    /// Pairs, whether they fit or not.
+    pub(crate) pairs: u64,
+    /// How many of the new ones pass the first one of the [tests], and are in front.
+    pub(crate) passing: usize,
+    /// How many pairs of the last result are lost, if that is known, and are in front.
+    pub(crate) lost: Option<usize>,
+}
+
+/// What new pairs are divided by: first overlaps of boxes as they are reported from surplus, if there may be
+/// any; then persisting pairs from found ones, with events. The first one that there is comes with the sweep.
+pub(crate) fn tests<'b, I>(
+    boxes: &'b BoxParts<'_>,
+    reused: &'b [u32],
+    state: &State,
+) -> [Option<Test<'b, I>>; 2] {
+    let persists = if state.pairs.before_unknown != 0 { ClearOf(reused) } else { Overlap(boxes.before) };
+    let surplus = boxes.are_fat().then_some(Overlap(boxes.now));
+    [surplus, (EVENTS && !boxes.before.is_empty()).then_some(persists)]
+}
+
+/// Orders the pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones, if they
+/// are not in front already. Kept pairs are looked at only if a box has moved inside its fat box: where such a
+/// pair stands tells whether it overlapped before. Events need complete pairs: a part does not tell what is
+/// lost.
+pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context: StepContext<'_>) {
+    let Swept { pairs, passing, lost } = found;
+    let (room, complete) = (parts.output.pairs.len(), pairs <= parts.output.pairs.len() as u64);
+    let swept = (pairs as usize).min(room);
     parts.state.pairs.swept = swept as u64;
-    if parts.state.objects.has_inserted == 0 {
-        // They are of the step before.
-        parts.former.reused.clear();
-    }
     if parts.sizes.is_small() {
         return sort_out_small(parts, swept, complete);
     }
     let events = EVENTS && parts.sizes.previous > 0;
-    let has_surplus = parts.has_surplus();
     let PairState { parked, kept, kept_result, surplus_parked, before_unknown, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming, by_pairs) = (kept_result, 0, before_unknown != 0);
@@ -51,17 +66,16 @@ pub(crate) fn sort_out<I: Index>(
         // If a step has no room for all its pairs, the next one needs all of the last complete result.
         set_aside(parts, if complete { staying } else { parked });
     }
-    let (now, before) = (&*parts.boxes.now, &*parts.boxes.before);
     let pairs = parts.output.pairs.span_mut(parked, swept - parked);
     let new = pairs.span_mut(kept - parked, swept - kept);
-    let result = if has_surplus { partition(context, new, Overlap(now)) } else { new.len() };
+    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
+    let result = if surplus.is_some() { passing } else { new.len() };
     let mut persisting = result;
     parts.state.pairs.lost = 0;
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
-        let clear = ClearOf(parts.former.reused.words);
-        persisting = partition(context, new, if by_pairs { clear } else { Overlap(before) });
+        persisting = surplus.and(persists).map_or(passing, |test| partition(context, new, test));
         let ended = ended(&parts.boxes, &parts.filters, parts.state);
         let lost = if by_pairs { Some(0) } else { lost };
         let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
@@ -121,9 +135,13 @@ pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, filters: &FilterParts<'_>, s
     Ended { now: boxes.now, before }
 }
 
-/// Brings `before` up to date for objects that have not changed since the last complete step. The others have
-/// kept their boxes.
+/// Before pairs are looked for: brings `before` up to date for objects that have not changed since the last
+/// complete step. The others have kept their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
+    if parts.state.objects.has_inserted == 0 {
+        // They are of the step before.
+        parts.former.reused.clear();
+    }
     if !(EVENTS && TREE) {
         return;
     }

@@ -23,6 +23,11 @@ impl StepContext<'_> {
         each(self.executor, self.workers, parts, work);
     }
 
+    /// Runs a job of so many blocks.
+    pub(crate) fn run(self, blocks: usize, job: &(dyn Fn() + Sync)) {
+        executor::run(self.executor, self.workers, blocks, job);
+    }
+
     pub(crate) const fn is_small(&self) -> bool {
         !cfg!(feature = "large") || self.small
     }

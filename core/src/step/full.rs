@@ -9,7 +9,7 @@ use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::partition::partition_within;
 use crate::pairs::persistent;
-use crate::pairs::results::ended;
+use crate::pairs::results::{Swept, ended, tests};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -21,12 +21,12 @@ use crate::tree::shape::plant;
 use crate::tree::subdivide::merge;
 use crate::tree::{assign, balance};
 
-/// Fills all leaves and sweeps them. Returns how many pairs there are, and how many are lost, if it knows.
+/// Fills all leaves and sweeps them. Returns what it has found.
 pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, u64, Option<usize>) {
+) -> (Route, Swept) {
     let anew = route.path == Path::Rebuilt;
     let kept = (route.path == Path::MoversByLeaf).then(|| persistent::persistent(parts, context));
     if kept.is_none() {
@@ -40,23 +40,26 @@ pub(super) fn full<I: Index>(
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
+    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let OutputParts { pairs, previous, staged, chunks, scratch } = &mut parts.output;
     // Lost pairs of a step that keeps none are told by boxes alone, while workers wait for the last leaves.
     let previous = previous.span_mut(0, if kept.is_none() { parts.state.pairs.previous as usize } else { 0 });
     let (ended, sizes) = (ended(&parts.boxes, &parts.filters, parts.state), &parts.sizes);
-    let (mut total, mut work) = (0, Work::default());
-    let lost = partition_within(context, previous, ended, &mut |_, first| {
-        let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, first };
-        (total, work) = collector.collect(context.executor, from, leaves as usize, &|leaf, scratch, sink| {
+    let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
+    let (mut pairs, mut work) = (0, Work::default());
+    let lost = partition_within(context, previous, &|_, _| (), Some(ended), &mut |_, other| {
+        (pairs, work) = collector.collect(context, leaves as usize, other, &|leaf, scratch, sink| {
             run!(context.kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
         });
     });
+    context.executor.enter(Stage::Results);
+    let passing = collector.merge(context, pairs, surplus.or(persists));
     if kept.is_none() {
-        balance::weigh(parts.state, work.candidates.saturating_sub(total), work.copies);
+        balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
     let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
     parts.state.step.did(work, leaves, rebalanced, coarse);
-    (route, total, kept.is_none().then_some(lost))
+    (route, Swept { pairs, passing, lost: kept.is_none().then_some(lost) })
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole

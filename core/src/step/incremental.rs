@@ -7,6 +7,7 @@ use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::{OutputParts, Parts};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
+use crate::pairs::results::{Swept, tests};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -17,13 +18,13 @@ use crate::tree::large;
 use crate::tree::refit::refit_some;
 use crate::tree::relocate::{order_movers, relocate_all, thirds};
 
-/// Moves the records of moved objects and tests them. Returns how many pairs there are; `None` if
-/// a leaf had no room.
-pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<u64> {
+/// Moves the records of moved objects and tests them. Returns what it has found; `None` if a leaf
+/// had no room.
+pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Swept> {
     parts.state.step.kept = 0;
     let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);
-    let kept = persistent::persistent(parts, context);
+    let from = persistent::persistent(parts, context);
     context.executor.enter(Stage::Sweep);
     let leaves = parts.state.leaves();
     // As many blocks as in a full step at most, as each may leave a chunk of pairs unfinished.
@@ -33,18 +34,21 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let moved = &*parts.moved.words;
     let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
+    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
-    let (blocks, sizes, first) = (count.div_ceil(per_block), &parts.sizes, &|| ());
-    let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, first };
-    let (pairs, work) = collector.collect(context.executor, kept, blocks, &|block, scratch, sink| {
+    let (blocks, sizes) = (count.div_ceil(per_block), &parts.sizes);
+    let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
+    let (pairs, work) = collector.collect(context, blocks, &|| (), &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);
         let movers = (movers.span(start, len), homes.span(start, len));
         let filters = pair_filter.as_ref();
         run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, filters, scratch, sink));
     });
+    context.executor.enter(Stage::Results);
+    let passing = collector.merge(context, pairs, surplus.or(persists));
     parts.state.step.did(work, leaves, 0, None);
-    Some(pairs)
+    Some(Swept { pairs, passing, lost: None })
 }
 
 /// Moves the records of moved objects, which are in the scratch memory then. Returns how many they are;

@@ -12,28 +12,29 @@ use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Reason, Route};
 use crate::pairs::persistent;
+use crate::pairs::results::Swept;
 use crate::parallel::context::StepContext;
 use crate::tree::balance;
 use crate::tree::keep::LEAVERS_SHARE;
 
 /// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path
-/// that was used, how many overlaps there are, whether they fit or not, and how many pairs of the last result
-/// are lost, if that is known.
+/// that was used, and what was found.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, u64, Option<usize>) {
+) -> (Route, Swept) {
     parts.state.pairs.unkept = 0;
+    let all = |pairs| (route, Swept { pairs, ..Swept::default() });
     match route.path {
-        _ if parts.sizes.is_small() => (route, lists::small(parts, context), None),
+        _ if parts.sizes.is_small() => all(lists::small(parts, context)),
         // Without fat boxes nothing is left to do.
         Path::Unchanged => {
             parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
-            (route, persistent::persistent(parts, context), None)
+            all(persistent::persistent(parts, context))
         }
         Path::Movers => match incremental::movers(parts, context) {
-            Some(pairs) => (route, pairs, None),
+            Some(swept) => (route, swept),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => full::full(parts, route, context),

@@ -69,7 +69,7 @@ fn is_due(step: &StepState, age: u32, cost: u64) -> bool {
 /// Whether fat boxes are in use that steps may make anew.
 fn may_renew<I: Index>(parts: &Parts<'_, I>) -> bool {
     let fixed = parts.config().fixed_margins || parts.config().forced.of(MOVERS_ONLY).is_some();
-    parts.has_surplus() && !fixed && parts.state.tree.filled == 1
+    parts.boxes.are_fat() && !fixed && parts.state.tree.filled == 1
 }
 
 /// How many of so many slots something holds for, as it does for some of them.

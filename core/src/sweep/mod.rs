@@ -14,12 +14,13 @@ use crate::access::Access;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
-use crate::memory::limits::{CHUNK, MERGED};
+use crate::memory::limits::CHUNK;
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::pairs::pair_filter::PairFilter;
+use crate::pairs::partition::{Test, partition_within};
 use crate::parallel::block_queue::{BlockQueue, Chunks};
-use crate::parallel::context::each;
-use crate::parallel::executor::{self, Executor};
+use crate::parallel::context::StepContext;
+use crate::parallel::executor;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Sweeps one block of leaves.
@@ -95,30 +96,33 @@ pub(crate) struct Collector<'o, I> {
     pub(crate) sizes: &'o Sizes,
     /// Asked about each pair.
     pub(crate) pair_filter: Option<PairFilter<'o>>,
-    /// Each worker does its part of this first.
-    pub(crate) first: &'o (dyn Fn() + Sync),
+    /// Pairs before those of the sweep.
+    pub(crate) from: u64,
+    /// The blocks whose pairs are in chunks.
+    pub(crate) blocks: usize,
 }
 
 impl<I: Index> Collector<'_, I> {
-    /// Does all blocks of work and appends their pairs, in the order of the blocks, to the first `from`
-    /// pairs. Returns how many pairs there are now, whether they fit or not.
+    /// Does all blocks of work, and the small blocks of some `other` work. The pairs are then to be
+    /// [merged](Self::merge).
     pub(crate) fn collect(
         &mut self,
-        executor: &dyn Executor,
-        from: u64,
+        context: StepContext<'_>,
         blocks: usize,
+        other: &(dyn Fn() + Sync),
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.sizes.bucket);
         scratch::reset(self.scratch, area);
         let countable = self.pairs.len() <= i32::MAX as usize;
-        let shared = executor.workers() > 1 && blocks > 1 && countable && !self.staged.is_empty();
-        let count =
-            if executor::THREADS && shared { self.in_parallel(executor, from, blocks, work) } else { None };
+        let may_share = executor::THREADS && context.executor.workers() > 1;
+        let shared = may_share && blocks > 1 && countable && !self.staged.is_empty();
+        let count = if shared { self.in_parallel(context, blocks, other, work) } else { None };
+        self.blocks = if count.is_some() { blocks } else { 0 };
         let count = count.unwrap_or_else(|| {
-            (self.first)();
-            let room = self.pairs.get_mut(from as usize..).unwrap_or_default();
-            let mut sink = Sink { pair_filter: self.pair_filter, room, count: from, staging: None };
+            other();
+            let room = self.pairs.get_mut(self.from as usize..).unwrap_or_default();
+            let mut sink = Sink { pair_filter: self.pair_filter, room, count: self.from, staging: None };
             let area = self.scratch.get_mut(..area).unwrap_or_default();
             let mut scratch = Scratch::carve(area, self.sizes.bucket);
             (0..blocks).for_each(|block| work(block, &mut scratch, &mut sink));
@@ -131,12 +135,12 @@ impl<I: Index> Collector<'_, I> {
     /// `None`, as soon as the chunks do not suffice, which can only be if the pairs nearly fill their buffer.
     fn in_parallel(
         &mut self,
-        executor: &dyn Executor,
-        from: u64,
+        context: StepContext<'_>,
         blocks: usize,
+        other: &(dyn Fn() + Sync),
         work: &BlockWork<'_, I>,
     ) -> Option<u64> {
-        let Self { staged, chunks, scratch, sizes, pair_filter, first, .. } = self;
+        let Self { staged, chunks, scratch, sizes, pair_filter, .. } = self;
         let area = scratch::records::<I>(sizes.bucket);
         let full = AtomicBool::new(false);
         // The first chunk of each block has its number.
@@ -145,8 +149,12 @@ impl<I: Index> Collector<'_, I> {
         let queue = BlockQueue::new((Chunks::new(firsts, CHUNK), Chunks::new(entries, 1)), 1);
         let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)), 1);
         let areas = BlockQueue::new(Chunks::new(scratch, area), 1);
-        executor::run(executor, areas.count(), blocks, &|| {
-            first();
+        // Where workers get few blocks, some wait for the last ones. Else this comes first: its boxes are cached.
+        let fills_gaps = blocks < 4 * areas.count();
+        executor::run(context.executor, areas.count(), blocks, &|| {
+            if !fills_gaps {
+                other();
+            }
             // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim_from(&mut 0) else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
@@ -162,38 +170,38 @@ impl<I: Index> Collector<'_, I> {
                 }
             }
             scratch.finish();
+            other();
         });
         if full.load(Relaxed) {
             // All blocks will be swept once more: nothing must count twice.
             scratch::reset(scratch, area);
             return None;
         }
-        Some(self.merge(executor, from, blocks))
-    }
-
-    /// Copies the chunks in the order of their blocks.
-    fn merge(&mut self, executor: &dyn Executor, from: u64, blocks: usize) -> u64 {
-        let Self { pairs, staged, chunks, .. } = self;
         let mut count = 0;
         for block in 0..blocks {
-            let [_, next, len] = chunks.at(block);
+            let [_, next, len] = self.chunks.at(block);
             let mut chunk = [0, next, len];
             count += len;
             while chunk[1] != 0 {
-                chunk = chunks.at(chunk[1] as usize);
+                chunk = self.chunks.at(chunk[1] as usize);
                 count += chunk[2];
             }
-            chunks.put(block, [count, next, len]);
+            self.chunks.put(block, [count, next, len]);
         }
-        let (chunks, ends, staged) = (&**chunks, chunks.span(0, blocks), &**staged);
-        let room = pairs.get_mut(from as usize..).unwrap_or_default();
-        let fitting = room.len().min(count as usize);
-        each(executor, self.sizes.workers, Chunks::new(room.span_mut(0, fitting), MERGED), |at, mut room| {
-            let mut skip = at * MERGED;
+        Some(self.from + u64::from(count))
+    }
+
+    /// Brings the pairs that pass a test to the front of those of the sweep, which are all pairs but the first
+    /// ones, and returns how many pass. Those in chunks are copied first, in the order of their blocks.
+    pub(crate) fn merge(&mut self, context: StepContext<'_>, pairs: u64, test: Option<Test<'_, I>>) -> usize {
+        let (chunks, ends, staged) = (&*self.chunks, self.chunks.span(0, self.blocks), &*self.staged);
+        let room = self.pairs.get_mut(self.from as usize..).unwrap_or_default();
+        let fitting = (pairs - self.from).min(room.len() as u64) as usize;
+        let copy = |mut room: &mut [Pair<I>], mut skip: usize| {
             let first = ends.partition_point(|[end, ..]| *end as usize <= skip);
             skip -= ends.span(0, first).last().map_or(0, |[end, ..]| *end as usize);
             let (mut block, mut chunk) = (first, first);
-            while !room.is_empty() {
+            while !ends.is_empty() && !room.is_empty() {
                 let [_, next, len] = chunks.at(chunk).map(|number| number as usize);
                 let (skipped, count) = (skip.min(len), room.len().min(len - skip.min(len)));
                 let (now, later) = room.split_at_mut_checked(count).unwrap_or_default();
@@ -201,7 +209,9 @@ impl<I: Index> Collector<'_, I> {
                 block += usize::from(next == 0);
                 (room, skip, chunk) = (later, skip - skipped, if next == 0 { block } else { next });
             }
-        });
-        from + u64::from(count)
+        };
+        partition_within(context, room.span_mut(0, fitting), &copy, test, &mut |blocks, job| {
+            context.run(blocks, job)
+        })
     }
 }

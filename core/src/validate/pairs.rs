@@ -31,7 +31,7 @@ pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
         let unchanged =
             state.objects.moved_inside_margin == 0 || keeps_changed && is_clear_of(parts.changed.words, pair);
         let divided =
-            !unchanged || !parts.has_surplus() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
+            !unchanged || !parts.boxes.are_fat() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
         check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;
     }
     kept_pairs(world)
