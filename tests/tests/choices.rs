@@ -199,6 +199,23 @@ fn predicted_boxes_hold_what_goes_on_for_some_steps() {
     }
 }
 
+/// Quiet steps keep no boxes for events. Where some leave predicted boxes that the sample before the step does not see, or many
+/// do, events are right all the same.
+#[test]
+fn events_are_right_where_no_boxes_are_kept() {
+    for (leavers, path) in [(60, Path::Movers), (COUNT, Path::Full)] {
+        let mut frames = drift(0.02, 16);
+        let mut rng = Rng::new(3);
+        // The sample is one in 78, and some places behind.
+        for at in (0..leavers).filter(|at| (10..70).contains(&(at % 78))) {
+            let way = rng.in_ball();
+            frames[12..].iter_mut().for_each(|boxes| boxes[at] = shifted(&boxes[at], way));
+        }
+        let outcomes = on_every_setup(Config::new(ample(0, 0)), &frames, &Jobs::USUAL);
+        assert_eq!(outcomes[12].stats.path, path, "{leavers}");
+    }
+}
+
 /// A world that reports boxes with margins sweeps predicted boxes around these.
 #[test]
 fn predicted_boxes_hold_boxes_with_margins_for_some_steps() {

@@ -58,7 +58,8 @@ macro_rules! sections {
                 margins: &'m mut [f32] = [f32; s.by_object(MARGINS && s.config.margin.is_some())], used state.objects.slots as usize, saved margins [n.slots];
                 /// With events and a tree: the box that the last complete step reported, if the object
                 /// has [changed](Parts::changed) since; empty if it is new. If it has not changed, this
-                /// is its reported box, unless it is [outdated](Parts::outdated).
+                /// is its reported box, unless it is [outdated](Parts::outdated). Not kept in steps in which it
+                /// is [unknown](super::state::PairState::before_unknown).
                 before: &'m mut [KeyBox] = [KeyBox; s.by_object(s.keeps_boxes())], used state.objects.slots as usize;
                 + /// Whether `now` is swept though there are fat boxes, while these are left unused. They then mean
                 /// nothing.

@@ -73,11 +73,12 @@ fn ingest_blocks<I: Index>(
     let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
     let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
     let margins = &*parts.boxes.margins;
+    let before = if parts.state.pairs.before_unknown != 0 { &mut [] } else { &mut *parts.boxes.before };
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
         (Chunks::new(parts.boxes.now.span_mut(0, slots), len), Chunks::optional(parts.boxes.given, len)),
         Chunks::optional(fat, len),
-        Chunks::optional(parts.boxes.before, len),
+        Chunks::optional(before, len),
         (parts.moved.blocks(len), parts.changed.blocks(len)),
         Chunks::new(&mut found, 1),
     );

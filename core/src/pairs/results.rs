@@ -2,8 +2,9 @@
 //!
 //! A pair is found exactly if its boxes did not overlap at the last complete step. It is lost exactly if that
 //! step's result had it and its boxes do not overlap now. That needs no search: the boxes of that step are
-//! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own. A
-//! world without a tree keeps a bit for each two slots instead: see [`met`].
+//! kept, and an object that is new or gone has the empty box. So a reused slot needs no rule of its own. Where
+//! few pairs are new, that step's result tells it instead, and a world without a tree keeps a bit for each two
+//! slots: see [`met`].
 
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, FILTERS, TREE};
@@ -62,6 +63,8 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));
         coming = partition(context, pairs.span_mut(kept_result, kept - kept_result), Overlap(now));
     }
+    // What was set aside of pairs that were not kept; of others, those that are no more come behind.
+    let mut asked = parts.state.pairs.previous as usize;
     if events {
         // If a step has no room for all its pairs, the next one needs all of the last complete result.
         set_aside(parts, if complete { staying } else { parked });
@@ -82,13 +85,14 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         let previous = previous.span_mut(lost, previous.len() - lost);
         if by_pairs || FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
-            let asked = &*parts.filters.changed.words;
-            let is_asked = |pair: &Pair<I>| by_pairs || !is_clear_of(asked, pair);
-            let known = stay_known(context, new.span_mut(0, persisting), previous, &is_asked);
-            persisting = known.end;
-            let known = new.span(known.start, known.len());
-            let dropped = |pair: &Pair<I>| is_asked(pair) && known.binary_search(pair).is_err();
-            lost += partition(context, previous, Holds(&dropped));
+            let filters = &*parts.filters.changed.words;
+            let is_asked = |pair: &Pair<I>| by_pairs || !is_clear_of(filters, pair);
+            asked = if by_pairs { asked } else { previous.len() };
+            let known = previous.span_mut(0, asked);
+            let (stay, dropped) = tell_by_pairs(context, new.span_mut(0, persisting), known, &is_asked);
+            let gone = previous.len() - asked + dropped;
+            exchange(previous.span_mut(dropped, previous.len() - dropped), asked - dropped);
+            (persisting, lost) = (stay, lost + gone);
         }
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;
@@ -155,22 +159,25 @@ pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     parts.outdated.clear();
 }
 
-/// Which pairs stay, by the previous result alone: where a filter may answer differently, or nobody has the
-/// boxes of before. Brings these to the front; returns where the told ones are, in order.
-fn stay_known<I: Index>(
+/// Which pairs stay, by the previous result alone: where a filter may answer differently, or nobody keeps the
+/// boxes of before. Brings these to the front, and those of before that are gone. Returns how many both are.
+fn tell_by_pairs<I: Index>(
     context: StepContext<'_>,
     pairs: &mut [Pair<I>],
     previous: &mut [Pair<I>],
     is_asked: &(dyn Fn(&Pair<I>) -> bool + Sync),
-) -> core::ops::Range<usize> {
+) -> (usize, usize) {
     let others = partition(context, pairs, Holds(&|pair| !is_asked(pair)));
-    let known = partition(context, previous, Holds(is_asked));
-    let known = previous.span_mut(0, known);
-    heapsort(known, |a, b| a < b);
     let open = pairs.span_mut(others, pairs.len() - others);
+    heapsort(open, |a, b| a < b);
+    let gone = |pair: &Pair<I>| is_asked(pair) && open.binary_search(pair).is_err();
+    let gone = partition(context, previous, Holds(&gone));
+    let rest = previous.span_mut(gone, previous.len() - gone);
+    let known = partition(context, rest, Holds(is_asked));
+    let known = rest.span_mut(0, known);
+    heapsort(known, |a, b| a < b);
     let stay = partition(context, open, Holds(&|pair| known.binary_search(pair).is_ok()));
-    heapsort(open.span_mut(0, stay), |a, b| a < b);
-    others..others + stay
+    (others + stay, gone)
 }
 
 /// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs

@@ -45,6 +45,8 @@ const QUIET: u64 = 20;
 const SAMPLE: usize = 64;
 /// In a fat world all boxes that are reported are made anew where one in this many is left.
 const REGROWN_SHARE: u64 = 16;
+/// Where more than one in this many objects left its fat box in the last step, boxes are kept for events.
+const KNOWN_SHARE: u32 = 256;
 /// Where more than one in this many objects have left their fat boxes, these may not pay.
 const MANY_SHARE: u64 = 32;
 /// Steps without them after that. In the [last ones](TRIAL) some are tried.
@@ -99,7 +101,7 @@ pub(crate) fn regrows<I: Index>(parts: &Parts<'_, I>, bounds: &Boxes<'_>) -> boo
 }
 
 /// Before boxes are taken in, which may [regrow](regrows) reported ones: has all fat boxes made anew with
-/// them, if so many of a sample leave theirs.
+/// them, if so many of a sample leave theirs; has no boxes kept for events, if none of it does.
 pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, regrows: bool) {
     let age = parts.state.step.age.saturating_add(1);
     if parts.state.step.renews != 0 || !may_renew(parts) || !pays(&parts.state.step, age, 0) {
@@ -107,7 +109,10 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
     }
     let slots = (parts.state.objects.slots as usize).min(bounds.len());
     let reports = reports_margins(parts.config());
+    // Neighbours of the sample, in no pattern that these slots may have.
+    let apart = |slot: usize| (slot as u32).wrapping_mul(0x9e37_79b9) as usize >> 16 & (slots / SAMPLE / 16);
     let moved = estimate(slots, |&slot| {
+        let slot = (slot + apart(slot)).min(slots - 1);
         let (held, now) = (parts.boxes.fat.at(slot), parts.boxes.now.at(slot));
         let new = next_box(parts, bounds, slot);
         let leaves = |new: KeyBox| !reports || regrows || !now.contains(&new);
@@ -115,6 +120,9 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
         !held.is_empty() && new.is_some_and(|new| leaves(new) && !held.contains(&around(&new)))
     });
     let (step, cost) = (&parts.state.step, upkeep(parts.state, moved));
+    // Then new pairs are so few that the pairs of before tell events.
+    let few = moved == 0 && (age == 1 || step.moved.saturating_mul(KNOWN_SHARE) <= parts.state.objects.live);
+    parts.state.pairs.before_unknown |= u8::from(few && parts.sizes.keeps_boxes());
     parts.state.step.renews = u16::from(is_due(step, age, cost) && pays(step, age, cost));
 }
 

@@ -181,6 +181,9 @@ impl<I: Index> World<'_, I> {
         parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared);
         parts.state.pairs.found = 0;
         parts.state.pairs.lost = 0;
+        if TREE {
+            parts.state.pairs.before_unknown = 0;
+        }
         parts.state.objects.dirty = 0;
     }
 

@@ -159,7 +159,7 @@ pub(crate) struct PairState {
     pub(crate) complete: u8,
     /// Whether the pairs cannot be kept, since they come from a snapshot: the next step finds all anew.
     pub(crate) unkept: u8,
-    /// With events: whether nobody has kept the boxes of the last complete step: its pairs alone tell events.
+    /// With events: whether nobody keeps the boxes of the last complete step: its pairs alone tell events.
     pub(crate) before_unknown: u8,
     /// With events: whether the two pair buffers have changed places.
     pub(crate) swapped: u8,
@@ -192,7 +192,7 @@ impl PairState {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct StepState {
     pub(super) work: Work,
-    pub(super) moved: u32,
+    pub(crate) moved: u32,
     pub(super) outran: u32,
     pub(super) leaves: u32,
     pub(super) rebalanced: u32,
