@@ -2,9 +2,9 @@
 
 fn main() {
     println!("cargo::rerun-if-changed=machine.ld");
-    let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     for argument in ["-nostartfiles", "-nostdlib", "-static", "-no-pie", "-Wl,--build-id=none", "-Wl,-n"] {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
-    println!("cargo::rustc-link-arg-bins=-T{folder}/machine.ld");
+    // In the folder of the package, where it is linked: the same for a copy that is built into the same target folder.
+    println!("cargo::rustc-link-arg-bins=-Tmachine.ld");
 }
