@@ -139,11 +139,11 @@ pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, filters: &FilterParts<'_>, s
     Ended { now: boxes.now, before }
 }
 
-/// Before pairs are looked for: brings `before` up to date for objects that have not changed since the last
-/// complete step. The others have kept their boxes.
+/// Before pairs are looked for: forgets who came in the step before, and brings `before` up to date for
+/// objects that have not changed since the last complete step. Changed objects have kept their boxes.
 pub(crate) fn remember<I: Index>(parts: &mut Parts<'_, I>) {
     if parts.state.objects.has_inserted == 0 {
-        // They are of the step before.
+        // These slots are of the step before.
         parts.former.reused.clear();
     }
     if !(EVENTS && TREE) {
