@@ -20,15 +20,15 @@
 //! ```
 
 use crate::Offer;
-use cpu_time::ThreadTime;
 use generator::{Generator, Gn};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 use std::mem::ManuallyDrop;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::Instant;
 use trisap_core::{Executor, Stage, before_claims};
 
-/// A clock that only counts while the calling thread runs.
+/// A clock, in whatever unit.
 pub type Clock = fn() -> u64;
 
 /// What one job cost.
@@ -80,7 +80,7 @@ pub struct Workers {
     /// How much later than the caller the other workers begin.
     wake: u64,
     clock: Clock,
-    /// What it takes to ask the clock, which is in each time.
+    /// What a turn in which nothing is done takes: to ask the clock and to change stacks, which threads need not.
     asking: u64,
     now: RefCell<(Stage, u64, Course)>,
 }
@@ -91,11 +91,17 @@ impl Workers {
     pub fn new(count: u32, wake: u64, clock: Clock) -> Self {
         static CALL: fn() = claim;
         before_claims(&CALL);
-        let mut asked: Vec<u64> = (0..1000).map(|_| clock()).collect();
-        asked = asked.windows(2).map(|two| two[1] - two[0]).collect();
-        asked.sort_unstable();
         let now = RefCell::new((Stage::Done, clock(), Course::default()));
-        Self { count, wake, clock, asking: asked[asked.len() / 2], now }
+        let mut workers = Self { count, wake, clock, asking: 0, now };
+        let mut asked: Vec<u64> = (0..99)
+            .map(|_| {
+                workers.fork_join(2, &|| (0..20).for_each(|_| pause(true)));
+                workers.now.get_mut().2.jobs.pop().map_or(0, |job| job.work / job.claims)
+            })
+            .collect();
+        asked.sort_unstable();
+        workers.asking = asked[asked.len() / 2];
+        workers
     }
 
     /// What the step cost that ended last.
@@ -203,10 +209,12 @@ pub fn blocks() -> u64 {
     CLAIMED.get()
 }
 
-/// A clock of the time that this thread has had a processor.
+/// A clock of the time. What interrupts the thread counts, too: take the median of several runs of a step. A clock that stands
+/// still meanwhile takes longer to be asked than some blocks do.
 #[must_use]
 pub fn nanoseconds() -> u64 {
-    ThreadTime::now().as_duration().as_nanos() as u64
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed().as_nanos() as u64
 }
 
 fn claim() {

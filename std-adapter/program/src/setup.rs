@@ -7,7 +7,7 @@ use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::thread;
 use std::time::Instant;
-use trisap::model::{Workers, nanoseconds};
+use trisap::model::{Clock, Workers};
 use trisap::{Executor, Kernels, Rayon, Serial, Stage};
 
 /// What to step with.
@@ -38,9 +38,9 @@ impl Engine {
         Ok(Self { kernels: kernels(&args.kernels)?, threads: args.threads, pool, model: None, begins })
     }
 
-    /// A model of so many workers.
-    pub(crate) fn modelled(args: &EngineArgs, workers: u32) -> Result<Self> {
-        let model = Some(Workers::new(workers, WAKE, nanoseconds));
+    /// A model of so many workers, on a clock.
+    pub(crate) fn modelled(args: &EngineArgs, workers: u32, (wake, clock): (u64, Clock)) -> Result<Self> {
+        let model = Some(Workers::new(workers, wake, clock));
         let begins = RefCell::default();
         Ok(Self { kernels: kernels(&args.kernels)?, threads: workers, pool: None, model, begins })
     }

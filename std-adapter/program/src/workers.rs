@@ -5,14 +5,17 @@ use crate::drive::{Frame, Visitor, drive};
 use crate::figures::median;
 use crate::setup::{Engine, WAKE};
 use crate::source::Source;
-use anyhow::Result;
+use anyhow::{Error, Result};
+use std::array;
 use std::io::{Write, stdout};
-use trisap::model::{Course, Job};
+use trisap::model::{Course, Job, blocks, nanoseconds};
 use trisap::{Config, Stage};
 
 /// Steps before those that are measured: they make planes and lists.
 const FIRST: usize = 6;
-/// Turns of two threads and what they are compared with.
+/// Runs of a modelled step, of which the median counts: an interruption takes as long as a stage of many workers.
+const RUNS: usize = 5;
+/// Turns of one thread and two.
 const ROUNDS: usize = 3;
 /// Numbers of workers.
 pub(crate) const COUNTS: [u32; 7] = [1, 2, 4, 8, 12, 16, 32];
@@ -54,7 +57,34 @@ pub(crate) fn courses(
     args: &EngineArgs,
     workers: u32,
 ) -> Result<Vec<Course>> {
-    Ok(steps(source, config, &Engine::modelled(args, workers)?)?.courses)
+    let engine = Engine::modelled(args, workers, (WAKE, nanoseconds))?;
+    let runs: Vec<_> =
+        (0..RUNS).map(|_| Ok(steps(source, config, &engine)?.courses)).collect::<Result<_>>()?;
+    Ok((0..runs[0].len())
+        .map(|step| middle(&runs.iter().map(|run| &run[step]).collect::<Vec<_>>()))
+        .collect())
+}
+
+/// What a step cost, each part of it in the median of some runs. All runs do the same.
+fn middle(runs: &[&Course]) -> Course {
+    let of = |read: &dyn Fn(&Course) -> u64| {
+        median(&runs.iter().map(|run| read(run) as f64).collect::<Vec<_>>()) as u64
+    };
+    let jobs = runs[0].jobs.iter().enumerate();
+    let job = |(at, first): (usize, &Job)| {
+        let (work, span) = (of(&|run| run.jobs[at].work), of(&|run| run.jobs[at].span));
+        Job { work, span, ..*first }
+    };
+    Course { serial: array::from_fn(|stage| of(&|run| run.serial[stage])), jobs: jobs.map(job).collect() }
+}
+
+/// All blocks over those of the worker that has most, job by job: how many times as fast jobs would be if all blocks took as
+/// long. It repeats.
+fn by_blocks(source: &mut Source, config: &mut Config, args: &EngineArgs, workers: u32) -> Result<f64> {
+    let courses = steps(source, config, &Engine::modelled(args, workers, (0, blocks))?)?.courses;
+    let jobs = || courses.iter().flat_map(|course| &course.jobs);
+    let of = |read: fn(&Job) -> u64| jobs().map(read).sum::<u64>() as f64;
+    Ok(of(|job| job.work) / of(|job| job.span))
 }
 
 /// The median milliseconds of something that steps cost.
@@ -73,46 +103,45 @@ pub(crate) fn print(source: &mut Source, mut config: Config, args: &EngineArgs, 
     writeln!(out, "{}, {} objects", source.name(), source.objects())?;
     writeln!(
         out,
-        "A model: workers take turns on one thread, and begin {} us after the caller. Milliseconds, medians.",
+        "A model: workers take turns on one thread, and begin {} us after the caller. Milliseconds, medians of steps, each the \
+         median of {RUNS} runs.",
         WAKE / 1000
     )?;
-    writeln!(out, "workers  intake   build    fill   sweep results    step  serial  speed-up")?;
-    let mut alone = 0.0;
+    writeln!(out, "workers  intake   build    fill   sweep results    step  serial  speed-up  by blocks")?;
+    let (mut alone, mut by_two) = (0.0, 0.0);
     for workers in COUNTS {
         let courses = courses(source, &mut config, args, workers)?;
         let step = milliseconds(&courses, Course::length);
-        alone = if workers == 1 { step } else { alone };
+        match workers {
+            1 => alone = step,
+            2 => by_two = step,
+            _ => {}
+        }
         write!(out, "{workers:7}")?;
         for stage in &stages {
             write!(out, " {:7.3}", milliseconds(&courses, |course| course.of(*stage)))?;
         }
         // What no worker can take over, of the step of one.
         let share = if workers == 1 { 1.0 } else { milliseconds(&courses, serial) / alone };
-        writeln!(out, " {step:7.3} {:6.1}%  {:8.2}", 100.0 * share, alone / step)?;
+        let by_blocks = if workers == 1 { 1.0 } else { by_blocks(source, &mut config, args, workers)? };
+        writeln!(out, " {step:7.3} {:6.1}%  {:8.2}  {by_blocks:9.2}", 100.0 * share, alone / step)?;
         if jobs && workers > 1 {
             print_jobs(&mut out, &stages, &courses)?;
         }
     }
-    let (mut real, mut modelled) = (Vec::new(), Vec::new());
+    let mut real = Vec::new();
     let mut begins = [Vec::new(), Vec::new()];
     for _ in 0..ROUNDS {
-        let mut one_and_two = |[one, two]: &[Engine; 2]| -> Result<(f64, Vec<Course>)> {
-            let alone = steps(source, &mut config, one)?;
-            let both = steps(source, &mut config, two)?;
-            Ok((median(&alone.times) / median(&both.times), [alone.courses, both.courses].concat()))
-        };
         let threads = |threads| Engine::new(&EngineArgs { threads, kernels: args.kernels.clone() });
-        let real_threads = [threads(1)?, threads(2)?];
-        real.push(one_and_two(&real_threads)?.0);
-        begins.iter_mut().zip(real_threads[1].begins.take()).for_each(|(all, these)| all.extend(these));
-        let (_, courses) = one_and_two(&[Engine::modelled(args, 1)?, Engine::modelled(args, 2)?])?;
-        let (one, two) = courses.split_at(courses.len() / 2);
-        modelled.push(milliseconds(one, Course::length) / milliseconds(two, Course::length));
+        let [one, two] = [threads(1)?, threads(2)?];
+        let mut time = |engine| Ok::<_, Error>(median(&steps(source, &mut config, engine)?.times));
+        real.push(time(&one)? / time(&two)?);
+        begins.iter_mut().zip(two.begins.take()).for_each(|(all, these)| all.extend(these));
     }
-    let (real, modelled) = (median(&real), median(&modelled));
+    let (real, modelled) = (median(&real), alone / by_two);
     writeln!(
         out,
-        "two workers, {ROUNDS} times in turn: threads {real:.2} times one, the model {modelled:.2}: {:+.0} %",
+        "two threads, {ROUNDS} times in turn with one: {real:.2} times as fast; two workers of the model: {modelled:.2}, {:+.0} %",
         100.0 * (modelled / real - 1.0)
     )?;
     for (begins, which) in begins.iter_mut().zip(["first job of a step", "later jobs"]) {
