@@ -240,7 +240,7 @@ fn take_in_quiet<S: Simd, const FAT: bool>(
             continue;
         }
         let held = held.get(four).unwrap_or(&[KeyBox::ALL; 4]);
-        let mut new = [KeyBox::EMPTY; 4];
+        let mut new = <[KeyBox; 4]>::default();
         let Some(others) = simd.encode_four(boxes, held, old, &mut new) else { continue };
         if EVENTS && let Some(before) = before.get_mut(four) {
             keep(before, old, others & !(kept >> first));
@@ -287,20 +287,22 @@ fn take_in_leavers<S: Simd>(
         if taken.done >> first & 0b1111 != 0 {
             continue;
         }
-        let mut new = [KeyBox::EMPTY; 4];
+        let mut new = <[KeyBox; 4]>::default();
         let Some(mut others) = simd.encode_four(boxes, &[KeyBox::ALL; 4], old, &mut new) else { continue };
-        let (mut to, mut came) = (new, None);
+        // By reference, since boxes that came in one of two ways would be taken apart to numbers.
+        let (reported, came);
+        let (mut to, mut from) = (&new, &*old);
         if let Some(given) = given.get_mut(four) {
             let last = core::mem::replace(given, new);
-            (others, to) = fat.report(simd, at + first, old, &last, &new);
-            came = Some(core::array::from_fn(|k| to[k].came_from(&last[k], &new[k])));
+            (others, reported) = fat.report(simd, at + first, old, &last, &new);
+            came = core::array::from_fn(|k| reported[k].came_from(&last[k], &new[k]));
+            (to, from) = (&reported, &came);
         }
         if EVENTS && let Some(before) = before.get_mut(four) {
             keep(before, old, others & !(kept >> first));
         }
-        let from = came.as_ref().unwrap_or(old);
-        taken.contained |= fat.follow(simd, at + first, from, &to, others) << first;
-        *old = to;
+        taken.contained |= fat.follow(simd, at + first, from, to, others) << first;
+        *old = *to;
         (taken.done, taken.changed) = (taken.done | 0b1111 << first, taken.changed | others << first);
     }
     taken

@@ -21,7 +21,6 @@ use crate::tree::relocate::{order_movers, relocate_all, thirds};
 /// Moves the records of moved objects and tests them. Returns what it has found; `None` if a leaf
 /// had no room.
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Swept> {
-    parts.state.step.kept = 0;
     let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);
     let from = persistent::persistent(parts, context);

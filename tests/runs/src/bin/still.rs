@@ -246,7 +246,7 @@ fn round(case: &Case, worlds: &mut [World<'_>], least: &mut [Vec<f64>], shown: O
             if shows {
                 let spent = stages.spent.each_ref().map(|spent| spent.get() as u32);
                 println!(
-                    "{at} {which}: {:.0} µs {spent:?} {:?} {:?}, {} moved, {} left, {} pairs and {}, {} candidates",
+                    "{at} {which}: {:.0} µs {spent:?} {:?} {:?}, {} moved, {} left, {} pairs and {}, {} candidates, {} copies",
                     least[which][at],
                     stats.path,
                     stats.reason,
@@ -254,7 +254,8 @@ fn round(case: &Case, worlds: &mut [World<'_>], least: &mut [Vec<f64>], shown: O
                     stats.outran,
                     stats.pairs,
                     stats.surplus,
-                    stats.candidates
+                    stats.candidates,
+                    stats.copies
                 );
             }
         }
