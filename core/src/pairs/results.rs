@@ -169,15 +169,28 @@ fn tell_by_pairs<I: Index>(
 ) -> (usize, usize) {
     let others = partition(context, pairs, Holds(&|pair| !is_asked(pair)));
     let open = pairs.span_mut(others, pairs.len() - others);
-    heapsort(open, |a, b| a < b);
-    let gone = |pair: &Pair<I>| is_asked(pair) && open.binary_search(pair).is_err();
+    sort(open);
+    let gone = |pair: &Pair<I>| is_asked(pair) && !has(open, pair);
     let gone = partition(context, previous, Holds(&gone));
     let rest = previous.span_mut(gone, previous.len() - gone);
     let known = partition(context, rest, Holds(is_asked));
     let known = rest.span_mut(0, known);
-    heapsort(known, |a, b| a < b);
-    let stay = partition(context, open, Holds(&|pair| known.binary_search(pair).is_ok()));
+    sort(known);
+    let stay = partition(context, open, Holds(&|pair| has(known, pair)));
     (others + stay, gone)
+}
+
+/// The order of pairs by their slots, as one number: two comparisons would be two branches.
+fn rank<I: Index>(pair: &Pair<I>) -> u64 {
+    u64::from(pair[0].slot()) << 32 | u64::from(pair[1].slot())
+}
+
+fn sort<I: Index>(pairs: &mut [Pair<I>]) {
+    heapsort(pairs, |a, b| rank(&a) < rank(&b));
+}
+
+fn has<I: Index>(sorted: &[Pair<I>], pair: &Pair<I>) -> bool {
+    sorted.binary_search_by_key(&rank(pair), rank).is_ok()
 }
 
 /// Sorts persisting, found and lost pairs, each by their slots. After a step without room for all pairs
@@ -194,7 +207,6 @@ pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     exchange(output.pairs.span_mut(0, surplus + persisting), surplus);
     exchange(output.pairs.span_mut(persisting, surplus + found), surplus);
     (state.pairs.parked, state.pairs.active) = (0, u32::MAX);
-    let sort = |pairs: &mut [Pair<I>]| heapsort(pairs, |a, b| a < b);
     sort(output.pairs.span_mut(0, persisting));
     sort(output.pairs.span_mut(persisting, found));
     sort(output.previous.span_mut(0, state.pairs.lost as usize));

@@ -90,6 +90,25 @@ fn speed(speed: f32) -> Case {
     over(format!("speed {speed}"), frames.collect())
 }
 
+/// Cubes that go on, of which a tenth leaps once in 16 steps: ones that no sample of the step sees.
+fn leaps(count: usize) -> Case {
+    let (mut boxes, mut rng) = (uniform(count, 5), Rng::new(6));
+    boxes.iter_mut().for_each(|aabb| *aabb = at(aabb.min.map(|x| 0.5 * x), [1.0; 3]));
+    let ways: Vec<[f32; 3]> = boxes.iter().map(|_| rng.in_ball().map(|x| x * 0.001)).collect();
+    let frames = (0..FRAMES + WARM).map(|frame| {
+        boxes.iter_mut().zip(&ways).for_each(|(aabb, way)| *aabb = shifted(aabb, *way));
+        if frame % 16 == 15 {
+            let leapers = boxes
+                .iter_mut()
+                .enumerate()
+                .filter(|(at, _)| (20..30).contains(&(64 * at % count * 100 / count)));
+            leapers.for_each(|(_, aabb)| *aabb = shifted(aabb, rng.point(-1.0, 1.0)));
+        }
+        boxes.clone()
+    });
+    over(format!("leaps {count}"), frames.collect())
+}
+
 /// Of 32,000 cubes, other ones move in each step.
 fn others(thousandths: usize) -> Case {
     let (mut boxes, mut rng) = (uniform(32_000, 7), Rng::new(8));
@@ -284,6 +303,7 @@ fn main() {
     cases.extend([1000, 8000].map(|count| synthetic(Kind::FreeFall, Objects::Cubes, count)));
     cases.push(synthetic(Kind::Gravity, Objects::Assorted, 8000));
     cases.extend([0.0, 0.001, 0.01, 0.03, 0.1, 0.3, 0.9].map(speed));
+    cases.extend([8000, 32_000].map(leaps));
     cases.extend(by_id);
     cases.extend([others(10), others(60), window(false), window(true), spawn(false), spawn(true)]);
     println!(
