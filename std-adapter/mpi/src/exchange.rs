@@ -64,7 +64,9 @@ impl Exchange {
 
     /// Ends all ranks: this one has found something that makes a right answer impossible.
     pub(crate) fn end_all(&self, why: &str) -> ! {
-        eprintln!("trisap-mpi: rank {}: {why}; all ranks end", self.rank());
+        // In one piece, as others write, too.
+        let line = format!("trisap-mpi: rank {}: {why}; all ranks end\n", self.rank());
+        eprint!("{line}");
         self.comm.abort(70)
     }
 

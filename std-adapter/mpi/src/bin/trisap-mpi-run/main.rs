@@ -39,7 +39,9 @@ fn main() -> ExitCode {
     match run(&args, &comm) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("trisap-mpi-run: rank {}: {error}", comm.rank());
+            // In one piece, as others write, too.
+            let line = format!("trisap-mpi-run: rank {}: {error}\n", comm.rank());
+            eprint!("{line}");
             // What all ranks know they have printed; whoever does not know must not wait.
             std::thread::sleep(Duration::from_millis(200));
             comm.abort(1)
