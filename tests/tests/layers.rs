@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 588),
     ("step", 738),
     ("sweep", 1406),
-    ("tree", 2217),
+    ("tree", 2236),
     ("validate", 383),
     ("world", 1600),
 ];

@@ -85,7 +85,7 @@ pub(super) fn arrange<I: Index>(
         let (mut bounds_scan, others) = assign::count(parts, context);
         let few = was_filled && left + others <= parts.state.objects.live / LEAVERS_SHARE;
         executor.enter(Stage::Build);
-        rebalanced = balance::balance(parts, &bounds_scan.extent, was_filled && !few);
+        rebalanced = balance::balance(parts, &bounds_scan.extent, was_filled && !few, context);
         executor.enter(Stage::Fill);
         if rebalanced > 0 {
             bounds_scan = assign::count(parts, context).0;

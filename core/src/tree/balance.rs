@@ -10,9 +10,12 @@ use super::{large, most, planned};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
 use crate::id::Index;
-use crate::memory::limits::depth_for;
+use crate::memory::limits::{SLOT_BLOCKS, block_len, depth_for, histogram_row};
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, TreeState};
+use crate::parallel::block_queue::Chunks;
+use crate::parallel::context::StepContext;
+use crate::parallel::shared::SharedSlots;
 
 /// Why the whole tree is to be made anew.
 pub(crate) enum Due {
@@ -33,7 +36,12 @@ const STAYS: u32 = u32::MAX;
 /// Divides and joins leaves by their counts. `extent` is that of all minima. Returns how many objects were in
 /// leaves that were divided; if there are any, all must be counted anew. So where all leaves are filled in
 /// each step, full ones wait until they have many members together, or one has far too many.
-pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits: bool) -> u32 {
+pub(crate) fn balance<I: Index>(
+    parts: &mut Parts<'_, I>,
+    extent: &Extent,
+    waits: bool,
+    context: StepContext<'_>,
+) -> u32 {
     let (count, most) = (parts.state.tree.count as usize, most(parts.state));
     let (mut members, mut fullest) = (0, 0);
     for leaf in parts.tree.leaves.span_mut(0, count) {
@@ -46,7 +54,7 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits
     if members <= parts.state.objects.live / share {
         return 0;
     }
-    list_members(parts, count);
+    list_members(parts, count, context);
     if count == 1 {
         let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
         let list = as_slots::<I>(parts.tree.records).span(0, members as usize);
@@ -72,17 +80,28 @@ pub(crate) fn balance<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, waits
 }
 
 /// Writes the slots of the leaves that are to be divided where their records were, which are all written anew
-/// afterwards. Each leaf then starts where its members end. O(slots).
-fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize) {
+/// afterwards; the histogram tells where those of each block begin. Each leaf then starts where its members
+/// end. O(slots).
+fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepContext<'_>) {
     let Parts { tree, home, state, .. } = parts;
-    let (leaves, list) = (tree.leaves.span_mut(0, count), as_slots(tree.records));
-    for (slot, home) in home.span(0, state.objects.slots as usize).iter().enumerate() {
-        if let Some(leaf) = leaves.get_mut(home.at())
-            && leaf.start != STAYS
-        {
-            list.put(leaf.start as usize, I::from_slot(slot as u32));
-            leaf.start += 1;
+    let (slots, row) = (state.objects.slots as usize, histogram_row(count));
+    let (leaves, len) = (tree.leaves.span_mut(0, count), block_len(slots));
+    let (list, starts) = (SharedSlots::new(as_slots::<I>(tree.records)), &*leaves);
+    let histogram = tree.histogram.span_mut(0, SLOT_BLOCKS * row);
+    let blocks = (Chunks::new(home.span_mut(0, slots), len), Chunks::new(histogram, row));
+    context.each(blocks, |block, (homes, histogram)| {
+        let (next, _) = histogram.as_chunks_mut::<2>();
+        for (slot, home) in (block * len..).zip(homes) {
+            if let (Some(leaf), Some([next, _])) = (starts.get(home.at()), next.get_mut(home.at()))
+                && leaf.start != STAYS
+            {
+                list.store((leaf.start + *next) as usize, I::from_slot(slot as u32));
+                *next += 1;
+            }
         }
+    });
+    for leaf in leaves.iter_mut().filter(|leaf| leaf.start != STAYS) {
+        leaf.start += leaf.len;
     }
 }
 
