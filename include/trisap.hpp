@@ -112,10 +112,10 @@ public:
     constexpr View() noexcept = default;
     constexpr View(T *first, std::size_t count) noexcept : first_(first), count_(count) {}
 
-    /// Of an array, a vector, a `std::array`, a `std::span`: of all that has `data()` and `size()`.
-    template <class Items, class = std::enable_if_t<
-                               !std::is_same_v<std::decay_t<Items>, View> &&
-                               std::is_convertible_v<decltype(std::declval<Items &>().data()), T *>>>
+    /// Of an array, a vector, a `std::array`, a `std::span`: of all that has `data()` and `size()`, with items of this very type: those
+    /// of a class derived from it are longer.
+    template <class Items, class Item = std::remove_pointer_t<decltype(std::declval<Items &>().data())>,
+              class = std::enable_if_t<!std::is_same_v<std::decay_t<Items>, View> && std::is_convertible_v<Item (*)[], T (*)[]>>>
     constexpr View(Items &&items) noexcept : first_(items.data()), count_(items.size()) {}
 
     template <std::size_t N> constexpr View(T (&items)[N]) noexcept : first_(items), count_(N) {}
@@ -180,11 +180,11 @@ template <class Corner> [[nodiscard]] const float *floats(const Corner &corner) 
 ///     trisap::boxes_in(bodies, &Body::min, &Body::max)
 template <class Items, class Item, class Min, class Max>
 [[nodiscard]] Boxes boxes_in(const Items &items, Min Item::*min, Max Item::*max) noexcept {
-    static_assert(std::is_same_v<std::remove_cv_t<std::remove_pointer_t<decltype(items.data())>>, Item>);
     if (items.size() == 0) {
         return trisap_default_boxes(nullptr, 0);
     }
-    const Item *first = items.data();
+    // Of the items' own type, which may inherit the members.
+    const auto *first = items.data();
     return boxes_in(first, items.size(), detail::floats(first->*min), detail::floats(first->*max));
 }
 
@@ -198,8 +198,9 @@ struct Ids {
 /// A view of ids inside items that stand one after another, also of none.
 ///
 ///     world.update(trisap::ids_in(bodies, &Body::id), trisap::boxes_in(bodies, &Body::min, &Body::max))
-template <class Items, class Item> [[nodiscard]] Ids ids_in(const Items &items, Id Item::*id) noexcept {
-    return {items.size() == 0 ? nullptr : std::addressof(items.data()->*id), sizeof(Item), items.size()};
+template <class Items, class Item, class Member> [[nodiscard]] Ids ids_in(const Items &items, Member Item::*id) noexcept {
+    static_assert(std::is_same_v<std::remove_cv_t<Member>, Id>);
+    return {items.size() == 0 ? nullptr : std::addressof(items.data()->*id), sizeof(*items.data()), items.size()};
 }
 
 /// A value, and whether it was to be had: the world may have been busy. Turns into the value, which is nothing then.
@@ -441,10 +442,11 @@ private:
     }
 };
 
-/// Queries about the objects that fulfil a condition: see `World::among`. Good for as long as the world is.
+/// Queries about the objects that fulfil a condition: see `World::among`. Good for as long as the world stays where it is, also where it
+/// has grown or is made anew.
 template <class Condition> class Among : public Queries<Among<Condition>> {
 public:
-    Among(const trisap_world *world, Condition condition) noexcept : world_(world), condition_(std::move(condition)) {}
+    Among(const trisap_world *const *world, Condition condition) noexcept : world_(world), condition_(std::move(condition)) {}
 
 private:
     friend class Queries<Among>;
@@ -453,10 +455,10 @@ private:
         const auto call = [](void *user, trisap_id id) noexcept -> std::uint32_t {
             return (*static_cast<const Condition *>(user))(id) ? 1 : 0;
         };
-        return {world_, call, const_cast<Condition *>(std::addressof(condition_))};
+        return {*world_, call, const_cast<Condition *>(std::addressof(condition_))};
     }
 
-    const trisap_world *world_;
+    const trisap_world *const *world_;
     Condition condition_;
 };
 
@@ -565,20 +567,24 @@ public:
     }
 
     /// Becomes a copy of another world, byte for byte, in the memory that there is if that is as long: the way to go
-    /// back to a frame. Not while a call of the other world runs.
+    /// back to a frame. Not while a call changes the other world.
     [[nodiscard]] Status copy_from(const World &other) noexcept {
-        if (other.world_ == nullptr) {
-            return detail::refuse(TRISAP_STATUS_NULL_POINTER);
+        Config config = trisap_default_config(0);
+        if (const Status status = trisap_world_config(other.world_, &config); status != TRISAP_STATUS_OK || &other == this) {
+            return status;
         }
         const std::size_t bytes = trisap_world_bytes(other.world_);
         if (world_ == nullptr || bytes != trisap_world_bytes(world_)) {
             return open({static_cast<const std::byte *>(other.memory_.get()), bytes});
         }
+        if (const Status status = tell_growing(); status != TRISAP_STATUS_OK) {
+            return status;
+        }
         const Status status = renew([&] {
             std::memcpy(memory_.get(), other.memory_.get(), bytes);
             return trisap_world_open(memory_.get(), bytes, &world_);
         });
-        tell_growing();
+        static_cast<void>(tell_growing());
         return status;
     }
 
@@ -608,7 +614,7 @@ public:
     /// for more than 256 objects it is not lean any more.
     void set_growing(bool growing) noexcept {
         growing_ = growing;
-        tell_growing();
+        static_cast<void>(tell_growing());
     }
 
     /// What the world is made for, grown or not.
@@ -645,8 +651,10 @@ public:
     }
 
     /// The same with a filter and a value, for which the world needs `Config::values`, too.
-    [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, std::uint64_t value, Status *status = nullptr) noexcept {
-        return insert_with(aabb, &filter, &value, nullptr, status);
+    template <class Value, class = std::enable_if_t<std::is_convertible_v<Value, std::uint64_t>>>
+    [[nodiscard]] Id insert(const Aabb &aabb, const Filter &filter, Value value, Status *status = nullptr) noexcept {
+        const auto number = static_cast<std::uint64_t>(value);
+        return insert_with(aabb, &filter, &number, nullptr, status);
     }
 
     /// The same with a value alone.
@@ -948,7 +956,7 @@ public:
     template <class Condition>
     [[nodiscard]] Among<std::decay_t<Condition>> among(Condition &&condition) const noexcept {
         static_assert(std::is_invocable_r_v<bool, const std::decay_t<Condition> &, Id>);
-        return {world_, std::forward<Condition>(condition)};
+        return {std::addressof(world_), std::forward<Condition>(condition)};
     }
 
     /// Whether an object meets what has this filter, by groups and classes: for conditions of queries.
@@ -1045,6 +1053,10 @@ private:
 
     /// Has `make` make the world in new memory, which takes the place of the old one if it can. Views of the last result may go on.
     template <class Make> [[nodiscard]] Status place(std::size_t bytes, Make make, bool goes_on = false) noexcept {
+        // A call inside would go on in memory that is not there any more.
+        if (tell_growing() == TRISAP_STATUS_BUSY) {
+            return TRISAP_STATUS_BUSY;
+        }
         // For an impossible configuration as much as the library looks at, to say what is wrong.
         const std::size_t room = bytes == 0 ? trisap_world_align() : bytes;
         Memory memory = detail::allocate(allocator_, room);
@@ -1061,15 +1073,14 @@ private:
             }
             memory_ = std::move(memory);
             world_ = world;
-            tell_growing();
+            static_cast<void>(tell_growing());
         }
         return status;
     }
 
-    void tell_growing() noexcept {
-        if (world_ != nullptr) {
-            static_cast<void>(trisap_world_set_growing(world_, growing_ ? 1 : 0));
-        }
+    /// Tells the world, if there is one; so it also says whether a call is inside.
+    [[nodiscard]] Status tell_growing() noexcept {
+        return world_ == nullptr ? TRISAP_STATUS_OK : trisap_world_set_growing(world_, growing_ ? 1 : 0);
     }
 
     /// The world in the memory that the last step was in: all views are of that, also where it has moved since, any number of times.

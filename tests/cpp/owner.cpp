@@ -1,4 +1,4 @@
-// What trisap.hpp does beyond the C functions: results that outlive growth, loads that grow, refusals of its own, answers that say busy,
+// What trisap.hpp does beyond the C functions: results and conditions that outlive growth, loads that grow, refusals of its own, answers that say busy,
 // job systems that worlds follow, and boxes and ids where they stand, also where there are none.
 
 #include "check.h"
@@ -193,6 +193,32 @@ void where_they_stand() {
     CHECK(plain.insert_value(cube(0.0f), 7, &why) == trisap::null_id && why == TRISAP_STATUS_NO_VALUES);
     CHECK(world.insert(cube(0.0f), trisap::object_class(32), &why) == trisap::null_id && why == TRISAP_STATUS_BAD_CLASS);
     CHECK(plain.size() == 0 && world.size() == 4);
+    CHECK(world.insert(cube(0.0f), trisap::groups(1, 1), 0) != trisap::null_id);
+}
+
+/// Members of a base class stand as far apart as the items do; and items of a derived class are no view of the base.
+void items_that_inherit() {
+    struct Thing {
+        const trisap::Id id;
+        float min[3], max[3];
+    };
+    struct Car : Thing {
+        std::uint64_t wheels;
+    };
+    static_assert(!std::is_constructible_v<trisap::View<trisap::Hit>, std::vector<trisap::FirstHit> &>);
+    static_assert(std::is_constructible_v<trisap::View<const trisap::Hit>, const std::vector<trisap::Hit> &>);
+    trisap::World world;
+    CHECK_OK(world.init(small()));
+    std::vector<Car> cars;
+    for (int i = 0; i < 3; i++) {
+        const float x = 4.0f * static_cast<float>(i);
+        cars.push_back({{world.insert(cube(x)), {x - 3.5f, 0, 0}, {x, 1, 1}}, 4});
+    }
+    const trisap::Boxes boxes = trisap::boxes_in(cars, &Car::min, &Car::max);
+    CHECK_OK(world.update(trisap::ids_in(cars, &Car::id), boxes));
+    trisap::Aabb last{};
+    CHECK_OK(world.aabb(cars[2].id, last));
+    CHECK(last.min[0] == 4.5f && last.max[0] == 8.0f && world.step_over(boxes).pairs.size() == 0);
 }
 
 /// A world that another call is inside of says so, and is not taken for an empty one.
@@ -212,6 +238,40 @@ void busy() {
                world.id_at(0).status == TRISAP_STATUS_BUSY && hit.status == TRISAP_STATUS_BUSY && hit.id == trisap::null_id;
     }).pairs.size() == 1);
     CHECK(asked == 1 && world.first_hit(trisap::ray(origin, direction)).status == TRISAP_STATUS_OK);
+    // Nor is its memory replaced, or copied while it changes.
+    trisap::World other;
+    CHECK_OK(other.init(small()));
+    std::vector<std::byte> copy(trisap_world_bytes(world.c()));
+    unsigned visited = 0;
+    const auto visit = [&](trisap::Id) {
+        CHECK_STATUS(world.init(small()), TRISAP_STATUS_BUSY);
+        CHECK_STATUS(world.open(copy), TRISAP_STATUS_BUSY);
+        CHECK_STATUS(world.copy_from(other), TRISAP_STATUS_BUSY);
+        CHECK_OK(other.copy_from(world));
+        visited++;
+    };
+    CHECK_OK(world.visit_overlaps(trisap::region(cube(0.0f)), visit));
+    CHECK(visited == 2 && world.size() == 2u && other.size() == 2u);
+    CHECK(other.step_with_rule([&](std::uint32_t, std::uint32_t) {
+        CHECK_STATUS(world.copy_from(other), TRISAP_STATUS_BUSY);
+        return true;
+    }));
+    CHECK_OK(world.copy_from(world));
+    CHECK_OK(world.validate());
+}
+
+/// Queries with a condition are asked of the world where it is, also after it has grown.
+void conditions_outlive_growth() {
+    trisap::World world;
+    CHECK_OK(world.init(small()));
+    world.set_growing(true);
+    const auto all = world.among([](trisap::Id) { return true; });
+    for (int i = 0; i < 100; i++) {
+        CHECK(world.insert(cube(0.0f)) != trisap::null_id);
+    }
+    CHECK_OK(world.step().status);
+    std::vector<trisap::Id> found(100);
+    CHECK(all.overlaps(trisap::region(cube(0.0f)), found).size() == 100);
 }
 
 /// A world made for one worker follows a job system of four.
@@ -243,7 +303,9 @@ int main() {
     loads_grow();
     refusals();
     where_they_stand();
+    items_that_inherit();
     busy();
+    conditions_outlive_growth();
     workers_follow();
     std::puts("passed");
     return 0;
