@@ -49,7 +49,8 @@ export class Calls {
     this.answer = structs + ANSWER;
     this.stats = structs + STATS;
     this.out = structs + OUT;
-    this.#given = config;
+    // His own object may change before the world grows.
+    this.#given = { ...config };
     if (!Object.hasOwn(calls, "trisap_world_save")) {
       const field = BEYOND_PAIRS.find((field) => (config[field] ?? false) !== false);
       if (field !== undefined) {
@@ -169,8 +170,9 @@ export class Calls {
   /** Writes a filter to an address. */
   filter(at, filter) {
     known("filter", filter, Object.keys(FILTER));
-    const whole = { ...FILTER, ...filter };
-    Object.keys(FILTER).forEach((field, i) => this.memory.view.setUint32(at + 4 * i, whole[field], true));
+    Object.entries(FILTER).forEach(([field, usual], i) => {
+      this.memory.view.setUint32(at + 4 * i, filter[field] === undefined ? usual : filter[field], true);
+    });
   }
 
   point(at, point) {

@@ -121,7 +121,7 @@ export function readStats(view, at) {
   const long = (offset) => Number(view.getBigUint64(at + offset, true));
   return {
     path: PATHS[word(4)],
-    reason: REASONS[word(40)],
+    reason: REASONS[word(40)] ?? "other",
     objects: word(8),
     moved: word(12),
     leaves: word(16),

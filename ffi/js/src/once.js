@@ -26,7 +26,7 @@ export async function find({ module }, boxes, others) {
   new Float32Array(memory.buffer, from, boxes.length).set(boxes);
   new Float32Array(memory.buffer, from + 4 * boxes.length, others?.length ?? 0).set(others ?? []);
   const a = memory.boxesAt(structs, from, counts[0]);
-  const b = others === undefined ? 0 : memory.boxesAt(structs + SECOND, from + 4 * boxes.length, counts[1]);
+  const b = (others ?? null) === null ? 0 : memory.boxesAt(structs + SECOND, from + 4 * boxes.length, counts[1]);
   let world = 0;
   for (;;) {
     const status = calls.trisap_pairs(a, b, 0, world, structs + BYTES, structs + PAIRS, structs + COUNT);

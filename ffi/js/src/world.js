@@ -414,6 +414,7 @@ export class World {
     }
     const { memory } = this.#calls;
     const all = points.length / 3;
+    const numbers = ArrayBuffer.isView(points) ? points : Float32Array.from(points);
     const answers = [];
     // There are no more.
     count = Math.min(count, this.size);
@@ -423,7 +424,7 @@ export class World {
       const some = Math.min(most, all - from);
       const hits = this.#calls.room(HIT_BYTES * count * some + 12 * some, "points");
       const at = hits + HIT_BYTES * count * some;
-      this.#calls.array(Float32Array, at, 3 * some).set(points.slice(3 * from, 3 * (from + some)));
+      this.#calls.array(Float32Array, at, 3 * some).set(numbers.subarray(3 * from, 3 * (from + some)));
       const status = this.#module.trisap_world_nearest_many(this.#world, at, 12, some, 0, 0, 0, hits, count);
       this.#calls.check(status, "nearestMany");
       for (let i = 0; i < some; i++) {

@@ -104,6 +104,17 @@ test("a world that grows goes on with its ids, boxes and events", async () => {
   assert.deepEqual([...world.step().pairs], [0, 1]);
 });
 
+test("a world is what it was asked for when it was made, whatever becomes of the object that said so", async () => {
+  const config = { objects: 2, grows: true };
+  const world = await createWorld(config);
+  Object.assign(config, { events: true, grows: false, margin: 3 });
+  for (let i = 0; i < 5; i++) {
+    world.insert([i, 0, 0, i + 1, 1, 1]);
+  }
+  assert.equal(world.step().size, 4);
+  assert.ok(world.config.objects >= 5 && !world.config.events && world.config.grows);
+});
+
 test("a world that grows takes boxes that stand in its own memory", async () => {
   const world = await createWorld({ objects: 2, grows: true });
   world.insert([0, 1, 2, 3, 4, 5]);

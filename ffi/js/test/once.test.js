@@ -25,6 +25,18 @@ test("pairs are those of brute force, and no room has to be known", async () => 
   }
 });
 
+test("what is left out may be undefined, and numbers may stand in anything like an array", async () => {
+  const boxes = [0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2];
+  assert.deepEqual([...(await pairs(boxes, { between: undefined }))], [0, 1]);
+  assert.deepEqual([...(await pairs(boxes, { between: null }))], [0, 1]);
+  const world = await createWorld({ objects: 2, filters: true });
+  const [first] = world.insertMany(boxes);
+  world.setFilter(first, { group: undefined, mask: 0xffff_ffff });
+  assert.deepEqual([...world.step().pairs], [0, 1]);
+  const [[nearest]] = world.nearestMany({ length: 3, 0: 2, 1: 2, 2: 2.5 }, 1);
+  assert.equal(slotOf(nearest.id), 1);
+});
+
 test("a bad box is named", async () => {
   const boxes = scatter(9, random(1));
   boxes[6 * 7] = NaN;

@@ -4,7 +4,7 @@ use super::Snapshot;
 use super::names::{Events, Named, Names};
 use core::hash::Hash;
 use std::collections::HashMap;
-use trisap_core::{Capacity, Error, Id};
+use trisap_core::{Aabb, Capacity, Error, Id};
 
 /// What the bytes begin with. Words of 64 bits follow: a sum over them, their number, what is known of keys; then the
 /// snapshot of the world.
@@ -62,7 +62,9 @@ impl<K: Copy + Eq + Hash> Snapshot<K> {
         let capacity = Capacity::for_objects(count(3)?).with_leaf_refs(count(4)?).with_pairs(count(5)?);
         let complete = words[6] != 0;
         let mut rest = &words[7..];
-        let names = Names::read(&mut rest, key, capacity.objects)?;
+        // As many as there can be, whatever the bytes say: the world keeps the box of each slot.
+        let slots = capacity.objects.min(u32::try_from(world.len() / size_of::<Aabb>()).unwrap_or(u32::MAX));
+        let names = Names::read(&mut rest, key, slots)?;
         let contacts = match take(&mut rest)? {
             0 => None,
             len => Some((1..len).map(|_| u32::try_from(take(&mut rest)?).ok()).collect::<Option<Vec<_>>>()?),
@@ -72,7 +74,7 @@ impl<K: Copy + Eq + Hash> Snapshot<K> {
 }
 
 /// Changes with any word.
-fn sum(words: &[u64]) -> u64 {
+pub(super) fn sum(words: &[u64]) -> u64 {
     words.iter().fold(1, |sum, word| (sum ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
 }
 

@@ -145,8 +145,11 @@ impl<K: Copy + Eq + Hash> BroadPhase<K> {
     /// The [found](Self::found) pairs and the numbers that they have got; nothing without [contacts](Self::keep_contacts).
     pub fn found_contacts(&self) -> impl Iterator<Item = ([K; 2], usize)> {
         let began = self.numbers.iter().flat_map(|numbers| &numbers.began);
-        let told = self.as_world().found().iter().zip(began);
-        told.filter_map(|(pair, contact)| Some((self.names.pair(*pair)?, *contact as usize)))
+        let told = self.as_world().found().iter().zip(began).filter(|_| self.names.events.is_none());
+        let told = told.filter_map(|(pair, contact)| Some((self.names.pair(*pair)?, *contact as usize)));
+        // Of the first step after a shrink, in which all pairs are new to the world, the events that are told.
+        let others = self.names.events.iter().flat_map(|events| &events.found);
+        told.chain(others.filter_map(|[a, b]| Some(([*a, *b], self.contact(a, b)?))))
     }
 
     /// The [lost](Self::lost) pairs and the numbers that they had. The same number may be among the found ones: take these first.

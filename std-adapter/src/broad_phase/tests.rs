@@ -512,6 +512,43 @@ fn sorted_events_have_their_numbers() {
     }
 }
 
+/// After a shrink all pairs are new to the world, but not to those who ask.
+#[test]
+fn contacts_that_are_asked_for_after_a_shrink_begin_with_found_pairs() {
+    let cube = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+    let mut broad_phase = BroadPhase::new();
+    broad_phase.reserve(1000).expect("memory");
+    broad_phase.extend([0u8, 1, 2].map(|key| (key, cube(0.75 * f32::from(key)))));
+    assert_eq!(broad_phase.step().expect("memory").found().count(), 2);
+    broad_phase.shrink_to_fit().expect("memory");
+    broad_phase.keep_contacts().expect("memory");
+    broad_phase.update(&2, cube(0.5)).expect("a good box");
+    broad_phase.step().expect("memory");
+    assert!(broad_phase.found().eq([[0, 2]]) && broad_phase.contact(&0, &1).is_some());
+    let number = broad_phase.contact(&0, &2).expect("a pair");
+    assert!(broad_phase.found_contacts().eq([([0, 2], number)]));
+    assert_eq!(broad_phase.lost_contacts().count(), 0);
+}
+
+/// A forged snapshot takes no more memory than its bytes.
+#[test]
+fn slots_beyond_a_snapshot_are_refused() {
+    let mut broad_phase = BroadPhase::new();
+    broad_phase.insert(7u8, Aabb::new([0.0; 3], [1.0; 3])).expect("a good box");
+    let bytes = broad_phase.save().to_bytes(u64::from);
+    let read = |words: &[u64]| {
+        let front: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
+        Snapshot::from_bytes(&[&front, &bytes[front.len()..]].concat(), |number| u8::try_from(number).ok())
+    };
+    let mut words: Vec<u64> = bytes.as_chunks().0.iter().map(|word| u64::from_ne_bytes(*word)).collect();
+    words.truncate(usize::try_from(words[2]).expect("few"));
+    let slot = words.iter().position(|word| *word == broad_phase.id(&7).expect("its id").to_bits());
+    assert!(read(&words).is_ok());
+    (words[3], words[slot.expect("it is named")]) = (u32::MAX.into(), (1 << 32) + 4_000_000_000);
+    words[1] = super::bytes::sum(&words[2..]);
+    assert_eq!(read(&words).map(drop), Err(Error::BadSnapshot));
+}
+
 /// A step that panics leaves no result: contacts that are asked for then have the numbers of all pairs after the next one.
 #[test]
 fn contacts_begin_after_a_step_that_was_given_up() {
