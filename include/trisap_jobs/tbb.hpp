@@ -20,8 +20,7 @@ namespace trisap {
                 calls.run([task] { task(); });
             }
             task();
-            // No work is left for calls that have not begun.
-            calls.cancel();
+            // No work is left for calls that have not begun: this thread makes them in passing.
             calls.wait();
         });
     });
