@@ -164,7 +164,7 @@ pub struct trisap_jobs {
     pub user: *mut c_void,
     /// Calls `run(task)` `count` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `count` is at least 2, and at most `worker_count` and the world's `workers`. The calling thread is idle until
+    /// `count` is at least 2, and at most `worker_count`; in a step also at most the world's `workers`. The calling thread is idle until
     /// `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
     /// thousand objects never call, since a step takes less time than sharing it.
     ///

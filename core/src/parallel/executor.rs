@@ -63,9 +63,8 @@ pub trait Executor {
 
     /// Calls `job` `width` times, at the same time if possible, and returns when all calls have returned.
     ///
-    /// `width` is at least 2. It is at most the least of [`workers`](Self::workers), of
-    /// [`Config::workers`](crate::Config::workers) and of the number of blocks of work. The trait says what
-    /// else an executor may do.
+    /// `width` is at least 2, and at most [`workers`](Self::workers) and the number of blocks of work; in a step
+    /// also at most [`Config::workers`](crate::Config::workers), else 32. The trait says what else an executor may do.
     fn fork_join(&self, width: u32, job: &(dyn Fn() + Sync));
 
     /// Called on the calling thread when a step enters a stage; [`Stage::Done`] ends the step. For profilers,

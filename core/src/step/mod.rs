@@ -1,4 +1,4 @@
-//! Finds the overlaps of swept boxes, by one of several kinds of step.
+//! Finds the overlaps of swept boxes, by one of several paths.
 //!
 //! All give the same pairs. [`policy`] chooses by counts alone, so equal calls choose equally.
 

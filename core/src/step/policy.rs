@@ -1,4 +1,4 @@
-//! Chooses the kind of a step. All kinds give the same pairs, and counts alone decide, so equal calls choose
+//! Chooses the path of a step. All paths give the same pairs, and counts alone decide, so equal calls choose
 //! equally. The table of constants in `NOTEBOOK.md` says what was measured.
 
 use crate::access::{Access, bits};

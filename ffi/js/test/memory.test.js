@@ -111,7 +111,7 @@ test("a world is what it was asked for when it was made, whatever becomes of the
   for (let i = 0; i < 5; i++) {
     world.insert([i, 0, 0, i + 1, 1, 1]);
   }
-  assert.equal(world.step().size, 4);
+  assert.equal(world.step().pairs.length, 2 * 4);
   assert.ok(world.config.objects >= 5 && !world.config.events && world.config.grows);
 });
 

@@ -30,7 +30,7 @@ test("what is left out may be undefined, and numbers may stand in anything like 
   assert.deepEqual([...(await pairs(boxes, { between: undefined }))], [0, 1]);
   assert.deepEqual([...(await pairs(boxes, { between: null }))], [0, 1]);
   const world = await createWorld({ objects: 2, filters: true });
-  const [first] = world.insertMany(boxes);
+  const [first] = world.insertMany(Float32Array.from(boxes));
   world.setFilter(first, { group: undefined, mask: 0xffff_ffff });
   assert.deepEqual([...world.step().pairs], [0, 1]);
   const [[nearest]] = world.nearestMany({ length: 3, 0: 2, 1: 2, 2: 2.5 }, 1);
