@@ -12,8 +12,9 @@ use trisap_core::{Cast, Error, Hit, Region};
 
 const NAME: &CStr = c"trisap queries";
 
-/// Queries that are handed out at a time. They are copied to the stack in the core's form.
-const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 128 };
+/// Queries that are handed out at a time: a job for 16 workers. They are copied to the stack in the core's form, 20 KB
+/// at most.
+const BLOCK: usize = if cfg!(target_os = "none") { 32 } else { 512 };
 
 /// `trisap_world_first_hit` of each of `count` casts, the next one `stride` bytes behind the one before; as many hits.
 /// `jobs` may be null. The time is that of the single queries, divided by the workers.
@@ -143,9 +144,11 @@ pub unsafe extern "C" fn trisap_world_overlaps_many(
             Ok(())
         });
         if outcome.is_err() {
-            ids.fill(None);
+            total = 0;
             ends.fill(0);
         }
+        // Once for all blocks.
+        ids.get_mut(total..).unwrap_or_default().fill(None);
         outcome?;
         if total > room {
             return Err(Error::OutputFull { needed: total as u64, room }.into());

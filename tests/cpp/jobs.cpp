@@ -135,6 +135,8 @@ static void rule_and_queries() {
         question.cast = trisap::ray(at, to, within(30.0f));
         question.region = trisap::sphere(at, within(2.0f));
     }
+    // Most answers come from the first ones.
+    questions[0].region = trisap::sphere(boxes[0].min, 1000.0f);
     constexpr std::size_t room = 30;
     // Every second object, asked by all workers.
     const auto choose = [](void *user, trisap::Id id) -> std::uint32_t {
@@ -160,6 +162,10 @@ static void rule_and_queries() {
     const trisap_jobs c = jobs.c();
     ask(nullptr, &c, hits, found, ends);
     CHECK(calls >= 2 && ends == alone_ends && found == alone_found);
+    std::vector<trisap::Id> fitting(ends.back());
+    CHECK_OK(trisap_world_overlaps_many(world.c(), &questions[0].region, sizeof(Question), questions.size(), nullptr, nullptr, &c,
+                                        fitting.data(), fitting.size(), ends.data()));
+    CHECK(ends == alone_ends && std::equal(fitting.begin(), fitting.end(), found.begin()));
     std::size_t met = 0;
     for (std::size_t i = 0; i < questions.size(); i++) {
         const trisap::Hit first = world.first_hit(questions[i].cast);

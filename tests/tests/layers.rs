@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1099),
     ("geometry", 1150),
-    ("memory", 1846),
+    ("memory", 1836),
     ("objects", 647),
-    ("pairs", 692),
-    ("parallel", 515),
-    ("query", 1252),
+    ("pairs", 693),
+    ("parallel", 509),
+    ("query", 1251),
     ("simd", 2227),
     ("snapshot", 588),
-    ("step", 738),
-    ("sweep", 1406),
-    ("tree", 2236),
+    ("step", 739),
+    ("sweep", 1407),
+    ("tree", 2230),
     ("validate", 383),
-    ("world", 1600),
+    ("world", 1597),
 ];
 
 #[test]

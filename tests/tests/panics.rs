@@ -25,7 +25,7 @@ impl Fuse {
     }
 }
 
-/// Starts threads. It panics between its calls, and so do workers before and after theirs.
+/// Starts threads. It panics where it is asked for them and between its calls, and so do workers before and after theirs.
 struct Fused<'f> {
     workers: u32,
     fuse: &'f Fuse,
@@ -33,6 +33,7 @@ struct Fused<'f> {
 
 impl Executor for Fused<'_> {
     fn workers(&self) -> u32 {
+        self.fuse.burn();
         self.workers
     }
 

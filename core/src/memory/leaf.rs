@@ -76,11 +76,6 @@ pub(crate) struct Classification {
 }
 
 impl Classification {
-    /// Whether its minimum corner is at home here.
-    pub(crate) const fn is_home(self) -> bool {
-        self.inside & !self.before & MINIMA == MINIMA
-    }
-
     /// Whether its minimum corner is at home here, and the box is no large object.
     pub(crate) const fn is_member(self) -> bool {
         // Both in one comparison.

@@ -190,11 +190,6 @@ impl TreeParts<'_> {
     pub(crate) fn nodes(&self) -> Nodes<'_> {
         Nodes { boxes: self.boxes, splits: self.splits, parents: self.parents, tops: self.tops }
     }
-
-    pub(crate) fn nodes_and_cells(&mut self) -> (Nodes<'_>, &mut [Cell]) {
-        let Self { boxes, splits, parents, tops, cells, .. } = self;
-        (Nodes { boxes, splits, parents, tops }, cells)
-    }
 }
 
 impl BoxParts<'_> {

@@ -117,6 +117,8 @@ fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
         exchange(pairs.span_mut(surplus, unparked + result), unparked);
         exchange(pairs.span_mut(surplus + result, end - surplus - result), unparked);
         (start, parked, end) = (surplus, surplus + result, end - unparked);
+        // Before the executor is asked again, which may panic.
+        (state.pairs.surplus_parked, state.pairs.parked) = (start as u32, parked as u32);
     }
     // Each word has at least one object, which is mostly enough to decide.
     let too_many = |count: u32| state.pairs.active > ACTIVE_FOR_EACH.saturating_mul(count);

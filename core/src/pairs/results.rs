@@ -9,7 +9,7 @@
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, FILTERS, TREE};
 use crate::id::{Index, Pair};
-use crate::memory::slab::{BoxParts, FilterParts, Parts};
+use crate::memory::slab::{BoxParts, Parts};
 use crate::memory::state::{PairState, State};
 use crate::pairs::met;
 use crate::pairs::partition::Test::{self, ClearOf, Ended, Holds, Overlap};
@@ -79,7 +79,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
         persisting = surplus.and(persists).map_or(passing, |test| partition(context, new, test));
-        let ended = ended(&parts.boxes, &parts.filters, parts.state);
+        let ended = ended(&parts.boxes, parts.state);
         let lost = if by_pairs { Some(0) } else { lost };
         let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
         let previous = previous.span_mut(lost, previous.len() - lost);
@@ -131,11 +131,10 @@ fn sort_out_small<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bo
     (state.pairs.reported, state.pairs.found, state.pairs.lost) = (swept as u64, found as u64, lost as u64);
 }
 
-/// A pair is lost if its boxes overlapped before and do not now. If slots may have new objects, or others be
-/// let through, the pair may not have overlapped then.
-pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, filters: &FilterParts<'_>, state: &State) -> Test<'b, I> {
-    let asks = FILTERS && filters.changed.count() > 0;
-    let before = if asks || state.objects.has_inserted != 0 { &*boxes.before } else { &[] };
+/// A pair is lost if its boxes overlapped before and do not now. If slots may have new objects, the pair may
+/// not have overlapped then.
+pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, state: &State) -> Test<'b, I> {
+    let before = if state.objects.has_inserted != 0 { &*boxes.before } else { &[] };
     Ended { now: boxes.now, before }
 }
 

@@ -13,8 +13,6 @@ pub(crate) struct StepContext<'e> {
     pub(crate) rule: Option<&'e Rule<'e>>,
     /// The most workers.
     pub(crate) workers: usize,
-    /// Whether the world has no tree, so that nothing is shared.
-    pub(crate) small: bool,
 }
 
 impl StepContext<'_> {
@@ -26,10 +24,6 @@ impl StepContext<'_> {
     /// Runs a job of so many blocks.
     pub(crate) fn run(self, blocks: usize, job: &(dyn Fn() + Sync)) {
         executor::run(self.executor, self.workers, blocks, job);
-    }
-
-    pub(crate) const fn is_small(&self) -> bool {
-        !cfg!(feature = "large") || self.small
     }
 }
 

@@ -35,8 +35,9 @@ use core::cell::Cell;
 /// beside other busy threads an executor that spins and waits can make a step several times slower than one
 /// thread. `trisap::Offer` says how it never does, and has the hardest part.
 ///
-/// If a call of the executor unwinds, so does the step: see [`World::step`](crate::World::step). A panic in
-/// [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly
+/// If a call of the job unwinds, `fork_join` has to unwind, too, once all others have returned, as the blocks of
+/// that call are not done. If a call of the executor unwinds, so does the step: see
+/// [`World::step`](crate::World::step). A panic in [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly
 /// without the feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
 ///
 /// ```

@@ -129,8 +129,8 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
     }
 
     /// [`overlaps`](Self::overlaps) of each region, one after another in `out`: `ends` tells where the
-    /// objects of each end and the next ones begin. The rest of `out` is `None`. Returns how many there are
-    /// in all.
+    /// objects of each end and the next ones begin. The rest of `out` means nothing. Returns how many there
+    /// are in all.
     ///
     /// # Errors
     /// [`Error::BadQuery`], or [`Error::LengthMismatch`]: `ends` is shorter than `regions`. Nothing is written.
@@ -166,7 +166,6 @@ impl<C: Fn(Id) -> bool + Sync, I: Index> Among<'_, '_, C, I> {
             self.pack(regions, out, ends);
             total = ends.last().copied().unwrap_or(0);
         }
-        out.get_mut(total..).unwrap_or_default().fill(None);
         let full = Error::OutputFull { needed: total as u64, room: out.len() };
         if total > out.len() { Err(full) } else { Ok(total) }
     }

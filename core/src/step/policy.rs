@@ -121,7 +121,8 @@ pub(crate) fn foresee<I: Index>(parts: &mut Parts<'_, I>, bounds: &Boxes<'_>, re
     });
     let (step, cost) = (&parts.state.step, upkeep(parts.state, moved));
     // Then new pairs are so few that the pairs of before tell events.
-    let few = moved == 0 && (age == 1 || step.moved.saturating_mul(KNOWN_SHARE) <= parts.state.objects.live);
+    let are_few = |moved: u32| moved.saturating_mul(KNOWN_SHARE) <= parts.state.objects.live;
+    let few = moved == 0 && (age == 1 || are_few(step.moved)) && are_few(parts.moved.count());
     parts.state.pairs.before_unknown |= u8::from(few && parts.sizes.keeps_boxes());
     parts.state.step.renews = u16::from(is_due(step, age, cost) && pays(step, age, cost));
 }
@@ -195,10 +196,10 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
     if steps >= 2 && pays(step, u32::from(steps) - 2, cost) {
         // Each object gets another one than its box with its next box. What planes are worth is told by steps
         // of such boxes alone, from the next one on.
-        (step.margins_in, step.renews) = (0, 1);
-        parts.state.tree.unweighed = 2;
         fat.copy_in(now);
         *tight = false;
+        (step.margins_in, step.renews) = (0, 1);
+        parts.state.tree.unweighed = 2;
     } else if step.margins_in == 0 {
         step.margins_in = PAUSE;
     } else if steps > 1 {

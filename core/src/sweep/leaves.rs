@@ -77,7 +77,8 @@ impl<'g> TreeView<'g> {
                     gathered.add(self.straddlers.span(start as usize, len as usize));
                 }
             }
-            if !self.large.is_empty() {
+            // Asked first, since it takes less than a walk.
+            if !self.large.list.is_empty() {
                 let mut visit = self.large.visit(cell.inside());
                 while let Some(group) = visit.next(simd) {
                     gathered.add(self.large.group(group));

@@ -69,7 +69,7 @@ impl<I: Index> Near<'_, '_, '_, I> {
             let bounds = tree_view.boxes.at(mover.at());
             around.include(&bounds);
             let is_lone = |demand| !may_meet(demand, u32::MAX);
-            if !tree_view.large.is_empty() && !self.demand(mover.at()).is_some_and(is_lone) {
+            if !tree_view.large.list.is_empty() && !self.demand(mover.at()).is_some_and(is_lone) {
                 tree_view.large.each(simd, bounds, |large| {
                     self.tested += 1;
                     if large.bounds.overlaps(&bounds) {

@@ -9,13 +9,13 @@ use super::cells::{cut, frame};
 use super::enclose::enclose;
 use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Split, Straddler, large, leaf_of, most};
+use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::extent::BoundsScan;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
-use crate::memory::slab::Parts;
+use crate::memory::slab::{Parts, TreeParts};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
@@ -29,8 +29,8 @@ use crate::tree::{Frame, Record};
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
     loop {
         let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
-        let (nodes, cells) = parts.tree.nodes_and_cells();
-        cut(nodes, &extent, cells.span_mut(0, leaves), context);
+        let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
+        cut(Nodes { boxes, splits, parents, tops }, &extent, cells.span_mut(0, leaves), context);
         let counted = count_in(parts, leaves, context);
         let (row, mut large) = (histogram_row(leaves), 0u64);
         let counted_in = parts.tree.leaves.span_mut(0, leaves);
@@ -117,7 +117,7 @@ fn count_block<S: Simd, I: Index>(
         let leaf = home.at();
         if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
             let classified = cell.classify(simd, keys);
-            if classified.is_home() && !classified.is_large() {
+            if classified.is_member() {
                 bounds_scan.extent.include(&bounds.min);
                 *members += 1;
                 *straddlers += u32::from(classified.straddles());

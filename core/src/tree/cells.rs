@@ -166,9 +166,3 @@ pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leave
         leaf.axis = frame.longest_axis() as u32;
     }
 }
-
-/// The longest axis: `axis` unless another is clearly longer.
-pub(crate) fn longest_axis(extent: &Extent, axis: usize) -> usize {
-    let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
-    (0..3).fold(axis % 3, |best, k| if side(k) > 1.25 * side(best) { k } else { best })
-}

@@ -31,7 +31,10 @@ const MOST_KEPT: u8 = 32;
 pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Result<(), u32> {
     let (live, tree, kept) = (parts.state.objects.live, &parts.state.tree, parts.state.step.kept);
     let (leaves, filled) = (tree.count, tree.filled);
-    if tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept) {
+    // Large objects count as leavers.
+    let are_many = tree.large > live / LEAVERS_SHARE;
+    if are_many || tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept)
+    {
         return Err(0);
     }
     let left = rewrite(parts, context);

@@ -89,11 +89,6 @@ impl<'g> Large<'g> {
         self.list.span(from, GROUP.min(self.list.len() - from))
     }
 
-    /// Asked first, since it takes less than a walk.
-    pub(crate) const fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-
     /// The objects of the groups that a probe meets.
     #[inline(always)]
     pub(crate) fn each<S: Simd, P: Probe>(&self, simd: S, probe: P, mut each: impl FnMut(&Straddler)) {
@@ -192,7 +187,8 @@ pub(super) fn put<I: Index>(parts: &mut Parts<'_, I>, place: usize, straddler: S
     }
     tree.large = count;
     let (list, nodes) = split(tree, parts.tree.straddlers);
-    let cost = if !is_behind && list.at(place).slot == straddler.slot { 1 } else { STRANGER };
+    let is_known = !is_behind && list.at(place).slot == straddler.slot;
+    let cost = if is_known { u32::from(list.at(place).bounds != straddler.bounds) } else { STRANGER };
     tree.large_changed = tree.large_changed.saturating_add(cost);
     list.put(place, straddler);
     let group = if nodes.is_empty() { 0 } else { (1 << tree.large_depth) + place / GROUP };

@@ -7,13 +7,13 @@
 //! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are
 //! empty. Divided leaves have no straddlers: only a full step gathers ghosts.
 
-use super::cells::{divide, longest_axis};
+use super::cells::divide;
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
 use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
 use crate::filter::offer;
 use crate::geometry::extent::Extent;
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::{Parts, TreeParts};
@@ -77,7 +77,8 @@ fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: u
         let part = sample.span_mut(start, end - start);
         let mut extent = Extent::NONE;
         part.iter().for_each(|min| extent.include(min));
-        let axis = longest_axis(&extent, 0);
+        let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
+        let axis = (1..3).fold(0, |best, k| if side(k) > 1.25 * side(best) { k } else { best });
         heapsort(part, |a, b| a[axis % 3] < b[axis % 3]);
         let (low, here) = (sample.get(start), sample.get(middle));
         let divides = low.zip(here).filter(|(low, here)| middle < end && low[axis % 3] < here[axis % 3]);

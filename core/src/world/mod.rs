@@ -68,7 +68,7 @@ impl<I: Index> World<'_, I> {
     fn renew_tree(&mut self, context: StepContext<'_>) -> Result<(), Error> {
         let state = &self.parts.state;
         let is_divided = state.tree.subdivided > state.tree.count;
-        if context.is_small() || state.tree.filled != 0 && state.objects.dirty == 0 && is_divided {
+        if self.parts.sizes.is_small() || state.tree.filled != 0 && state.objects.dirty == 0 && is_divided {
             return Ok(());
         }
         let refresh = |parts: &mut Parts<'_, I>, context: StepContext<'_>, _| step::refresh(parts, context);
@@ -88,7 +88,7 @@ impl<I: Index> World<'_, I> {
         self.parts.state.stepping = 1;
         let unfinished = Unfinished(&mut self.parts);
         let parts = &mut *unfinished.0;
-        let shared = Self::shares(parts, context);
+        let shared = Self::shares(parts);
         let executor = OneStep::new(context.executor, shared);
         let context = StepContext { executor: &executor, ..context };
         let done = work(parts, context, shared);
@@ -111,11 +111,11 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Whether the work is offered to the executor's workers. A world without a tree shares nothing.
-    fn shares(parts: &Parts<'_, I>, context: StepContext<'_>) -> bool {
+    fn shares(parts: &Parts<'_, I>) -> bool {
         // An interpreter takes minutes for so many.
         let from = if cfg!(miri) { 512 } else { SHARED_FROM };
         let is_large = parts.state.objects.live >= from;
-        !context.is_small() && parts.config().forced.of(SHARING).unwrap_or(is_large)
+        !parts.sizes.is_small() && parts.config().forced.of(SHARING).unwrap_or(is_large)
     }
 
     /// The tree has all objects as they are.

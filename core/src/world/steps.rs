@@ -53,7 +53,8 @@ impl<'m, I: Index> World<'m, I> {
     /// If a [rule](Self::with_rule) or an [executor](Self::on) panics, the world stays valid and has no
     /// pairs; each box of [`step_over`](Self::step_over) may have been taken in or not. The next step finds
     /// all pairs anew, and its events are relative to the last complete step. A world that was in a step when
-    /// its process ended does the same when it is [opened](Self::open).
+    /// its process ended finds all pairs anew, too, when it is [opened](Self::open); its first events may be
+    /// wrong.
     ///
     /// # Errors
     /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.
@@ -153,9 +154,8 @@ impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
         if rule.is_some() && world.parts.filters.classes.is_empty() {
             return Err(Error::NoFilters);
         }
-        let sizes = &world.parts.sizes;
-        let (workers, small) = (sizes.workers, sizes.is_small());
-        let context = StepContext { kernels: world.kernels, executor, rule, workers, small };
+        let (kernels, workers) = (world.kernels, world.parts.sizes.workers);
+        let context = StepContext { kernels, executor, rule, workers };
         Ok((world, context))
     }
 }

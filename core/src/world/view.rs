@@ -38,7 +38,8 @@ impl<I: Index> World<'_, I> {
     #[doc(alias("debug_draw", "debug_render"))]
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
         let tree = &self.parts.tree;
-        let all = (0..self.leaf_count()).map(|leaf| (tree.cells.at(leaf), tree.leaves.at(leaf).len));
+        let count = if self.has_tree() { self.parts.state.leaves() as usize } else { 0 };
+        let all = (0..count).map(|leaf| (tree.cells.at(leaf), tree.leaves.at(leaf).len));
         // What was not worth a division has no upper part.
         let somewhere = all.filter(|(cell, _)| cell.low()[0] < i32::MAX);
         somewhere.map(|(cell, objects)| LeafView { cell: shown(cell), objects })
@@ -72,10 +73,6 @@ impl<I: Index> World<'_, I> {
     /// The large objects, which are in no leaf. O(large objects).
     pub fn large(&self) -> impl Iterator<Item = Id> + '_ {
         self.large_in_tree().filter_map(|slot| self.id_of(slot))
-    }
-
-    fn leaf_count(&self) -> usize {
-        if self.has_tree() { self.parts.state.leaves() as usize } else { 0 }
     }
 }
 
