@@ -11,7 +11,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What is in the name of a function that calls through registers, and what in the names of those that it calls then.
 /// The first line that fits counts.
-const HOOKS: [(&str, &[&str]); 33] = [
+const HOOKS: [(&str, &[&str]); 34] = [
     ("in_blocks<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
     ("in_blocks<trisap_core::query::region", &["overlaps_many::{closure#0} as"]),
     ("in_blocks::<trisap_core::query::cast", &["first_hits::{closure#0} as"]),
@@ -43,6 +43,7 @@ const HOOKS: [(&str, &[&str]); 33] = [
     ("api::step", &["Executor>::"]),
     ("partition::", &["Executor>::"]),
     ("enclose::", &["Executor>::"]),
+    ("keep::", &["Executor>::"]),
     ("relocate::", &["Executor>::"]),
     ("nearest::visit_near", &["api::nearest::{closure"]),
     ("api::nearest", &["api::nearest::{closure"]),
