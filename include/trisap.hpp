@@ -1226,7 +1226,7 @@ private:
 
 /// A number for each pair, from the step that finds it to the step that loses it: what is kept for a pair (a manifold, a sound,
 /// damage) stands in a vector at that place. See `trisap_contacts`. Beside a world with events; grows by itself; moves, but does not
-/// copy (`copy_from` does).
+/// copy (`copy_from` does). One thread at a time may call, also what is `const`.
 class Contacts {
 public:
     /// No pair has this number.
