@@ -331,8 +331,8 @@ typedef struct trisap_jobs {
     void *user;
     /// Calls `run(task)` `count` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `count` is at least 2, and at most `worker_count`; in a step also at most the world's `workers`. The calling thread is idle until
-    /// `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
+    /// `count` is at least 2, and at most `worker_count`; in a step also at most the world's `workers`. The
+    /// calling thread is idle until `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
     /// thousand objects never call, since a step takes less time than sharing it.
     ///
     /// Each call of `run` takes blocks of work until none are left, and the step makes a last call itself. So fewer
@@ -585,8 +585,8 @@ TRISAP_NODISCARD
 struct trisap_config trisap_default_config(uint32_t objects)
 TRISAP_NOEXCEPT;
 
-/// Sets a function that is called with every refusal of a call that returns a status, of all worlds. `user` is passed to it; null ends the reports.
-/// Set it before other threads call trisap. O(1).
+/// Sets a function that is called with every refusal of a call that returns a status, of all worlds. `user` is passed to
+/// it; null ends the reports. Set it before other threads call trisap. O(1).
 void trisap_set_report(trisap_report report,
                        void *user)
 TRISAP_NOEXCEPT;
@@ -1079,8 +1079,8 @@ TRISAP_NOEXCEPT;
 /// ones. O(events), each times the partners of that object of the two which has fewer.
 ///
 /// Errors: `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, whose `detail` (if it is not null) is how many would have to fit;
-/// `TRISAP_STATUS_INVALID_ARGUMENT` for a pair of one slot. Nothing has changed then: with more room the same events fit. A lost pair that was told twice may leave too
-/// little room: then some of the found ones have their numbers.
+/// `TRISAP_STATUS_INVALID_ARGUMENT` for a pair of one slot. Nothing has changed then: with more room the same events fit. A lost
+/// pair that was told twice may leave too little room: then some of the found ones have their numbers.
 TRISAP_NODISCARD
 trisap_status trisap_contacts_update(struct trisap_contacts *contacts,
                                      const struct trisap_pair *lost,

@@ -129,8 +129,8 @@ pub unsafe extern "C" fn trisap_contacts_move(
 /// ones. O(events), each times the partners of that object of the two which has fewer.
 ///
 /// Errors: `TRISAP_STATUS_OBJECTS_FULL` or `TRISAP_STATUS_PAIRS_FULL`, whose `detail` (if it is not null) is how many would have to fit;
-/// `TRISAP_STATUS_INVALID_ARGUMENT` for a pair of one slot. Nothing has changed then: with more room the same events fit. A lost pair that was told twice may leave too
-/// little room: then some of the found ones have their numbers.
+/// `TRISAP_STATUS_INVALID_ARGUMENT` for a pair of one slot. Nothing has changed then: with more room the same events fit. A lost
+/// pair that was told twice may leave too little room: then some of the found ones have their numbers.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn trisap_contacts_update(

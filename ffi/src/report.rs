@@ -20,8 +20,8 @@ pub type trisap_report =
 static REPORT: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 static USER: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
-/// Sets a function that is called with every refusal of a call that returns a status, of all worlds. `user` is passed to it; null ends the reports.
-/// Set it before other threads call trisap. O(1).
+/// Sets a function that is called with every refusal of a call that returns a status, of all worlds. `user` is passed to
+/// it; null ends the reports. Set it before other threads call trisap. O(1).
 #[unsafe(no_mangle)]
 pub extern "C" fn trisap_set_report(report: trisap_report, user: *mut c_void) {
     REPORT.store(null_mut(), Release);

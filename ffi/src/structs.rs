@@ -164,8 +164,8 @@ pub struct trisap_jobs {
     pub user: *mut c_void,
     /// Calls `run(task)` `count` times, at the same time if possible, and returns when all these calls have returned.
     ///
-    /// `count` is at least 2, and at most `worker_count`; in a step also at most the world's `workers`. The calling thread is idle until
-    /// `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
+    /// `count` is at least 2, and at most `worker_count`; in a step also at most the world's `workers`. The
+    /// calling thread is idle until `fork_join` returns: let it make one of the calls. `name` is a text for profilers. Worlds of less than a few
     /// thousand objects never call, since a step takes less time than sharing it.
     ///
     /// Each call of `run` takes blocks of work until none are left, and the step makes a last call itself. So fewer

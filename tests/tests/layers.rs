@@ -200,7 +200,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("memory", 1836),
     ("objects", 647),
     ("pairs", 693),
-    ("parallel", 509),
+    ("parallel", 510),
     ("query", 1251),
     ("simd", 2227),
     ("snapshot", 588),

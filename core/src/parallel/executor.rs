@@ -37,8 +37,9 @@ use core::cell::Cell;
 ///
 /// If a call of the job unwinds, `fork_join` has to unwind, too, once all others have returned, as the blocks of
 /// that call are not done. If a call of the executor unwinds, so does the step: see
-/// [`World::step`](crate::World::step). A panic in [`Stage::Done`] comes after it. Targets without 32-bit atomic exchange (`thumbv6m`) and WebAssembly
-/// without the feature `atomics`, which has no threads, never call `fork_join`: steps are serial there.
+/// [`World::step`](crate::World::step). A panic in [`Stage::Done`] comes after it. Targets without 32-bit
+/// atomic exchange (`thumbv6m`) and WebAssembly without the feature `atomics`, which has no threads, never call
+/// `fork_join`: steps are serial there.
 ///
 /// ```
 /// /// Runs jobs on freshly started threads and on the calling one.
