@@ -1472,8 +1472,9 @@ TRISAP_NOEXCEPT;
 /// object and each pair of it can be, and the pairs of every step are those of its boxes. The saved result and what the
 /// events of the first step compare with are as the bytes say.
 ///
-/// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`, `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`,
-/// `TRISAP_STATUS_PAIRS_FULL`. The world is as it was then.
+/// Errors: `TRISAP_STATUS_BAD_SNAPSHOT`; `TRISAP_STATUS_CAPACITY_TOO_LARGE` or `TRISAP_STATUS_BAD_MARGIN` if this library
+/// cannot make such a world; `TRISAP_STATUS_OTHER_CONFIG`, `TRISAP_STATUS_OBJECTS_FULL`, `TRISAP_STATUS_PAIRS_FULL`. The
+/// world is as it was then.
 TRISAP_NODISCARD
 trisap_status trisap_world_load(struct trisap_world *world,
                                 const void *snapshot,

@@ -5,7 +5,8 @@
 //! nothing, and the next step reports [`Error::InvariantBroken`](crate::Error::InvariantBroken), as a pair
 //! may be missing. Builds with debug assertions stop at once instead; nearly all tests run in such a build.
 //!
-//! This code has no world at hand. So it notes where the slice is, and each world looks for its own slab.
+//! This code has no world at hand. So it notes where the slice is, and each world looks for its own slab. A
+//! slice outside of all slabs, a few local arrays, is noted and nobody's.
 
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed};
 
@@ -46,15 +47,29 @@ impl Watch {
         Self { slab: start..start + slab.len(), known: FAULTS.load(Relaxed) }
     }
 
-    /// Whether an index into the slab was out of range since the last call.
-    pub(crate) fn sees_fault(&mut self) -> bool {
+    /// Whether an index into the slab was out of range since the last step.
+    pub(crate) fn sees_fault(&self) -> bool {
         let count = FAULTS.load(Relaxed);
-        let new = count.wrapping_sub(core::mem::replace(&mut self.known, count));
+        let new = count.wrapping_sub(self.known);
         // Of more than are kept one may have been its own. A small program has one world, or few.
         let some_are_lost = !cfg!(feature = "large") && new as usize > SLICES_KEPT;
         let is_own = |slice: &AtomicUsize| self.slab.contains(&slice.load(Relaxed));
-        let mut last = (1..=new).map(|back| count.wrapping_sub(back) as usize % SLICES.len());
+        let kept = new.min(SLICES_KEPT as u32);
+        let mut last = (1..=kept).map(|back| count.wrapping_sub(back) as usize % SLICES.len());
         some_are_lost || last.any(|number| SLICES.get(number).is_some_and(is_own))
+    }
+
+    /// Forgets the faults so far.
+    pub(crate) fn forget(&mut self) {
+        self.known = FAULTS.load(Relaxed);
+    }
+
+    /// After the world of another slab has come here: the faults that it has not reported come with it.
+    pub(crate) fn follow(&mut self, other: &Self) {
+        self.forget();
+        if other.sees_fault() {
+            note_fault(self.slab.start);
+        }
     }
 }
 

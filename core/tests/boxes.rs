@@ -73,6 +73,7 @@ fn too_many_fraction_bits_are_refused() {
     assert!(Aabb::from_fixed([1; 3], [i32::MAX; 3], 126).is_valid());
     assert!(!Aabb::from_fixed([1; 3], [i32::MAX; 3], 127).is_valid());
     assert!(!Aabb::from_fixed([i32::MIN; 3], [0; 3], u32::MAX).is_valid());
+    assert!(!Aabb::from_fixed([0; 3], [0; 3], 127).is_valid());
 }
 
 #[test]

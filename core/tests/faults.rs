@@ -97,6 +97,26 @@ fn a_fault_is_a_matter_of_one_world() {
     });
 }
 
+/// A fault that was not reported yet goes with a world to other memory, and what was there before is gone.
+#[test]
+fn a_fault_goes_where_the_world_goes() {
+    let (mut from, mut copy, mut grown) = (slab(COUNT), slab(COUNT), slab(COUNT + 1));
+    let (mut from, mut copy) = (row(&mut from, COUNT), row(&mut copy, COUNT));
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    from.break_index();
+    copy.copy_from(&from).unwrap();
+    let mut grown = from.move_into(bytemuck::cast_slice_mut(&mut grown), &config(COUNT + 1)).unwrap();
+    for world in [&mut copy, &mut grown] {
+        assert_eq!(world.step().err(), Some(Error::InvariantBroken));
+        assert!(world.step().is_ok());
+    }
+    copy.break_index();
+    assert_eq!(from.step().err(), Some(Error::InvariantBroken));
+    from.step().unwrap();
+    copy.copy_from(&from).unwrap();
+    assert!(copy.step().is_ok());
+}
+
 /// Only without debug assertions, which stop at once and leave nothing to report.
 #[cfg(not(debug_assertions))]
 #[test]

@@ -31,6 +31,15 @@ fn an_object_comes_into_the_slot_that_is_named() {
     assert_eq!(slots, [0, 2, 3, 4, 5, 6, 8]);
     assert_eq!(world.step().unwrap().pairs().len(), 9 * 8 / 2);
     world.validate().unwrap();
+    // The free slot that has the link to the named one has not moved.
+    for slot in [3, 5] {
+        world.remove(world.id_at(slot).unwrap()).unwrap();
+    }
+    assert_eq!(world.step().unwrap().stats().moved, 2);
+    world.insert_at(3, cube(0.5)).unwrap();
+    assert_eq!(world.step().unwrap().stats().moved, 1);
+    assert_eq!(world.insert(cube(0.5)).unwrap().slot(), 5);
+    world.validate().unwrap();
 }
 
 /// A client that hears of objects late and in any order has the same pairs as its server, also from a snapshot on.

@@ -59,9 +59,11 @@ fn a_slab_of_another_build_is_refused() {
     lived(&mut slab, &config);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut slab);
     assert_eq!(World::<u16>::open(bytes).map(|world| world.len()), Ok(49));
-    // The first number of the state: the version, and a bit for the feature.
+    // The first number of the state: the version, and a bit for each of these features.
     let magic = u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    assert_eq!(magic >> 15 & 1 != 0, cfg!(feature = "large"));
-    bytes[..4].copy_from_slice(&(magic ^ 1 << 15).to_ne_bytes());
-    assert_eq!(World::<u16>::open(bytes).map(|world| world.len()), Err(Error::NotAWorld));
+    for (bit, has) in [(15, cfg!(feature = "large")), (14, cfg!(any(feature = "lists", feature = "large")))] {
+        assert_eq!(magic >> bit & 1 != 0, has);
+        bytes[..4].copy_from_slice(&(magic ^ 1 << bit).to_ne_bytes());
+        assert_eq!(World::<u16>::open(bytes).map(|world| world.len()), Err(Error::NotAWorld));
+    }
 }

@@ -91,4 +91,6 @@ fn without_filters_everything_meets_all() {
     let id = world.insert(scenes::cube(0.0, 0.0, 0.0)).expect("room");
     assert!(world.meets(id, &Filter::ALL) && world.meets(id, &Filter::groups(1, 2)));
     assert!(!world.meets(id, &Filter::groups(1, 0)));
+    // No object can have it.
+    assert!(world.meets(id, &Filter::class(31)) && !world.meets(id, &Filter::class(32)));
 }

@@ -234,6 +234,21 @@ fn what_a_forged_snapshot_cannot_have_is_refused() {
     }
 }
 
+/// A world with more objects than any has is no damage of the bytes: the error says what is too large.
+#[test]
+fn a_capacity_that_there_is_not_is_named() {
+    let (snapshot, _) = whole();
+    // Behind the version.
+    let capacity = HEADER + 4;
+    assert_eq!(get(&snapshot, capacity), PLAIN.capacity.objects);
+    let mut forged = snapshot.clone();
+    put(&mut forged, capacity, u32::MAX);
+    seal(&mut forged);
+    let mut slab = Slab::new::<u32>(&PLAIN);
+    let error = slab.world::<u32>(&PLAIN).load(&forged);
+    assert!(matches!(error, Err(Error::CapacityTooLarge { .. })), "{error:?}");
+}
+
 /// Whether pairs are missing, or there twice, does not matter to the first step: it finds all anew.
 #[test]
 fn pairs_that_are_not_all_are_found_anew() {

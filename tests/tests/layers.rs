@@ -195,20 +195,20 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1099),
+    ("", 1114),
     ("geometry", 1150),
     ("memory", 1836),
-    ("objects", 647),
+    ("objects", 659),
     ("pairs", 693),
     ("parallel", 510),
     ("query", 1251),
     ("simd", 2227),
-    ("snapshot", 588),
+    ("snapshot", 592),
     ("step", 739),
     ("sweep", 1407),
     ("tree", 2230),
     ("validate", 383),
-    ("world", 1597),
+    ("world", 1601),
 ];
 
 #[test]

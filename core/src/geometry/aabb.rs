@@ -253,11 +253,11 @@ pub(crate) const fn widened(x: f32) -> f64 {
 const fn fixed(x: i32, fraction_bits: u32, up: bool) -> f32 {
     const MANTISSA: u32 = 23;
     const BIAS: u32 = 127;
-    if x == 0 {
-        return 0.0;
-    }
     if fraction_bits >= BIAS {
         return f32::NAN;
+    }
+    if x == 0 {
+        return 0.0;
     }
     // The highest set bit goes to the top. Bits below the mantissa are lost.
     let zeros = x.unsigned_abs().leading_zeros();

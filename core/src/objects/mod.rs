@@ -5,7 +5,7 @@ pub(crate) mod margins;
 
 use crate::access::{Access, bits};
 use crate::config::{EVENTS, MARGINS, TREE};
-use crate::geometry::key::KeyBox;
+use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 use crate::id::Index;
 use crate::memory::layout::reports_margins;
 use crate::memory::slab::Parts;
@@ -40,6 +40,18 @@ impl<I: Index> Parts<'_, I> {
     pub(crate) fn bounds(&self, slot: usize) -> KeyBox {
         let now = self.boxes.now.at(slot);
         if now.is_empty() { now.enabled(self.boxes.cut.at(slot)) } else { self.boxes.given().at(slot) }
+    }
+
+    /// Where a process may have ended between two writes: makes boxes whole, and what is around them anew.
+    pub(crate) fn mend_boxes(&mut self) {
+        for slot in 0..self.state.objects.slots as usize {
+            let mut bounds = self.boxes.given().at(slot);
+            // The box of a free slot or a disabled object is beyond. These are not written in a step.
+            if bounds.min[0] <= POSITIVE_INFINITY {
+                bounds.include(&KeyBox { min: bounds.max, max: bounds.min });
+                self.objects().anchor(slot, bounds);
+            }
+        }
     }
 
     /// The arrays of all slots.

@@ -50,7 +50,7 @@ pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Flags are flags, and counts agree.
 fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let (objects, pairs) = (&stored.state.objects, &stored.state.pairs);
-    let (came, inside) = (objects.has_inserted / 2, objects.moved_inside_margin);
+    let (came, inside) = (objects.has_inserted.saturating_sub(1), objects.moved_inside_margin);
     let flags = [objects.dirty, objects.resting, came, inside, pairs.complete, pairs.before_unknown];
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;

@@ -74,8 +74,8 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Replaces the world by that of a snapshot, with its last result. The configurations may differ as for
-    /// [`move_into`](Self::move_into); the world keeps its own. Builds with and without the feature `large`
-    /// read each other's snapshots. O(bytes).
+    /// [`move_into`](Self::move_into); the world keeps its own. Builds with other features read each other's
+    /// snapshots of worlds that both can make. O(bytes).
     ///
     /// The next step finds all pairs anew, and tells as events what has changed since the result that was
     /// saved. The order of pairs and the kinds of later steps may differ from the world's that was
@@ -87,8 +87,10 @@ impl<I: Index> World<'_, I> {
     /// boxes. The saved result and what the events of the first step compare with are as the bytes say.
     ///
     /// # Errors
-    /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since; [`Error::NoRoom`] or
-    /// [`Error::OtherConfig`] as for [`move_into`](Self::move_into). The world stays as it is.
+    /// [`Error::BadSnapshot`] if the bytes are no snapshot, or have changed since;
+    /// [`Error::CapacityTooLarge`] or [`Error::BadMargin`] if this build cannot make such a world;
+    /// [`Error::NoRoom`] or [`Error::OtherConfig`] as for [`move_into`](Self::move_into). The world stays as it
+    /// is.
     #[doc(alias("restore", "deserialize", "rollback"))]
     pub fn load(&mut self, snapshot: &[u8]) -> Result<(), Error> {
         let body = opened(snapshot).ok_or(Error::BadSnapshot)?;
@@ -100,7 +102,9 @@ impl<I: Index> World<'_, I> {
         if let Some(field) = state.setup.difference(&self.parts.state.setup) {
             return Err(Error::OtherConfig { field });
         }
-        let stored = Stored::<I>::cut(state, sections).ok_or(Error::BadSnapshot)?;
+        let config = state.setup.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
+        let sizes = Sizes::of::<I>(&config)?;
+        let stored = Stored::<I>::cut(state, &sizes, sections).ok_or(Error::BadSnapshot)?;
         check::all(&stored).map_err(|_| Error::BadSnapshot)?;
         check_room(&state, &self.parts.sizes)?;
         self.parts.clear(false);
@@ -157,6 +161,7 @@ impl<I: Index> World<'_, I> {
         check_room(&stored.state, &sizes)?;
         let mut world = World::new_in(slab, config)?;
         stored.put(&mut world.parts);
+        world.parts.watch.follow(&self.parts.watch);
         Ok(world)
     }
 }

@@ -163,11 +163,12 @@ impl<I: Index> World<'_, I> {
     }
 
     /// Whether an object meets a filter, by groups and classes; for queries, see [`among`](Self::among).
-    /// In a world without filters objects have [`Filter::ALL`]. False for a stale id. O(1).
+    /// In a world without filters objects have [`Filter::ALL`]. False for a stale id or a bad class. O(1).
     #[must_use]
     pub fn meets(&self, id: Id, filter: &Filter) -> bool {
         let row = |class: usize| self.parts.filters.classes.get(class).copied().unwrap_or(u32::MAX);
-        self.contains(id) && meet(&self.filter(id).unwrap_or_default(), filter, row)
+        let is_one = self.contains(id) && (filter.class as usize) < CLASSES;
+        is_one && meet(&self.filter(id).unwrap_or_default(), filter, row)
     }
 
     /// Sets which classes meet. Two classes `a` and `b` meet if bit `b` of `meets[a]` and bit `a` of

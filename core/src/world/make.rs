@@ -38,13 +38,15 @@ impl<'m, I: Index> World<'m, I> {
         Parts::init(slab, config).map(Self::of)
     }
 
-    /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1).
+    /// Opens the world that [`new_in`](Self::new_in) made in `slab`, with all that it holds. O(1), or O(n)
+    /// where its process ended within a step.
     ///
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
         let mut parts = Parts::open(slab)?;
         if parts.state.stepping != 0 {
+            parts.mend_boxes();
             drop(Unfinished(&mut parts));
         }
         Ok(Self::of(parts))
@@ -71,6 +73,7 @@ impl<'m, I: Index> World<'m, I> {
             return Err(Error::OtherConfig { field });
         }
         self.parts.copy(&other.parts);
+        self.parts.watch.follow(&other.parts.watch);
         Ok(())
     }
 

@@ -93,6 +93,7 @@ impl<I: Index> World<'_, I> {
         let context = StepContext { executor: &executor, ..context };
         let done = work(parts, context, shared);
         let result = if parts.watch.sees_fault() {
+            parts.watch.forget();
             Err(Error::InvariantBroken)
         } else {
             parts.state.stepping = 0;

@@ -215,8 +215,7 @@ impl<'m, I: Index> World<'m, I> {
             let before = (at as usize).wrapping_sub(1);
             at = boxes.now.at(before).next_free();
             if at == slot + 1 {
-                // The link stands in the box, which counts as another one.
-                return self.parts.objects().remove(before, next);
+                return boxes.now.put(before, KeyBox::free(next));
             }
         }
     }

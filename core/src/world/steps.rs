@@ -53,8 +53,8 @@ impl<'m, I: Index> World<'m, I> {
     /// If a [rule](Self::with_rule) or an [executor](Self::on) panics, the world stays valid and has no
     /// pairs; each box of [`step_over`](Self::step_over) may have been taken in or not. The next step finds
     /// all pairs anew, and its events are relative to the last complete step. A world that was in a step when
-    /// its process ended finds all pairs anew, too, when it is [opened](Self::open), but a box that was being
-    /// written then may be wrong, and so may its pairs until it gets another one: better go back to a copy.
+    /// its process ended finds all pairs anew, too, when it is [opened](Self::open); the first events may be
+    /// wrong then, and a box that was being written is until it is given again.
     ///
     /// # Errors
     /// [`Error::PairsFull`], or [`Error::InvariantBroken`], which says that this library is at fault.

@@ -204,6 +204,7 @@ impl fmt::Display for Tally {
 /// The number of an error in C.
 fn status(error: &Error) -> u64 {
     match error {
+        Error::CapacityTooLarge { .. } => 9,
         Error::BadMargin => 10,
         Error::ObjectsFull { .. } => 11,
         Error::BadBox { .. } => 12,
@@ -231,6 +232,7 @@ fn detail(error: &Error) -> u64 {
         Error::ObjectsFull { needed, .. }
         | Error::PairsFull { needed, .. }
         | Error::OutputFull { needed, .. } => needed,
+        Error::CapacityTooLarge { most, .. } => most,
         Error::BadBox { index } | Error::BadQuery { index } => u64::from(index),
         Error::StaleId { id } | Error::SlotTaken { id } => id.to_bits(),
         Error::BadClass { class } => u64::from(class),

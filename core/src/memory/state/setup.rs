@@ -1,11 +1,11 @@
 //! Stores a configuration as plain bytes.
 
-use crate::config::{Capacity, Config, Forced, Margin, Mode};
+use crate::config::{Capacity, Config, Forced, LISTS, Margin, Mode, TREE};
 use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
-/// The version, and a bit for the feature that changes the layout of the slab.
-const MAGIC: u32 = 0x7452_000d | if cfg!(feature = "large") { 1 << 15 } else { 0 };
+/// The version, and a bit for each feature that changes the layout of the slab.
+const MAGIC: u32 = 0x7452_000d | (TREE as u32) << 15 | (LISTS as u32) << 14;
 
 /// A [`Config`] as plain bytes.
 #[repr(C)]
