@@ -124,9 +124,8 @@ fn best_plane<I: Index>(boxes: &[KeyBox], sample: &[I], keys: &mut [i32]) -> i32
             // At the position, or the next one that has objects on both sides.
             select(keys, position, &|a, b| a < b);
             if let Some(key) = keys.iter().skip(position).filter(|key| **key & !AXIS > first).min() {
-                let plane = plane(axis, *key);
-                let crossing = crossing(boxes, sample, plane, length(first, last) / 2.0);
-                best = if crossing < best.0 { (crossing, plane) } else { best };
+                let found = crossing(boxes, sample, plane(axis, *key), length(first, last) / 2.0);
+                best = if found.0 < best.0 { found } else { best };
             }
         }
         if best.0 < count {
@@ -137,31 +136,32 @@ fn best_plane<I: Index>(boxes: &[KeyBox], sample: &[I], keys: &mut [i32]) -> i32
 }
 
 /// How many boxes of a sample cross a plane; more if it is lopsided, and the greatest number if too many do.
-/// Four thin ones that go `far` beyond it count as one: they become large objects, which cost little.
-fn crossing<I: Index>(boxes: &[KeyBox], sample: &[I], plane: i32, far: f32) -> usize {
+/// Four thin ones that go `far` beyond it count as one: they become large objects, which cost little. And the
+/// plane, which goes to the middle of a gap below it: there, boxes that grow a little do not cross it.
+fn crossing<I: Index>(boxes: &[KeyBox], sample: &[I], plane: i32, far: f32) -> (usize, i32) {
     let (axis, key) = (axis_of(plane), key_of(plane));
-    let (mut below, mut quarters) = (0, 0);
+    let (mut below, mut quarters, mut end) = (0, 0, i32::MIN);
     for slot in sample {
         let bounds = KeyBox::of(boxes, slot.at());
         let [low, high] = [bounds.min[axis], bounds.max[axis]];
-        below += usize::from(low < key);
+        (below, end) = if low < key { (below + 1, end.max(high)) } else { (below, end) };
         if low < key && high >= key {
             quarters += if length(key, high) > far && is_thin(bounds) { 1 } else { 4 };
         }
     }
-    let (crossing, all) = (quarters / 4, sample.len());
-    match crossing {
-        _ if crossing * CROSSING > below => usize::MAX,
+    let (all, half_gap) = (sample.len(), key - key.midpoint(end.min(key)));
+    let cost = match quarters / 4 {
+        crossing if crossing * CROSSING > below => usize::MAX,
         // Lopsided: any other plane is better.
-        _ if below.min(all - below) < all / LOPSIDED => all + crossing,
-        _ => crossing,
-    }
+        crossing if below.min(all - below) < all / LOPSIDED => all + crossing,
+        crossing => crossing,
+    };
+    (cost, plane - (half_gap & !AXIS))
 }
 
 /// Whether a plane would part a sample of objects nearly into halves.
 pub(super) fn is_divisible<I: Index>(boxes: &[KeyBox], sample: &[I]) -> bool {
-    let mut keys = [0; LEAF_SAMPLE];
-    let plane = best_plane(boxes, sample, keys.span_mut(0, sample.len()));
+    let plane = best_plane(boxes, sample, [0; LEAF_SAMPLE].span_mut(0, sample.len()));
     let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min[axis_of(plane)] < key_of(plane);
     let (below, all) = (sample.iter().filter(is_below).count(), sample.len());
     // If half of the boxes are in one place, a plane parts only the other half, again and again.
