@@ -198,7 +198,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("", 1114),
     ("geometry", 1150),
     ("memory", 1836),
-    ("objects", 659),
+    ("objects", 658),
     ("pairs", 693),
     ("parallel", 510),
     ("query", 1251),

@@ -126,16 +126,15 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
         } else if S::ENCODES_FOUR && !(objects.fat.renews | objects.fat.regrows) {
             taken = take_in_quiet::<S, true>(simd, first, bounds, &mut objects, word, taken);
         }
+        if S::ENCODES_FOUR && has_fat && taken.done & all != all {
+            let of = &mut objects;
+            taken = call!(simd, take_in_leavers(simd, first, bounds, of, word, taken));
+        }
         let (of, found) = (&mut objects, &mut intake);
         if S::ENCODES_FOUR && taken.done & all == all {
             of.note(word, taken.changed, taken.contained);
         } else if S::ENCODES_FOUR {
-            call!(simd, {
-                if has_fat {
-                    taken = take_in_leavers(simd, first, bounds, of, word, taken);
-                }
-                take_in(first, bounds, of, word, taken, found);
-            });
+            call!(simd, take_in(first, bounds, of, word, taken, found));
         } else {
             take_in(first, bounds, of, word, taken, found);
         }

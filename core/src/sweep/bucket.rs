@@ -112,22 +112,22 @@ fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
 }
 
 /// Makes the records of a bucket as wide as the grid on each axis, but the swept one, where all their boxes
-/// are one point: as in a game in two dimensions. All touch there, but would wait for the exact test, as each
-/// two records share a step of the grid. O(records) where it is so, else a few records are looked at.
+/// have a point in common, at which some begin or end: as in a game in two dimensions. All touch there, but
+/// would wait for the exact test where they share that step of the grid. O(records) where it is so.
 #[inline(always)]
 fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
-    for axis in (0..3).filter(|axis| *axis != swept) {
-        let mut point = None;
-        let is_flat = sorted.iter().all(|record| {
-            // Most buckets are not, as their first record tells.
-            record.lanes.at(axis) == !record.lanes.at(axis + 3) && {
-                let bounds = KeyBox::of(boxes, record.slot() as usize);
-                let (min, max) = (bounds.min.at(axis), bounds.max.at(axis));
-                min == max && *point.get_or_insert(min) == min
-            }
-        });
-        for record in sorted.iter_mut().filter(|_| is_flat) {
-            // The minimum, and the complemented maximum.
+    // Where the last of some begins and, complemented, where the first one ends, by all bytes of a record.
+    let mut steps = [0u16; 8];
+    for record in sorted.iter().take(64) {
+        let lanes: &[u16; 8] = bytemuck::cast_ref(record);
+        (0..8).for_each(|k| steps[k] = steps[k].max(lanes[k]));
+    }
+    for axis in (0..3).filter(|axis| *axis != swept && steps[*axis] == !steps[*axis + 3]) {
+        let (mut last, mut first) = (i32::MIN, i32::MAX);
+        for bounds in sorted.iter().map(|record| KeyBox::of(boxes, record.slot() as usize)) {
+            (last, first) = (last.max(bounds.min.at(axis)), first.min(bounds.max.at(axis)));
+        }
+        for record in sorted.iter_mut().filter(|_| last <= first) {
             record.lanes.put(axis, 0);
             record.lanes.put(axis + 3, 0);
         }
