@@ -49,17 +49,21 @@ pub(crate) fn select<T: Copy + Default>(
     heapsort(items, |a, b| precedes(&a, &b));
 }
 
-/// Moves the last item of a heap up to its place. The last item in order is at the root. O(log n).
-pub(crate) fn sift_up<T: Copy + Default>(heap: &mut [T], precedes: &impl Fn(T, T) -> bool) {
-    let mut at = heap.len().saturating_sub(1);
-    while at > 0 {
-        let parent = (at - 1) / 2;
-        if !precedes(heap.at(parent), heap.at(at)) {
-            return;
-        }
-        heap.swap_at(parent, at);
-        at = parent;
+/// Puts an item to a free place of a heap, or above it, at most at `root`, for which items move down. The last
+/// item in order is at the root. O(log n).
+#[inline(always)]
+pub(crate) fn sift_up<T: Copy + Default>(
+    heap: &mut [T],
+    root: usize,
+    mut at: usize,
+    item: T,
+    precedes: &impl Fn(T, T) -> bool,
+) {
+    while at > root && precedes(heap.at((at - 1) / 2), item) {
+        heap.put(at, heap.at((at - 1) / 2));
+        at = (at - 1) / 2;
     }
+    heap.put(at, item);
 }
 
 /// Moves an item of such a heap down to its place. O(log n).
@@ -79,9 +83,5 @@ pub(crate) fn sift_down<T: Copy + Default>(heap: &mut [T], root: usize, precedes
         heap.put(at, heap.at(child));
         at = child;
     }
-    while at > root && precedes(heap.at((at - 1) / 2), item) {
-        heap.put(at, heap.at((at - 1) / 2));
-        at = (at - 1) / 2;
-    }
-    heap.put(at, item);
+    sift_up(heap, root, at, item, precedes);
 }

@@ -157,13 +157,8 @@ impl Aabb {
     pub(crate) fn squared_distance(&self, point: &[f32; 3]) -> f64 {
         let gap = |k: usize| {
             let (x, low, high) = (widened(point[k]), widened(self.min[k]), widened(self.max[k]));
-            let gap = if x < low {
-                low - x
-            } else if x > high {
-                x - high
-            } else {
-                0.0
-            };
+            let beyond = if low - x > x - high { low - x } else { x - high };
+            let gap = if beyond > 0.0 { beyond } else { 0.0 };
             gap * gap
         };
         gap(0) + gap(1) + gap(2)

@@ -7,10 +7,10 @@ use bytemuck::NoUninit;
 /// places. Nothing is copied, and any alignment is right.
 #[derive(Clone, Copy, Debug)]
 pub struct Boxes<'a> {
-    bytes: &'a [u8],
-    stride: usize,
+    pub(crate) bytes: &'a [u8],
+    pub(crate) stride: usize,
     /// Where the maximum corner ends in an item.
-    end: usize,
+    pub(crate) end: usize,
     count: usize,
     /// The same boxes, if they are one after another and aligned. Others are read byte by byte.
     pub(crate) packed: &'a [Aabb],
@@ -18,15 +18,6 @@ pub struct Boxes<'a> {
 
 /// The bytes of three `f32`.
 pub(crate) const CORNER: usize = 12;
-
-/// Items of boxes in the caller's memory, of which the first four are meant. See [`Boxes`].
-#[derive(Clone, Copy)]
-#[allow(dead_code, reason = "scalar code takes boxes one by one")]
-pub(crate) struct Four<'a> {
-    pub(crate) items: &'a [u8],
-    pub(crate) stride: usize,
-    pub(crate) end: usize,
-}
 
 impl<'a> Boxes<'a> {
     /// Boxes one after another.
@@ -133,10 +124,10 @@ impl<'a> Boxes<'a> {
         self.bytes.get(index * self.stride..).unwrap_or_default()
     }
 
-    /// Takes the next four of some items.
+    /// Takes the next four of some items: such boxes, and their end.
     #[inline(always)]
-    pub(crate) fn four(&self, items: &mut &'a [u8]) -> Four<'a> {
-        let four = Four { items, stride: self.stride, end: self.end };
+    pub(crate) fn four(&self, items: &mut &'a [u8]) -> Self {
+        let four = Self { bytes: items, ..*self };
         *items = items.get(4 * self.stride..).unwrap_or_default();
         four
     }

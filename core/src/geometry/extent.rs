@@ -1,6 +1,6 @@
 //! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse.
 
-use super::key::{KeyBox, key};
+use super::key::{KeyBox, key, value};
 use bytemuck::{Pod, Zeroable};
 
 /// The bounds of the finite minimum corners in a world, without large objects where these are known.
@@ -13,9 +13,6 @@ pub(crate) struct Extent {
 
 impl Extent {
     pub(crate) const NONE: Self = Self { low: [i32::MAX; 3], high: [i32::MIN; 3] };
-
-    /// The bounds of all finite coordinates.
-    pub(crate) const FINITE: Self = Self { low: [key(f32::MIN); 3], high: [key(f32::MAX); 3] };
 
     /// Takes in one minimum corner, unbounded or not.
     pub(crate) fn include(&mut self, min: &[i32; 3]) {
@@ -30,10 +27,8 @@ impl Extent {
 
     /// Cuts off infinite coordinates, which would make frames too coarse: once for many corners.
     pub(crate) fn make_finite(&mut self) {
-        for k in 0..3 {
-            self.low[k] = self.low[k].max(Self::FINITE.low[k]);
-            self.high[k] = self.high[k].min(Self::FINITE.high[k]);
-        }
+        self.low = self.low.map(|low| low.max(key(f32::MIN)));
+        self.high = self.high.map(|high| high.min(key(f32::MAX)));
     }
 
     pub(crate) fn union(&mut self, other: &Self) {
@@ -61,7 +56,7 @@ impl BoundsScan {
     #[inline(never)]
     pub(crate) fn examine(&mut self, bounds: &KeyBox) {
         self.coarse |= bounds.is_coarse();
-        self.points |= bounds.is_distant_point();
+        self.points |= bounds.min == bounds.max && bounds.min.iter().any(|key| value(*key).abs() > 1e-20);
     }
 
     /// Whether `f32` is too coarse for some of `live` boxes. A point may be meant, or may be a box that has

@@ -226,11 +226,6 @@ impl KeyBox {
         !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
     }
 
-    /// Whether the box is a point away from the origin.
-    pub(crate) fn is_distant_point(&self) -> bool {
-        self.min == self.max && !on_all_axes(|k| value(self.min[k]).abs() <= 1e-20)
-    }
-
     /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than
     /// four steps of the coordinate. Where a side has vanished, the largest one decides.
     pub(crate) fn is_coarse(&self) -> bool {

@@ -21,14 +21,6 @@ impl Frame {
     /// Of no leaf.
     pub(crate) const NONE: Self = Self { origin: [0.0; 8], scale: [0.0; 8] };
 
-    /// A frame of an origin and of steps a unit of length.
-    pub(crate) const fn new(origin: [f32; 3], scale: [f32; 3]) -> Self {
-        const fn twice([x, y, z]: [f32; 3]) -> [f32; 8] {
-            [x, y, z, x, y, z, 0.0, 0.0]
-        }
-        Self { origin: twice(origin), scale: twice(scale) }
-    }
-
     /// The longest axis. Any axis is right to sweep along (errata E16 and E17); along the longest one a box
     /// meets the fewest others.
     pub(crate) const fn longest_axis(&self) -> usize {
@@ -51,7 +43,8 @@ impl Frame {
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);
             GRID_MAX / (high - low).max(floor).min(f32::MAX)
         };
-        Self::new(origin, [scale(0), scale(1), scale(2)])
+        let twice = |[x, y, z]: [f32; 3]| [x, y, z, x, y, z, 0.0, 0.0];
+        Self { origin: twice(origin), scale: twice([scale(0), scale(1), scale(2)]) }
     }
 
     /// The part of a box that holds whatever has its record within `bounds`. Steps are rounded, so one more

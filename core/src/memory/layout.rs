@@ -162,14 +162,8 @@ impl Sizes {
         Ok(sizes)
     }
 
-    /// Whether the world has no tree.
     pub(crate) const fn is_small(&self) -> bool {
         !TREE || self.bucket == 0
-    }
-
-    /// Whether every two boxes are tested.
-    pub(crate) const fn is_tiny(&self) -> bool {
-        !TREE && !LISTS || self.list == 0
     }
 
     /// One item for each object of a world that has some.
@@ -198,7 +192,6 @@ impl Sizes {
         if_so(TREE && self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
     }
 
-    /// Entries of the histogram.
     pub(crate) const fn histogram(&self) -> usize {
         if_so(TREE && self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
     }

@@ -51,7 +51,6 @@ impl Cell {
         }
     }
 
-    /// How a box lies to this cell.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, keys: S::Keys) -> Classification {
         let (from, until) = (simd.keys(&self.from), simd.keys(&self.until));
@@ -136,13 +135,11 @@ impl Split {
         Self { plane: 0, below: LEAF | leaf as u32 }
     }
 
-    /// The leaf, if it is one.
     pub(crate) const fn as_leaf(self) -> Option<usize> {
         if self.below & LEAF == 0 { None } else { Some((self.below & !LEAF) as usize) }
     }
 }
 
-/// The nodes of the tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Nodes<'n> {
     /// A box around the members of each node. There is no node zero.
@@ -160,7 +157,6 @@ impl<'n> Nodes<'n> {
         KeyBox::of(self.boxes, self.tops.at(leaf) as usize)
     }
 
-    /// The node above.
     pub(crate) fn above(&self, node: usize) -> usize {
         self.parents.at(node / 2) as usize
     }
@@ -177,29 +173,21 @@ impl<'n> Nodes<'n> {
 }
 
 impl Leaf {
+    pub(crate) fn members<'r>(&self, records: &'r [Record]) -> &'r [Record] {
+        records.span(self.start as usize, self.len as usize)
+    }
+
     /// The records of the leaf, eight at a time; and with each eight how many records are left from its first
     /// one on. The last eight are filled up with what stands behind: free room, or records of the next leaf.
-    pub(crate) fn chunks_of_eight<'r>(&self, records: &'r [Record]) -> ChunksOfEight<'r> {
+    pub(crate) fn chunks_of_eight<'r>(
+        &self,
+        records: &'r [Record],
+    ) -> impl Iterator<Item = (&'r [Record; EIGHT], u32)> + use<'r> {
         let records = records.span(self.start as usize, (self.len as usize).next_multiple_of(EIGHT));
-        ChunksOfEight { rest: records.as_chunks().0.iter(), left: self.len }
-    }
-}
-
-/// See [`Leaf::chunks_of_eight`].
-pub(crate) struct ChunksOfEight<'r> {
-    rest: core::slice::Iter<'r, [Record; EIGHT]>,
-    left: u32,
-}
-
-impl<'r> Iterator for ChunksOfEight<'r> {
-    type Item = (&'r [Record; EIGHT], u32);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let eight = self.rest.next()?;
-        let left = self.left;
-        // After the last eight this wraps, and nobody reads it.
-        self.left = left.wrapping_sub(EIGHT as u32);
-        Some((eight, left))
+        records.as_chunks().0.iter().scan(self.len, |left, eight| {
+            // After the last eight this wraps, and nobody reads it.
+            Some((eight, core::mem::replace(left, left.wrapping_sub(EIGHT as u32))))
+        })
     }
 }
 

@@ -68,7 +68,6 @@ impl Lists {
         (self.bits.at(index % ROWS), self.bases.at(index % ROWS))
     }
 
-    /// Replaces a mask.
     pub(crate) fn put_mask(&mut self, index: usize, bits: u64, base: u32) {
         self.bits.put(index % ROWS, bits);
         self.bases.put(index % ROWS, base);
@@ -81,17 +80,24 @@ impl Lists {
 pub(crate) struct Work {
     pub(crate) copies: u64,
     pub(crate) candidates: u64,
+    /// Candidates that only the keys could decide.
     pub(crate) tied: u64,
+    /// Pairs of records that were not compared.
     pub(crate) spared: u64,
 }
 
-/// See the module.
+impl Work {
+    fn add(&mut self, other: &Self) {
+        self.copies += other.copies;
+        self.candidates += other.candidates;
+        self.tied += other.tied;
+        self.spared += other.spared;
+    }
+}
+
 pub(crate) struct Scratch<'s, I> {
     /// What earlier calls did with this area.
-    work: &'s mut [Work],
-    /// Copies so far, and pairs of records that were not compared.
-    pub(crate) copies: u64,
-    pub(crate) spared: u64,
+    before: &'s mut [Work],
     /// The ghosts of a leaf, or its tiles.
     pub(crate) ghosts: &'s mut [Record],
     pub(crate) leaf_scratch: LeafScratch<'s, I>,
@@ -109,10 +115,7 @@ pub(crate) struct LeafScratch<'s, I> {
     pub(crate) candidates: &'s mut [u32],
     /// Pairs that wait to be passed on.
     pub(crate) pairs: &'s mut [Pair<I>],
-    /// Candidates so far.
-    pub(crate) tested: u64,
-    /// Candidates so far that only the keys could decide.
-    pub(crate) tied: u64,
+    pub(crate) work: Work,
 }
 
 impl<'s, I: Index> Scratch<'s, I> {
@@ -121,9 +124,7 @@ impl<'s, I: Index> Scratch<'s, I> {
         let mut rest = area;
         let candidates = batch(bucket) + WINDOW;
         Self {
-            work: cut(&mut rest, 1),
-            copies: 0,
-            spared: 0,
+            before: cut(&mut rest, 1),
             ghosts: cut(&mut rest, bucket),
             leaf_scratch: LeafScratch {
                 sorted: cut(&mut rest, bucket),
@@ -131,8 +132,7 @@ impl<'s, I: Index> Scratch<'s, I> {
                 lists: cut(&mut rest, 1),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
-                tested: 0,
-                tied: 0,
+                work: Work::default(),
             },
         }
     }
@@ -141,12 +141,7 @@ impl<'s, I: Index> Scratch<'s, I> {
 impl<I> Scratch<'_, I> {
     /// Adds what this call has done to its area.
     pub(crate) fn finish(self) {
-        if let [work] = self.work {
-            work.copies += self.copies;
-            work.spared += self.spared;
-            work.candidates += self.leaf_scratch.tested;
-            work.tied += self.leaf_scratch.tied;
-        }
+        self.before.iter_mut().for_each(|before| before.add(&self.leaf_scratch.work));
     }
 }
 
@@ -178,10 +173,7 @@ pub(crate) fn reset(scratch: &mut [Record], area: usize) {
 
 /// The sum over all workers.
 pub(crate) fn work(scratch: &mut [Record], area: usize) -> Work {
-    sums(scratch, area).fold(Work::default(), |sum, work| Work {
-        copies: sum.copies + work.copies,
-        candidates: sum.candidates + work.candidates,
-        tied: sum.tied + work.tied,
-        spared: sum.spared + work.spared,
-    })
+    let mut all = Work::default();
+    sums(scratch, area).for_each(|work| all.add(work));
+    all
 }

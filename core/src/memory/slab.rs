@@ -61,7 +61,8 @@ impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
 
 impl<'m> Section<'m, u32> for SlotSet<'m> {
     fn of(memory: &'m mut [u32]) -> Self {
-        Self::carve(memory)
+        let groups = if TREE { memory.len().div_ceil(33) } else { 0 };
+        Self::from(memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default())
     }
 
     fn items(&self) -> [&[u32]; 2] {
@@ -73,7 +74,10 @@ impl<'m> Section<'m, u32> for SlotSet<'m> {
     }
 
     fn derive(&mut self) {
-        self.regroup();
+        self.groups.fill(0);
+        for word in 0..self.words.len() {
+            self.add(word, self.words.at(word));
+        }
     }
 }
 

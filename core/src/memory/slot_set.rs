@@ -28,12 +28,6 @@ impl<'m> SlotSet<'m> {
         bits::words(slots) + if TREE { slots.div_ceil(GROUP) } else { 0 }
     }
 
-    /// Divides that memory.
-    pub(crate) fn carve(memory: &'m mut [u32]) -> Self {
-        let groups = if TREE { memory.len().div_ceil(33) } else { 0 };
-        Self::from(memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default())
-    }
-
     /// The same set, borrowed.
     pub(crate) fn reborrow(&mut self) -> SlotSet<'_> {
         SlotSet { words: self.words, groups: self.groups }
@@ -83,14 +77,6 @@ impl<'m> SlotSet<'m> {
             }
         }
         self.clear();
-    }
-
-    /// Computes the groups, after words were written directly.
-    pub(crate) fn regroup(&mut self) {
-        self.groups.fill(0);
-        for word in 0..self.words.len() {
-            self.add(word, self.words.at(word));
-        }
     }
 
     /// Calls a function with the number and the bits of each word that has some, and maybe of others.

@@ -56,7 +56,6 @@ pub enum Reason {
     NoRoomForSurplus,
 }
 
-/// A path, and why it was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Route {
     pub(crate) path: Path,

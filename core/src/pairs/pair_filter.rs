@@ -12,7 +12,8 @@ use crate::simd::kernels::run;
 /// Decides which overlaps are pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct PairFilter<'g> {
-    filters: &'g [Filter],
+    /// By slot; none if all meet.
+    pub(crate) filters: &'g [Filter],
     classes: &'g [u32],
     rule: Option<&'g Rule<'g>>,
 }
@@ -43,11 +44,6 @@ impl<'g> PairFilter<'g> {
         !self.filters.is_empty()
     }
 
-    /// The filters by slot.
-    pub(crate) const fn all(&self) -> &[Filter] {
-        self.filters
-    }
-
     /// What the filter of an object looks for; `None` if all.
     pub(crate) fn demand(&self, slot: usize) -> Option<u32> {
         let filter = self.filters.at(slot);
@@ -67,7 +63,6 @@ impl<'g> PairFilter<'g> {
         count
     }
 
-    /// Whether two filters meet.
     pub(crate) fn meet(&self, a: &Filter, b: &Filter) -> bool {
         meet(a, b, |class| self.classes.at(class))
     }

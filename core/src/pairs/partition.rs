@@ -11,7 +11,6 @@ use crate::simd::{Simd, call};
 use arrayvec::ArrayVec;
 use core::ops::Range;
 
-/// A test of a pair.
 #[derive(Clone, Copy)]
 pub(crate) enum Test<'b, I> {
     /// The boxes overlap.
@@ -153,7 +152,6 @@ fn exchange_bits<I: Index>(pairs: &mut [Pair<I>], low: (usize, &mut usize), high
     *high.1 &= !(1 << highest);
 }
 
-/// So many bits.
 const fn ones(count: usize) -> usize {
     if count == 0 { 0 } else { usize::MAX >> (PAIRS_TOGETHER - count) }
 }

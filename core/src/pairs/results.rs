@@ -74,7 +74,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
     let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let result = if surplus.is_some() { passing } else { new.len() };
     let mut persisting = result;
-    parts.state.pairs.lost = 0;
+    (parts.state.pairs.found, parts.state.pairs.lost) = (0, 0);
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
@@ -96,8 +96,6 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         }
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;
-    } else {
-        parts.state.pairs.found = 0;
     }
     parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
     if kept == parked {

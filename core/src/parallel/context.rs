@@ -5,7 +5,6 @@ use super::executor::{self, Executor};
 use crate::filter::Rule;
 use crate::simd::kernels::Kernels;
 
-/// See the module.
 #[derive(Clone, Copy)]
 pub(crate) struct StepContext<'e> {
     pub(crate) kernels: Kernels,
@@ -16,26 +15,15 @@ pub(crate) struct StepContext<'e> {
 }
 
 impl StepContext<'_> {
-    /// As [`each`], with the workers of the step.
+    /// Works on each part once. Workers share the parts if there are enough.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
-        each(self.executor, self.workers, parts, work);
+        let workers = (self.executor.workers() as usize).min(self.workers);
+        within(workers, parts, work, &mut |blocks, job| self.run(blocks, job));
     }
 
-    /// Runs a job of so many blocks.
     pub(crate) fn run(self, blocks: usize, job: &(dyn Fn() + Sync)) {
         executor::run(self.executor, self.workers, blocks, job);
     }
-}
-
-/// Works on each part once. Workers, as many as said at most, share the parts if there are enough.
-pub(crate) fn each<P: Parted>(
-    executor: &dyn Executor,
-    workers: usize,
-    parts: P,
-    work: impl Fn(usize, P::Part) + Sync,
-) {
-    let workers = (executor.workers() as usize).min(workers);
-    within(workers, parts, work, &mut |parts, job| executor::run(executor, workers, parts, job));
 }
 
 /// The same in a job of the caller's, who is given the number of parts, and what each worker is to do.

@@ -6,8 +6,9 @@ use crate::error::Error;
 use crate::id::{Id, Index};
 use crate::memory::limits::{QUERIES_PER_BLOCK, QUERY_WORKERS};
 use crate::parallel::block_queue::Chunks;
-use crate::parallel::context::each;
+use crate::parallel::context::StepContext;
 use crate::parallel::executor::Executor;
+use crate::simd::kernels::Kernels;
 use crate::sort::heapsort;
 use crate::world::World;
 
@@ -199,7 +200,8 @@ fn in_blocks<Q: Sync, T: Send>(
     let blocks = queries.len().div_ceil(QUERIES_PER_BLOCK);
     let out = if room == 0 { &mut [] } else { out };
     let parts = (blocks, Chunks::optional(out, room), Chunks::optional(numbers, QUERIES_PER_BLOCK));
-    each(executor, QUERY_WORKERS, parts, |block, (_, out, numbers)| {
+    let context = StepContext { kernels: Kernels::BASELINE, executor, rule: None, workers: QUERY_WORKERS };
+    context.each(parts, |block, (_, out, numbers)| {
         answer(queries.chunks(QUERIES_PER_BLOCK).nth(block).unwrap_or_default(), out, numbers);
     });
 }

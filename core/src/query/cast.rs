@@ -168,13 +168,8 @@ impl Probe for Along<'_> {
     fn is_met(&self, when: f32) -> bool {
         when <= self.until
     }
-
-    fn is_right_first(&self, left: f32, right: f32) -> bool {
-        right < left || left.is_nan()
-    }
 }
 
-/// A cast that looks for hits.
 struct OnLine<'q, 'm, I: Index> {
     world: &'q World<'m, I>,
     line: &'q Line,

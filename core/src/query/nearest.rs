@@ -93,7 +93,11 @@ impl<I: Index> World<'_, I> {
         if !point.iter().all(|x| x.is_finite()) {
             return Err(Error::BadQuery { index: 0 });
         }
-        let _ = run!(self.kernels, |simd| visit_around(simd, self, point, limit, visit));
+        let (boxes, point, sub_levels) =
+            (self.parts.boxes.given(), &point, self.parts.state.tree.sub_levels());
+        let home = self.has_tree().then(|| home_of(&self.parts.tree, self.parts.state, &point.map(key)));
+        let search = &mut Near { world: self, boxes, point, home: home.unwrap_or(0), limit, visit };
+        let _ = run!(self.kernels, |simd| walk(simd, self, home.map(|home| home >> sub_levels), search));
         Ok(())
     }
 }
@@ -115,9 +119,8 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
             let is_wanted = count < room || precedes(Some(hit), out.first().copied().flatten());
             if is_wanted && (self.condition)(hit.id) {
                 if count < room {
-                    out.put(count, Some(hit));
+                    sift_up(out, 0, count, Some(hit), &precedes);
                     count += 1;
-                    sift_up(out.span_mut(0, count), &precedes);
                 } else {
                     out.put(0, Some(hit));
                     sift_down(out, 0, &precedes);
@@ -170,10 +173,6 @@ impl Probe for Around<'_> {
     fn is_met(&self, squared: f64) -> bool {
         squared <= self.limit
     }
-
-    fn is_right_first(&self, left: f64, right: f64) -> bool {
-        right < left || left.is_nan()
-    }
 }
 
 struct Near<'q, 'm, I: Index> {
@@ -184,21 +183,6 @@ struct Near<'q, 'm, I: Index> {
     home: usize,
     limit: Limit,
     visit: &'q mut dyn FnMut(Hit) -> Limit,
-}
-
-#[inline(always)]
-fn visit_around<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    point: [f32; 3],
-    limit: Limit,
-    visit: &mut dyn FnMut(Hit) -> Limit,
-) -> ControlFlow<()> {
-    let parts = &world.parts;
-    let home = world.has_tree().then(|| home_of(&parts.tree, parts.state, &point.map(key)));
-    let search =
-        &mut Near { world, boxes: parts.boxes.given(), point: &point, home: home.unwrap_or(0), limit, visit };
-    walk(simd, world, home.map(|home| home >> parts.state.tree.sub_levels()), search)
 }
 
 impl<'q, I: Index> Search for Near<'q, '_, I> {

@@ -257,24 +257,21 @@ impl Within<'_> {
 }
 
 impl Probe for Within<'_> {
+    /// Whether they are apart.
     type When = bool;
 
-    const AT_ONCE: bool = true;
+    const AT_ONCE: bool = false;
 
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
         [
-            simd.overlap(a, &self.bounds) && self.side(a) != Side::Outside,
-            simd.overlap(b, &self.bounds) && self.side(b) != Side::Outside,
+            !simd.overlap(a, &self.bounds) || self.side(a) == Side::Outside,
+            !simd.overlap(b, &self.bounds) || self.side(b) == Side::Outside,
         ]
     }
 
-    fn is_met(&self, when: bool) -> bool {
-        when
-    }
-
-    fn is_right_first(&self, left: bool, _: bool) -> bool {
-        !left
+    fn is_met(&self, apart: bool) -> bool {
+        !apart
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) mod scalar;
 mod vectors;
 
 use crate::access::Access;
-use crate::geometry::boxes::Four;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, KeyFour};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -82,15 +82,18 @@ pub(crate) trait Simd: Copy + Send + Sync {
     const TESTS_SOME_PAIRS: bool = false;
 
     /// Calls a closure that is compiled for this level: see [`call!`].
-    fn call<R>(self, work: impl FnOnce() -> R) -> R;
+    #[inline(never)]
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        work()
+    }
 
     /// The keys of a box.
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
-    /// The keys of four boxes: bit `k` where box `k` is not `old[k]`. `None`, and nothing is written, where
-    /// one is bad, an old one empty, or one not inside what it is to be held by.
+    /// The keys of the first four boxes: bit `k` where box `k` is not `old[k]`. `None`, and nothing is
+    /// written, where one is bad, an old one empty, or one not inside what it is to be held by.
     #[inline(always)]
-    fn encode_four(self, _: Four<'_>, _held: &KeyFour, _old: &KeyFour, _new: &mut KeyFour) -> Option<u32> {
+    fn encode_four(self, _: Boxes<'_>, _held: &KeyFour, _old: &KeyFour, _new: &mut KeyFour) -> Option<u32> {
         None
     }
 
@@ -128,33 +131,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Which of some pairs of slots have overlapping boxes: a bit each of at most [`PAIRS_TOGETHER`].
     #[inline(always)]
     fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
-        let (eights, rest) = pairs.as_chunks();
-        // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs,
-        // since a branch for each eight takes half as long again as the tests.
-        let mut most = 0;
-        if Self::TESTS_SOME_PAIRS {
-            for slot in eights.as_flattened().as_flattened() {
-                most = most.max(slot.slot());
-            }
-        }
-        if !Self::TESTS_SOME_PAIRS || most as usize + 1 >= boxes.len() {
-            return each_overlap(self, boxes, pairs);
-        }
-        let mut bits = 0;
-        for (index, eight) in eights.iter().enumerate() {
-            // SAFETY: behind the box of each slot there is another one.
-            bits |= (unsafe { self.eight_overlap(boxes, eight) } as usize) << (8 * index);
-        }
-        if rest.is_empty() { bits } else { bits | each_overlap(self, boxes, rest) << (8 * eights.len()) }
-    }
-
-    /// The same for eight pairs.
-    ///
-    /// # Safety
-    /// Behind the box of each slot there must be another one.
-    #[inline(always)]
-    unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
-        each_overlap(self, boxes, pairs) as u32
+        each_overlap(self, boxes, pairs)
     }
 
     /// Prepares the rows of a sweep along an axis.
@@ -240,7 +217,6 @@ pub(crate) trait Simd: Copy + Send + Sync {
         None
     }
 
-    /// Compares two records.
     #[inline(always)]
     fn contact(self, a: &Record, b: &Record) -> Contact {
         let (mut touches, mut tied) = (true, false);

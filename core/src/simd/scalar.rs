@@ -16,11 +16,6 @@ impl Simd for Scalar {
 
     type Query = Row;
 
-    #[inline(never)]
-    fn call<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
-    }
-
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> KeyBox {
         *bounds

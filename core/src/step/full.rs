@@ -36,7 +36,7 @@ pub(super) fn full<I: Index>(
     context.executor.enter(Stage::Sweep);
     let (leaves, from) = (parts.state.tree.count, kept.unwrap_or_default());
     let moved = kept.map(|_| &*parts.moved.words);
-    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let tree_view = TreeView::new(&parts.state.tree, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);

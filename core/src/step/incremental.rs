@@ -31,7 +31,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let [_, homes, movers] = thirds(parts.spare);
     let (movers, homes) = (movers.span(0, count), homes.span(0, count));
     let moved = &*parts.moved.words;
-    let tree_view = TreeView::new(parts.state, parts.boxes.swept(), &parts.tree);
+    let tree_view = TreeView::new(&parts.state.tree, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;

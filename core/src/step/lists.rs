@@ -29,7 +29,7 @@ const INVERSIONS_PER_OBJECT: usize = 4;
 pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
     persistent::start_over(parts);
     context.executor.enter(Stage::Build);
-    let has_list = LISTS && !parts.sizes.is_tiny();
+    let has_list = LISTS && parts.sizes.list > 0;
     let ListState { stale, listed, .. } = parts.state.lists;
     let list_anew = has_list && (stale != 0 || u32::from(listed) != parts.state.objects.live);
     if list_anew {

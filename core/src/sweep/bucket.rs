@@ -14,9 +14,6 @@ use crate::memory::scratch::LeafScratch;
 use crate::simd::Simd;
 use crate::tree::Record;
 
-/// Where the runs of equal sort bytes end, in a sorted part of a bucket.
-type Ends = [u16; 256];
-
 /// The runs of a bucket in one part, and in two, with one run of all records of neither.
 pub(super) const WHOLE: usize = 256;
 pub(super) const PARTS: usize = 2 * 256 + 1;
@@ -104,8 +101,8 @@ fn sort<const RUNS: usize, S: Simd, I>(
     runs
 }
 
-/// The end of the last run that a record reaches.
-fn reach_of(record: &Record, axis: usize, ends: &Ends) -> usize {
+/// The end of the last run that a record reaches, by where the runs of equal sort bytes end.
+fn reach_of(record: &Record, axis: usize, ends: &[u16; 256]) -> usize {
     // All bytes of the record as lanes, so that the index needs no check.
     let lanes: &[u16; 8] = bytemuck::cast_ref(record);
     ends[high(!lanes[(3 + axis) % 8]) as usize] as usize

@@ -41,7 +41,6 @@ pub(crate) struct Pass {
     pub(crate) within: bool,
 }
 
-/// See the module.
 #[derive(Clone, Copy)]
 pub(crate) struct Kinds<'g, I> {
     /// The code of each object. Empty if all are compared with all.
@@ -80,10 +79,10 @@ impl<'g, I: Index> Kinds<'g, I> {
 
     /// Writes the part of each object, and returns which parts each of them meets.
     #[inline(never)]
-    fn tell_apart(filters: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
+    fn tell_apart(pair_filter: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
         let (mut known, mut count) = ([Filter::ALL; KNOWN], 0);
         let mut last = None;
-        for (filter, code) in filters.all().iter().zip(&mut *codes) {
+        for (filter, code) in pair_filter.filters.iter().zip(&mut *codes) {
             // Most objects have the filter of the one before.
             if last.is_none_or(|(known, _)| known != *filter) {
                 let lone = filter.group == 0 || filter.mask == 0;
@@ -98,7 +97,7 @@ impl<'g, I: Index> Kinds<'g, I> {
         }
         // Others are one more kind.
         let meet = |a: usize, b: usize| match (known.get(a), known.get(b)) {
-            (Some(a), Some(b)) => filters.meet(a, b),
+            (Some(a), Some(b)) => pair_filter.meet(a, b),
             _ => true,
         };
         let kinds = if count == KNOWN { KNOWN + 1 } else { count };

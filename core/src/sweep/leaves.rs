@@ -12,11 +12,11 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
-use crate::memory::state::State;
+use crate::memory::state::TreeState;
 use crate::simd::{MINIMA, Simd, call};
 use crate::tree::large::Large;
 use crate::tree::visit::Visit;
-use crate::tree::{Cell, Frame, Leaf, Nodes, Record, Straddler};
+use crate::tree::{Frame, Leaf, Nodes, Record, Straddler};
 use core::ops::Range;
 
 /// What sweeps read of the tree.
@@ -24,39 +24,14 @@ use core::ops::Range;
 pub(crate) struct TreeView<'g> {
     pub(crate) boxes: &'g [KeyBox],
     pub(crate) nodes: Nodes<'g>,
-    /// How many levels the leaves are below a full step's leaves.
-    pub(crate) sub_levels: u32,
-    /// As [`TreeState::subdivided`](crate::memory::state::TreeState::subdivided).
-    pub(crate) subdivided: u32,
-    pub(crate) cells: &'g [Cell],
-    pub(crate) frames: &'g [Frame],
-    pub(crate) leaves: &'g [Leaf],
-    pub(crate) bounds: &'g [Record],
-    pub(crate) records: &'g [Record],
-    pub(crate) straddlers: &'g [Straddler],
+    pub(crate) tree: &'g TreeParts<'g>,
+    pub(crate) state: &'g TreeState,
     pub(crate) large: Large<'g>,
 }
 
 impl<'g> TreeView<'g> {
-    pub(crate) fn new(state: &State, boxes: &'g [KeyBox], tree: &'g TreeParts<'_>) -> Self {
-        Self {
-            boxes,
-            nodes: tree.nodes(),
-            sub_levels: state.tree.sub_levels(),
-            subdivided: state.tree.subdivided,
-            cells: tree.cells,
-            frames: tree.frames,
-            leaves: tree.leaves,
-            bounds: tree.bounds,
-            records: tree.records,
-            straddlers: tree.straddlers,
-            large: Large::new(&state.tree, tree.straddlers),
-        }
-    }
-
-    /// The records of a leaf.
-    pub(crate) fn members(&self, leaf: &Leaf) -> &'g [Record] {
-        self.records.span(leaf.start as usize, leaf.len as usize)
+    pub(crate) fn new(state: &'g TreeState, boxes: &'g [KeyBox], tree: &'g TreeParts<'_>) -> Self {
+        Self { boxes, nodes: tree.nodes(), tree, state, large: Large::new(state, tree.straddlers) }
     }
 
     /// Writes the ghosts of a leaf: the records of boxes that touch its cell and are not its members. Leaves
@@ -64,17 +39,17 @@ impl<'g> TreeView<'g> {
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, index: usize, skip: usize, ghosts: &mut [Record]) -> usize {
         call!(simd, {
-            let cell = self.cells.at(index);
+            let cell = self.tree.cells.at(index);
             let [low, entrance] = cell.entrance(simd);
             let mut gathered =
-                Gathered { simd, low, entrance, frame: self.frames.at(index), skip, count: 0, ghosts };
+                Gathered { simd, low, entrance, frame: self.tree.frames.at(index), skip, count: 0, ghosts };
             // The cell is half-open: minima at its high side are in the next cell.
             let mut visit = Visit::new(self.nodes, cell.inside());
             visit.start(simd, index);
             while let Some(other) = visit.next(simd) {
                 if other != index {
-                    let Leaf { straddler_start: start, straddler_len: len, .. } = self.leaves.at(other);
-                    gathered.add(self.straddlers.span(start as usize, len as usize));
+                    let Leaf { straddler_start: start, straddler_len: len, .. } = self.tree.leaves.at(other);
+                    gathered.add(self.tree.straddlers.span(start as usize, len as usize));
                 }
             }
             // Asked first, since it takes less than a walk.
@@ -137,7 +112,6 @@ struct Swept<'g, 'k, I> {
     leaf: Leaf,
 }
 
-/// Sweeps a leaf.
 #[inline(always)]
 pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
@@ -147,10 +121,10 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let swept = Swept { tree_view, kinds, index, leaf: tree_view.leaves.at(index) };
-    let members = tree_view.members(&swept.leaf);
+    let swept = Swept { tree_view, kinds, index, leaf: tree_view.tree.leaves.at(index) };
+    let members = swept.leaf.members(tree_view.tree.records);
     let ghosts = tree_view.gather(simd, index, 0, scratch.ghosts);
-    scratch.copies += ghosts as u64;
+    scratch.leaf_scratch.work.copies += ghosts as u64;
     let count = members.len() + ghosts;
     if count > scratch.leaf_scratch.sorted.len() {
         call!(simd, sweep_tiles(simd, swept, count, scratch, sink));
@@ -159,21 +133,14 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     let buckets = [members, scratch.ghosts.span(0, ghosts)];
     if !kinds.are_one() {
         let plan = kinds.plan(&kinds.count(buckets.iter().copied().flatten()));
-        scratch.spared += plan.spared;
+        scratch.leaf_scratch.work.spared += plan.spared;
         if !plan.whole {
             sweep_passes(simd, swept, (&plan, false), buckets, &mut scratch.leaf_scratch, sink);
             return;
         }
     }
-    let (all, within) = (|_, _: &_| 0, true);
-    bucket::sweep::<{ bucket::WHOLE }, S, I>(
-        simd,
-        buckets,
-        (all, within),
-        (swept.leaf.axis as usize, tree_view.boxes),
-        &mut scratch.leaf_scratch,
-        sink,
-    );
+    let (all, along) = ((|_, _: &_| 0, true), (swept.leaf.axis as usize, tree_view.boxes));
+    bucket::sweep::<{ bucket::WHOLE }, S, I>(simd, buckets, all, along, &mut scratch.leaf_scratch, sink);
 }
 
 /// Does the passes of a plan; if `across`, records of the first bucket meet records of the second alone.
@@ -222,7 +189,7 @@ fn sweep_tiles<S: Simd, I: Index>(
         counts.iter_mut().zip(tile).for_each(|(sum, count)| *sum += count);
     }
     let plan = &kinds.plan(&counts);
-    scratch.spared += plan.spared;
+    scratch.leaf_scratch.work.spared += plan.spared;
     rest = 0..count;
     while !rest.is_empty() {
         let len = fill(&mut rest, Some(plan), left);
@@ -252,7 +219,7 @@ fn fill_tile<S: Simd, I: Index>(
     plan: Option<&Plan>,
     tile: &mut [Record],
 ) -> usize {
-    let members = swept.tree_view.members(&swept.leaf);
+    let members = swept.leaf.members(swept.tree_view.tree.records);
     let mut kept = 0;
     while kept < tile.len() && !(*numbers).is_empty() {
         let start = kept;

@@ -9,8 +9,8 @@ use super::leaves::TreeView;
 use crate::access::{Access, bits};
 use crate::filter::may_meet;
 use crate::geometry::key::KeyBox;
-use crate::id::{Index, Pair, pair};
-use crate::memory::scratch::Scratch;
+use crate::id::{Index, pair};
+use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::pairs::pair_filter::PairFilter;
 use crate::simd::{Simd, limit};
 use crate::tree::visit::Visit;
@@ -27,8 +27,7 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let pairs = &mut *scratch.leaf_scratch.pairs;
-    let mut near = Near { tree_view, moved, filters, tested: 0, spared: 0, pairs, found: 0, sink };
+    let mut near = Near { tree_view, moved, filters, scratch: &mut scratch.leaf_scratch, found: 0, sink };
     let mut start = 0;
     while start < homes.len() {
         let home = homes.at(start);
@@ -41,25 +40,20 @@ pub(crate) fn sweep_movers<S: Simd, I: Index>(
         start = end;
     }
     near.hand_on();
-    scratch.spared += near.spared;
-    scratch.leaf_scratch.tested += near.tested;
 }
 
 /// What is near movers.
-struct Near<'n, 'g, 'o, I> {
+struct Near<'n, 'g, 's, 'o, I> {
     tree_view: &'n TreeView<'g>,
     moved: &'n [u32],
     filters: Option<&'n PairFilter<'g>>,
-    /// How many boxes were looked at, and how many not, as their filters do not meet the mover's.
-    tested: u64,
-    spared: u64,
-    pairs: &'n mut [Pair<I>],
+    scratch: &'n mut LeafScratch<'s, I>,
     /// Pairs that wait to be passed on.
     found: usize,
     sink: &'n mut Sink<'o, I>,
 }
 
-impl<I: Index> Near<'_, '_, '_, I> {
+impl<I: Index> Near<'_, '_, '_, '_, I> {
     /// Visits the large objects and the leaves around movers of one leaf.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, home: I, movers: &[I]) {
@@ -71,22 +65,23 @@ impl<I: Index> Near<'_, '_, '_, I> {
             let is_lone = |demand| !may_meet(demand, u32::MAX);
             if !tree_view.large.list.is_empty() && !self.demand(mover.at()).is_some_and(is_lone) {
                 tree_view.large.each(simd, bounds, |large| {
-                    self.tested += 1;
+                    self.scratch.work.candidates += 1;
                     if large.bounds.overlaps(&bounds) {
                         self.report(mover.slot(), large.slot);
                     }
                 });
             }
         }
+        let (tree, sub_levels) = (tree_view.tree, tree_view.state.sub_levels());
         // A large object has no home: the walk starts anywhere.
-        let leaf = if home == I::LARGE { 0 } else { home.at() >> tree_view.sub_levels };
+        let leaf = if home == I::LARGE { 0 } else { home.at() >> sub_levels };
         let mut visit = Visit::new(tree_view.nodes, around);
         visit.start(simd, leaf);
         while let Some(whole) = visit.next(simd) {
-            let frame = tree_view.frames.get(whole).unwrap_or(&Frame::NONE);
+            let frame = tree.frames.get(whole).unwrap_or(&Frame::NONE);
             // A leaf that is not divided yet has a box around it, and no bounds.
-            let parts = sub_leaves_of(tree_view.bounds, tree_view.sub_levels, whole)
-                .filter(|_| whole + 1 < tree_view.subdivided as usize);
+            let parts = sub_leaves_of(tree.bounds, sub_levels, whole)
+                .filter(|_| tree_view.state.is_subdivided(whole));
             for mover in movers {
                 let bounds = KeyBox::of(tree_view.boxes, mover.at());
                 let record = simd.record(frame, simd.keys(bounds), mover.slot());
@@ -96,12 +91,12 @@ impl<I: Index> Near<'_, '_, '_, I> {
                 };
                 let demand = if mask == 0 { None } else { self.demand(mover.at()) };
                 for part in bits::of_word(mask) {
-                    let leaf = tree_view.leaves.at((whole << tree_view.sub_levels) + part);
+                    let leaf = tree.leaves.at((whole << sub_levels) + part);
                     let offer = parts.map_or(u32::MAX, |parts| parts.at(part).tag);
                     if demand.is_none_or(|demand| may_meet(demand, offer)) {
                         self.test(simd, leaf, &record);
                     } else {
-                        self.spared += u64::from(leaf.len);
+                        self.scratch.work.spared += u64::from(leaf.len);
                     }
                 }
             }
@@ -116,9 +111,9 @@ impl<I: Index> Near<'_, '_, '_, I> {
     /// Tests a mover against the members of a leaf or sub-leaf that it touches.
     #[inline(always)]
     fn test<S: Simd>(&mut self, simd: S, leaf: Leaf, mover: &Record) {
-        let (TreeView { boxes, records, .. }, limit) = (*self.tree_view, limit(mover));
-        self.tested += u64::from(leaf.len);
-        for (eight, left) in leaf.chunks_of_eight(records) {
+        let (TreeView { boxes, tree, .. }, limit) = (*self.tree_view, limit(mover));
+        self.scratch.work.candidates += u64::from(leaf.len);
+        for (eight, left) in leaf.chunks_of_eight(tree.records) {
             let mut mask = simd.touching(eight, limit);
             if mask != 0 {
                 mask &= first_of_eight(left);
@@ -138,15 +133,15 @@ impl<I: Index> Near<'_, '_, '_, I> {
         if other == mover || (other < mover && bits::test(self.moved, other as usize)) {
             return;
         }
-        self.pairs.put(self.found, pair(mover, other));
+        self.scratch.pairs.put(self.found, pair(mover, other));
         self.found += 1;
-        if self.found == self.pairs.len() {
+        if self.found == self.scratch.pairs.len() {
             self.hand_on();
         }
     }
 
     fn hand_on(&mut self) {
-        self.sink.take(self.pairs.span_mut(0, self.found));
+        self.sink.take(self.scratch.pairs.span_mut(0, self.found));
         self.found = 0;
     }
 }

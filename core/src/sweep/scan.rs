@@ -14,7 +14,7 @@ use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
 use crate::memory::limits::{MASKS_PER_ROUND, ROWS};
-use crate::memory::scratch::{CANDIDATES_PER_ROUND, LeafScratch, Lists};
+use crate::memory::scratch::{CANDIDATES_PER_ROUND, LeafScratch, Lists, Work};
 use crate::simd::{Row, Simd, Tested, WINDOW, call};
 use crate::tree::Record;
 use core::ops::Range;
@@ -28,11 +28,11 @@ pub(super) fn sweep<S: Simd, I: Index>(
     run: impl Fn(usize, &Record) -> (usize, usize),
     sink: &mut Sink<'_, I>,
 ) {
-    let LeafScratch { sorted, rows, lists: [lists], candidates, pairs, tested, tied } = leaf_scratch else {
+    let LeafScratch { sorted, rows, lists: [lists], candidates, pairs, work } = leaf_scratch else {
         return;
     };
     let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
-    let mut found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, tested, tied, sink };
+    let mut found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, work, sink };
     let found = &mut found;
     call!(simd, compare_all(simd, (rows, axis), lists, found, run));
 }
@@ -150,9 +150,7 @@ struct Found<'s, 'o, I> {
     pairs: &'s mut [Pair<I>],
     /// Pairs that wait to be passed on.
     found: usize,
-    /// As in [`LeafScratch`].
-    tested: &'s mut u64,
-    tied: &'s mut u64,
+    work: &'s mut Work,
     sink: &'s mut Sink<'o, I>,
 }
 
@@ -168,7 +166,6 @@ impl<I: Index> Found<'_, '_, I> {
         }
     }
 
-    /// Passes the pairs on.
     fn hand_on(&mut self) {
         self.sink.take(self.pairs.span_mut(0, self.found));
         self.found = 0;
@@ -231,7 +228,7 @@ impl<I: Index> Found<'_, '_, I> {
         }
         self.found += found;
         self.collected += untested;
-        *self.tested += (4 * count - untested) as u64;
+        self.work.candidates += (4 * count - untested) as u64;
         to
     }
 
@@ -245,8 +242,8 @@ impl<I: Index> Found<'_, '_, I> {
         let candidates = self.candidates.span_mut(0, self.collected);
         let pairs = self.pairs.span_mut(self.found, self.collected);
         let Tested { found, tied } = call!(simd, test_candidates(simd, sorted, candidates, pairs, boxes));
-        *self.tested += self.collected as u64;
-        *self.tied += tied as u64;
+        self.work.candidates += self.collected as u64;
+        self.work.tied += tied as u64;
         self.found += found;
         self.collected = 0;
     }

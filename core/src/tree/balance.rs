@@ -119,8 +119,7 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
         if u64::from(leaf.len) <= most {
             continue;
         }
-        let members = tree.records.span(leaf.start as usize, leaf.len as usize);
-        let slots = members.iter().map(|record| I::from_slot(record.slot()));
+        let slots = leaf.members(tree.records).iter().map(|record| I::from_slot(record.slot()));
         let mut sample = [I::default(); LEAF_SAMPLE];
         if leaf.stuck > 0
             && state.wait == 0

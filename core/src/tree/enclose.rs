@@ -16,8 +16,8 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
     let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
     context.each(Chunks::new(leaves, 1), |_, leaves| {
         for leaf in leaves {
-            let members = records.span(leaf.start as usize, leaf.len as usize);
-            leaf.straddler_len = members.iter().map(|record| record.tag / Record::STRADDLES % 2).sum();
+            let marks = leaf.members(records).iter().map(|record| record.tag / Record::STRADDLES % 2);
+            leaf.straddler_len = marks.sum();
         }
     });
     let mut start = 0;
@@ -42,7 +42,7 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, lists: bool, context: 
         let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
         let (mut at, len) = (leaf.straddler_start as usize, leaf.straddler_len as usize);
         listed.iter().skip(at).take(len).for_each(|straddler| around.include(&straddler.bounds));
-        let members = if lists { records.span(leaf.start as usize, leaf.len as usize) } else { &[] };
+        let members = if lists { leaf.members(records) } else { &[] };
         for members in members.chunks(64) {
             // Noted for all of them first, since which ones straddle is hard to predict.
             let marks = members.iter().map(|record| record.tag / Record::STRADDLES % 2);

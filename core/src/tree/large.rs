@@ -46,22 +46,16 @@ pub(crate) fn has_room(tree: &TreeState, large: usize, room: usize) -> bool {
     tree.large_depth < DEEPEST && large <= GROUP << tree.large_depth && tree.large_list() + large <= room
 }
 
-/// The large objects and the boxes of their nodes.
+/// The large objects and the boxes of their nodes, a complete tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Large<'g> {
     pub(crate) list: &'g [Straddler],
-    nodes: Heap<'g>,
-}
-
-/// The nodes of a complete tree.
-#[derive(Clone, Copy)]
-pub(crate) struct Heap<'g> {
     boxes: &'g [KeyBox],
     /// The first group.
     first: u32,
 }
 
-impl<'g> Shape<'g> for Heap<'g> {
+impl<'g> Shape<'g> for Large<'g> {
     fn boxes(&self) -> &'g [KeyBox] {
         self.boxes
     }
@@ -76,12 +70,12 @@ impl<'g> Large<'g> {
         let list = straddlers.span(tree.large_list(), tree.large as usize);
         let nodes = straddlers.span(tree.large_start as usize, large_nodes(tree.large_depth));
         let boxes = bytemuck::try_cast_slice(nodes).unwrap_or_default();
-        Self { list, nodes: Heap { boxes, first: 1 << tree.large_depth } }
+        Self { list, boxes, first: 1 << tree.large_depth }
     }
 
     /// The walk to the groups that a probe meets.
-    pub(crate) fn visit<P: Probe>(&self, probe: P) -> Visit<Heap<'g>, P> {
-        Visit::from_root(self.nodes, probe)
+    pub(crate) fn visit<P: Probe>(&self, probe: P) -> Visit<Self, P> {
+        Visit::from_root(*self, probe)
     }
 
     pub(crate) fn group(&self, group: usize) -> &'g [Straddler] {

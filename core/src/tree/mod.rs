@@ -49,14 +49,12 @@ pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
     key & !AXIS | axis as i32
 }
 
-/// The axis of a plane.
 pub(crate) const fn axis_of(plane: i32) -> usize {
     // The fourth value does not occur. Cut to the third, it needs no check of the range.
     let axis = (plane & AXIS) as usize;
     if axis > 2 { 2 } else { axis }
 }
 
-/// The key of a plane.
 pub(crate) const fn key_of(plane: i32) -> i32 {
     plane & !AXIS
 }

@@ -29,10 +29,8 @@ fn refit<I: Index>(parts: &mut Parts<'_, I>, whole: usize) {
     let sub_levels = parts.state.tree.sub_levels();
     let mut around = KeyBox::NOTHING;
     for index in whole << sub_levels..(whole + 1) << sub_levels {
-        let leaf = tree.leaves.at(index);
-        let members = tree.records.span(leaf.start as usize, leaf.len as usize);
         let mut bounds = Record::NOTHING;
-        for record in members {
+        for record in tree.leaves.at(index).members(tree.records) {
             bounds.include(record);
             bounds.tag |= offer(parts.filters.of, record.slot() as usize);
             around.include(KeyBox::of(boxes, record.slot() as usize));

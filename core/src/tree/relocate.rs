@@ -35,20 +35,17 @@ pub(crate) fn relocate_all<I: Index>(
             *leaf = if stays { home } else { I::from_slot(home_of(tree, state, min) as u32) };
         }
     });
-    run!(context.kernels, |simd| relocate_each(simd, parts, count))
+    run!(context.kernels, |simd| {
+        let fits = (0..count).all(|index| relocate(simd, parts, index));
+        parts.state.tree.filled *= u8::from(fits);
+        fits
+    })
 }
 
 /// The scratch memory of a step as three lists: movers, the leaves of these, and movers in order.
 pub(crate) fn thirds<I>(spare: &mut [I]) -> [&mut [I]; 3] {
     let mut thirds = spare.chunks_exact_mut((spare.len() / 3).max(1));
     [(); 3].map(|()| thirds.next().unwrap_or_default())
-}
-
-#[inline(always)]
-fn relocate_each<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, count: usize) -> bool {
-    let fits = (0..count).all(|index| relocate(simd, parts, index));
-    parts.state.tree.filled *= u8::from(fits);
-    fits
 }
 
 #[inline(always)]

@@ -15,7 +15,6 @@ pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
     set_leaf(tree.splits, tree.tops, 1, 0);
 }
 
-/// Lets a node be a leaf.
 pub(super) fn set_leaf(splits: &mut [Split], tops: &mut [u32], node: usize, leaf: usize) {
     splits.put(node, Split::leaf(leaf));
     tops.put(leaf, node as u32);

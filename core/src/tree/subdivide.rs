@@ -59,9 +59,8 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
 
 /// Makes the planes of the sub-leaves of a leaf: medians on the longest axis of a sample of its members.
 fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: usize) {
-    let members = tree.records.span(leaf.start as usize, leaf.len as usize);
-    let mut sample = [[0; 3]; SUB_SAMPLE];
-    let mut count = 0;
+    let members = leaf.members(tree.records);
+    let (mut sample, mut count) = ([[0; 3]; SUB_SAMPLE], 0);
     // An odd step, since every second object may be of another kind.
     let step = members.len().div_ceil(SUB_SAMPLE) | 1;
     let some = members.iter().step_by(step).map(|record| KeyBox::of(boxes, record.slot() as usize));
@@ -102,7 +101,7 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let count = leaf.len as usize;
     let slots = parts.spare.span_mut(0, count);
     let mut lens = [0u32; SUB_LEAVES];
-    for (record, to) in tree.records.span(leaf.start as usize, count).iter().zip(&mut *slots) {
+    for (record, to) in leaf.members(tree.records).iter().zip(&mut *slots) {
         *to = I::from_slot(record.slot());
         let bounds = KeyBox::of(boxes, record.slot() as usize);
         let sub = sub_leaf_of(tree.planes, whole, &bounds.min);

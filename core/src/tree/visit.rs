@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 /// What looks for leaves.
 pub(crate) trait Probe {
     /// When a node is met, or that it is not. Nodes that are met first are visited first.
-    type When: Copy + Default;
+    type When: Copy + PartialOrd;
 
     /// For a node that counts as met without a look at it.
     const AT_ONCE: Self::When;
@@ -20,33 +20,26 @@ pub(crate) trait Probe {
 
     /// Whether a node is still to be visited. What was found may change that.
     fn is_met(&self, when: Self::When) -> bool;
-
-    /// Whether the right child of a node comes before the left one.
-    fn is_right_first(&self, left: Self::When, right: Self::When) -> bool;
 }
 
 /// A box meets all nodes that it overlaps, in the order of their numbers.
 impl Probe for KeyBox {
+    /// Whether they are apart.
     type When = bool;
 
-    const AT_ONCE: bool = true;
+    const AT_ONCE: bool = false;
 
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
-        [simd.overlap(a, self), simd.overlap(b, self)]
+        [!simd.overlap(a, self), !simd.overlap(b, self)]
     }
 
-    fn is_met(&self, when: bool) -> bool {
-        when
-    }
-
-    fn is_right_first(&self, left: bool, _: bool) -> bool {
-        !left
+    fn is_met(&self, apart: bool) -> bool {
+        !apart
     }
 }
 
-/// A node, and when it is met.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Waiting<W> {
     node: u32,
     when: W,
@@ -54,7 +47,6 @@ struct Waiting<W> {
 
 /// Nodes to walk by, from the root, which has number one.
 pub(crate) trait Shape<'v>: Copy {
-    /// The boxes of all nodes.
     fn boxes(&self) -> &'v [KeyBox];
 
     /// The left child of a node, whose right one has the next number; or the leaf that the node is.
@@ -114,7 +106,6 @@ impl<'v, P: Probe> Visit<Nodes<'v>, P> {
 }
 
 impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
-    /// Starts at the root.
     pub(crate) fn from_root(nodes: N, probe: P) -> Self {
         let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
         visit.push(Waiting { node: 1, when: P::AT_ONCE });
@@ -128,7 +119,6 @@ impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
         }
     }
 
-    /// Two nodes, and when they are met.
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, pair: [u32; 2]) -> [Waiting<P::When>; 2] {
         let [a, b] = pair;
@@ -148,7 +138,8 @@ impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
                     Err(leaf) => return Some(leaf),
                 };
                 let [left, right] = self.meet(simd, [below, below + 1]);
-                let swap = self.probe.is_right_first(left.when, right.when);
+                // NaN comes last.
+                let swap = right.when < left.when || left.when.partial_cmp(&P::AT_ONCE).is_none();
                 let (near, later) = if swap { (right, left) } else { (left, right) };
                 self.push(later);
                 here = near;

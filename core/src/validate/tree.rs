@@ -29,9 +29,7 @@ pub(super) fn tree<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         placed += leaf.len as usize;
         // Records are read in groups of eight, also behind the last leaf.
         check(end as usize + EIGHT <= parts.sizes.records(), "more records than there are", index)?;
-        for (place, record) in
-            parts.tree.records.span(leaf.start as usize, leaf.len as usize).iter().enumerate()
-        {
+        for (place, record) in leaf.members(parts.tree.records).iter().enumerate() {
             let slot = record.slot() as usize;
             let is_there = slot < parts.state.objects.slots as usize
                 && parts.home.at(slot) == I::from_slot(index as u32)

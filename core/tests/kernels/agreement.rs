@@ -9,7 +9,7 @@ mod coordinates;
 
 use super::{EIGHT, Row, Simd, WINDOW, limit, scalar::Scalar};
 use crate::geometry::aabb::Aabb;
-use crate::geometry::boxes::Four;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key, value};
 use crate::geometry::line::{Line, Walk};
 use crate::geometry::record::{Frame, Record};
@@ -100,8 +100,8 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     let mut new = [KeyBox::EMPTY; 4];
     let padded = boxes.map(|Aabb { min: [a, b, c], max: [d, e, f] }| [a, b, c, f32::NAN, d, e, f]);
     let four = match random.below(2) {
-        0 => Four { items: bytemuck::bytes_of(&boxes), stride: 24, end: 24 },
-        _ => Four { items: bytemuck::bytes_of(&padded), stride: 28, end: 28 },
+        0 => Boxes::new(&boxes),
+        _ => Boxes::strided(bytemuck::bytes_of(&padded), 28, 16).unwrap_or(Boxes::new(&boxes)),
     };
     let (all, near) = (random.below(2) == 0, keys.map(|keys| keys.unwrap_or_default()));
     let held = near.map(|near| match random.below(8) {

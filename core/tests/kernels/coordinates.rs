@@ -1,7 +1,7 @@
 //! Every level on all coordinates, or on so many that gaps between them are short.
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::boxes::Four;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, key};
 use crate::geometry::record::Frame;
 use crate::simd::Simd;
@@ -97,8 +97,7 @@ fn encodes<S: Simd>(simd: S) -> Option<f32> {
             let expected = if x.is_nan() { None } else { Some(at(key(x))) };
             let mut new = [KeyBox::EMPTY; 4];
             let boxes = [Aabb::new([x; 3], [x; 3]); 4];
-            let four = Four { items: bytemuck::bytes_of(&boxes), stride: 24, end: 24 };
-            let changed = simd.encode_four(four, &[KeyBox::ALL; 4], &[at(1); 4], &mut new);
+            let changed = simd.encode_four(Boxes::new(&boxes), &[KeyBox::ALL; 4], &[at(1); 4], &mut new);
             let four_right = match expected {
                 Some(keys) if S::ENCODES_FOUR => changed.is_some() && new == [keys; 4],
                 _ => changed.is_none(),

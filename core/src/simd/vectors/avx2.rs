@@ -72,25 +72,11 @@ impl Vectors for Avx2 {
         self.both(&bytemuck::cast(words))
     }
 
-    #[inline(always)]
-    fn splat(self, word: u32) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_set1_epi32(word as i32) }
-    }
-
-    #[inline(always)]
-    fn any(self, a: __m256i) -> bool {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_testz_si256(a, a) == 0 }
-    }
-
-    #[inline(always)]
-    fn any_of_three(self, a: __m256i) -> bool {
-        // SAFETY: `self` proves AVX2. Of a test with a mask the compiler makes four operations.
-        unsafe { _mm256_movemask_epi8(a) & 0x0fff_0fff != 0 }
-    }
-
     proven! {
+        splat(word: u32) = _mm256_set1_epi32(word as i32);
+        any(a) -> bool = _mm256_testz_si256(a, a) == 0;
+        // Of a test with a mask the compiler makes four operations.
+        any_of_three(a) -> bool = _mm256_movemask_epi8(a) & 0x0fff_0fff != 0;
         and(a, b) = _mm256_and_si256(a, b);
         or(a, b) = _mm256_or_si256(a, b);
         xor(a, b) = _mm256_xor_si256(a, b);
@@ -131,16 +117,15 @@ impl Halves for Avx2 {
         Sse41(())
     }
 
-    #[inline(always)]
-    fn split(self, a: __m256i) -> [__m128i; 2] {
-        // SAFETY: `self` proves AVX2.
-        unsafe { [_mm256_castsi256_si128(a), _mm256_extracti128_si256::<1>(a)] }
-    }
-
-    #[inline(always)]
-    fn joined(self, first: __m128i, last: __m128i) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_set_m128i(last, first) }
+    proven! {
+        split(a) -> [__m128i; 2] = [_mm256_castsi256_si128(a), _mm256_extracti128_si256::<1>(a)];
+        joined(first: __m128i, last: __m128i) = _mm256_set_m128i(last, first);
+        halved(sides) = _mm256_permutevar8x32_epi32(sides, _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6));
+        bits8(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
+        zeros64(a) -> u32 = {
+            let zeros = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
+            _mm256_movemask_pd(_mm256_castsi256_pd(zeros)) as u32
+        };
     }
 
     /// Behind them stands zero.
@@ -152,29 +137,8 @@ impl Halves for Avx2 {
     }
 
     #[inline(always)]
-    fn halved(self, sides: __m256i) -> __m256i {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_permutevar8x32_epi32(sides, _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6)) }
-    }
-
-    #[inline(always)]
     fn six(self, mask: __m256i) -> u32 {
         self.bits8(mask)
-    }
-
-    #[inline(always)]
-    fn bits8(self, mask: __m256i) -> u32 {
-        // SAFETY: `self` proves AVX2.
-        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32 }
-    }
-
-    #[inline(always)]
-    fn zeros64(self, a: __m256i) -> u32 {
-        // SAFETY: `self` proves AVX2.
-        unsafe {
-            let zeros = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
-            _mm256_movemask_pd(_mm256_castsi256_pd(zeros)) as u32
-        }
     }
 
     #[inline(always)]

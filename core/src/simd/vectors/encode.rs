@@ -4,7 +4,7 @@
 //! maxima; its other two maxima and the first two minima of the next box; the rest of that.
 
 use super::operations::{Halves, NO_BYTE, places};
-use crate::geometry::boxes::Four;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SHORTEST};
 
 /// The places of the bytes of two boxes, six each, as lanes of eight bytes.
@@ -16,7 +16,7 @@ const MINIMA: [[u32; 4]; 3] =
 
 /// The 24 numbers of four boxes, if there are as many.
 #[inline(always)]
-fn numbers<W: Halves>(w: W, Four { items, stride, end }: Four<'_>) -> Option<[W::Vector; 3]> {
+fn numbers<W: Halves>(w: W, Boxes { bytes: items, stride, end, .. }: Boxes<'_>) -> Option<[W::Vector; 3]> {
     if stride == size_of::<KeyBox>() {
         return Some(three(w, bytemuck::cast_ref(items.first_chunk::<96>()?)));
     }
@@ -62,7 +62,7 @@ fn second<W: Halves>(w: W, b: W::Vector, c: W::Vector) -> [W::Vector; 2] {
 #[inline(always)]
 pub(super) fn encode_four<W: Halves>(
     w: W,
-    boxes: Four<'_>,
+    boxes: Boxes<'_>,
     held: &KeyFour,
     old: &KeyFour,
     new: &mut KeyFour,

@@ -2,19 +2,17 @@
 
 use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors};
 use super::{casts, encode, fours, overlaps};
-use crate::geometry::boxes::Four;
+use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, KeyFour};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, each_overlap, query_lanes, row_lanes};
 
-/// The level of some vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level<W>(W);
 
 impl<W: Halves> Level<W> {
-    /// The name of the level.
     pub(crate) const NAME: &'static str = W::NAME;
 
     /// The level, where the target guarantees it.
@@ -60,7 +58,7 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: Four<'_>, held: &KeyFour, old: &KeyFour, new: &mut KeyFour) -> Option<u32> {
+    fn encode_four(self, boxes: Boxes<'_>, held: &KeyFour, old: &KeyFour, new: &mut KeyFour) -> Option<u32> {
         encode::encode_four(self.0, boxes, held, old, new)
     }
 
@@ -95,9 +93,25 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    unsafe fn eight_overlap<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
-        // SAFETY: the caller vouches for the slots.
-        unsafe { overlaps::eight_overlap(self.0, boxes, pairs) }
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
+        let (eights, rest) = pairs.as_chunks();
+        // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs,
+        // since a branch for each eight takes half as long again as the tests.
+        let mut most = 0;
+        if W::TESTS_SOME_PAIRS {
+            for slot in eights.as_flattened().as_flattened() {
+                most = most.max(slot.slot());
+            }
+        }
+        if !W::TESTS_SOME_PAIRS || most as usize + 1 >= boxes.len() {
+            return each_overlap(self, boxes, pairs);
+        }
+        let mut bits = 0;
+        for (index, eight) in eights.iter().enumerate() {
+            // SAFETY: behind the box of each slot there is another one.
+            bits |= (unsafe { overlaps::eight_overlap(self.0, boxes, eight) } as usize) << (8 * index);
+        }
+        if rest.is_empty() { bits } else { bits | each_overlap(self, boxes, rest) << (8 * eights.len()) }
     }
 
     #[inline(always)]

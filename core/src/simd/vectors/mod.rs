@@ -29,6 +29,5 @@ use sse41::Sse41 as Native;
 #[allow(dead_code, reason = "x86-64 may have AVX2 alone")]
 pub(crate) type Narrow = level::Level<twice::Twice<Native>>;
 
-/// The level of AVX2.
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 pub(crate) type Wide = level::Level<avx2::Avx2>;

@@ -28,10 +28,10 @@ views! {
 
 /// Operations that the CPU has.
 macro_rules! guaranteed {
-    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
-        operations! { $($name($($operand),+) =
+    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
+        operations! { $($name $of $(-> $result)? =
             // SAFETY: this file is compiled only where NEON may be used everywhere.
-            unsafe { $result };)+ }
+            unsafe { $value };)+ }
     };
 }
 
@@ -45,32 +45,15 @@ impl Vectors for Neon {
 
     type Vector = uint8x16_t;
 
-    #[inline(never)]
-    fn call<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
-    }
-
     #[inline(always)]
     fn words(self, words: [u32; 4]) -> uint8x16_t {
         self.load(&bytemuck::cast(words))
     }
 
-    #[inline(always)]
-    fn splat(self, word: u32) -> uint8x16_t {
-        // SAFETY: as in `guaranteed`.
-        unsafe { vreinterpretq_u8_u32(vdupq_n_u32(word)) }
-    }
-
-    #[inline(always)]
-    fn any(self, a: uint8x16_t) -> bool {
-        // SAFETY: as in `guaranteed`.
-        unsafe {
-            // The greatest of four words: zero only if all are.
-            vmaxvq_u32(words(a)) != 0
-        }
-    }
-
     guaranteed! {
+        splat(word: u32) = vreinterpretq_u8_u32(vdupq_n_u32(word));
+        // The greatest of four words: zero only if all are.
+        any(a) -> bool = vmaxvq_u32(words(a)) != 0;
         and(a, b) = vandq_u8(a, b);
         or(a, b) = vorrq_u8(a, b);
         xor(a, b) = veorq_u8(a, b);
@@ -115,13 +98,8 @@ impl Half for Neon {
         unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
     }
 
-    #[inline(always)]
-    fn first(self, a: uint8x16_t) -> u32 {
-        // SAFETY: as in `guaranteed`.
-        unsafe { vgetq_lane_u32::<0>(words(a)) }
-    }
-
     guaranteed! {
+        first(a) -> u32 = vgetq_lane_u32::<0>(words(a));
         even32(a, b) = vreinterpretq_u8_u32(vuzp1q_u32(words(a), words(b)));
         odd32(a, b) = vreinterpretq_u8_u32(vuzp2q_u32(words(a), words(b)));
         // Both saturate, and NaN gives zero.

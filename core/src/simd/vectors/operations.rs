@@ -83,7 +83,10 @@ pub(crate) trait Vectors: Copy + Send + Sync {
     type Vector: Copy;
 
     /// As [`Simd::call`](crate::simd::Simd::call).
-    fn call<R>(self, work: impl FnOnce() -> R) -> R;
+    #[inline(never)]
+    fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        work()
+    }
 
     /// Four words, in each half.
     fn words(self, words: [u32; 4]) -> Self::Vector;
@@ -146,9 +149,7 @@ pub(crate) trait Halves: Vectors {
 
     /// The proof of these.
     fn half(self) -> Self::Half;
-    /// The halves.
     fn split(self, a: Self::Vector) -> [HalfOf<Self>; 2];
-    /// A vector of two halves.
     fn joined(self, first: HalfOf<Self>, last: HalfOf<Self>) -> Self::Vector;
     /// Both halves from memory.
     #[inline(always)]
@@ -221,13 +222,24 @@ pub(crate) const fn places([a, b, c, d]: [u8; 4]) -> [u8; 16] {
     [a, a + 1, a + 2, a + 3, b, b + 1, b + 2, b + 3, c, c + 1, c + 2, c + 3, d, d + 1, d + 2, d + 3]
 }
 
-/// Functions whose operands and results are all vectors.
+/// Functions, each with what it gives, for which `self` may have a name. Operands and results without a type
+/// are vectors.
 macro_rules! operations {
-    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {$(
+    (@type) => {
+        Self::Vector
+    };
+    (@type $type:ty) => {
+        $type
+    };
+    (|$this:ident| $($name:ident($($operand:ident $(: $type:ty)?),*) $(-> $result:ty)? = $value:expr;)+) => {$(
         #[inline(always)]
-        fn $name(self, $($operand: Self::Vector),+) -> Self::Vector {
-            $result
+        fn $name(self, $($operand: operations!(@type $($type)?)),*) -> operations!(@type $($result)?) {
+            let $this = self;
+            $value
         }
     )+};
+    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
+        operations! { |_this| $($name $of $(-> $result)? = $value;)+ }
+    };
 }
 pub(crate) use operations;

@@ -14,7 +14,7 @@ pub(super) fn overlap<W: Halves>(w: W, a: &KeyBox, b: &KeyBox) -> bool {
     !w.any_of_three(w.above32(minima, maxima))
 }
 
-/// As [`Simd::eight_overlap`](crate::simd::Simd::eight_overlap).
+/// Which of eight pairs of slots have overlapping boxes, a bit each.
 ///
 /// # Safety
 /// Behind the box of each slot there must be another one.

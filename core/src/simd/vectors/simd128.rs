@@ -17,27 +17,14 @@ impl Vectors for Simd128 {
 
     type Vector = v128;
 
-    #[inline(never)]
-    fn call<R>(self, work: impl FnOnce() -> R) -> R {
-        work()
-    }
-
     #[inline(always)]
     fn words(self, [a, b, c, d]: [u32; 4]) -> v128 {
         u32x4(a, b, c, d)
     }
 
-    #[inline(always)]
-    fn splat(self, word: u32) -> v128 {
-        u32x4_splat(word)
-    }
-
-    #[inline(always)]
-    fn any(self, a: v128) -> bool {
-        v128_any_true(a)
-    }
-
     operations! {
+        splat(word: u32) = u32x4_splat(word);
+        any(a) -> bool = v128_any_true(a);
         and(a, b) = v128_and(a, b);
         or(a, b) = v128_or(a, b);
         xor(a, b) = v128_xor(a, b);
@@ -83,12 +70,9 @@ impl Half for Simd128 {
         unsafe { v128_store(bytes.as_mut_ptr().cast(), a) }
     }
 
-    #[inline(always)]
-    fn first(self, a: v128) -> u32 {
-        u32x4_extract_lane::<0>(a)
-    }
-
     operations! {
+        first(a) -> u32 = u32x4_extract_lane::<0>(a);
+        bits4(mask) -> u32 = u32::from(i32x4_bitmask(mask));
         even32(a, b) = u32x4_shuffle::<0, 2, 4, 6>(a, b);
         odd32(a, b) = u32x4_shuffle::<1, 3, 5, 7>(a, b);
         // Both saturate, and NaN gives zero.
@@ -101,11 +85,6 @@ impl Half for Simd128 {
         let (a, b) = (u8x16_sub_sat(query, a), u8x16_sub_sat(query, b));
         let (c, d) = (u8x16_sub_sat(query, c), u8x16_sub_sat(query, d));
         u8x16_eq(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))
-    }
-
-    #[inline(always)]
-    fn bits4(self, mask: v128) -> u32 {
-        u32::from(i32x4_bitmask(mask))
     }
 
     #[inline(always)]

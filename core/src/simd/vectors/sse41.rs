@@ -15,10 +15,10 @@ pub(crate) struct Sse41(pub(super) ());
 
 /// Operations that the token proves.
 macro_rules! proven {
-    ($($name:ident($($operand:ident),+) = $result:expr;)+) => {
-        operations! { $($name($($operand),+) =
+    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
+        operations! { $($name $of $(-> $result)? =
             // SAFETY: `self` proves that the CPU has them.
-            unsafe { $result };)+ }
+            unsafe { $value };)+ }
     };
 }
 pub(super) use proven;
@@ -53,19 +53,9 @@ impl Vectors for Sse41 {
         unsafe { _mm_setr_epi32(a as i32, b as i32, c as i32, d as i32) }
     }
 
-    #[inline(always)]
-    fn splat(self, word: u32) -> __m128i {
-        // SAFETY: `self` proves SSE2.
-        unsafe { _mm_set1_epi32(word as i32) }
-    }
-
-    #[inline(always)]
-    fn any(self, a: __m128i) -> bool {
-        // SAFETY: `self` proves SSE4.1.
-        unsafe { _mm_testz_si128(a, a) == 0 }
-    }
-
     proven! {
+        splat(word: u32) = _mm_set1_epi32(word as i32);
+        any(a) -> bool = _mm_testz_si128(a, a) == 0;
         and(a, b) = _mm_and_si128(a, b);
         or(a, b) = _mm_or_si128(a, b);
         xor(a, b) = _mm_xor_si128(a, b);
@@ -112,13 +102,9 @@ impl Half for Sse41 {
         unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), a) }
     }
 
-    #[inline(always)]
-    fn first(self, a: __m128i) -> u32 {
-        // SAFETY: `self` proves SSE2.
-        unsafe { _mm_cvtsi128_si32(a) as u32 }
-    }
-
     proven! {
+        first(a) -> u32 = _mm_cvtsi128_si32(a) as u32;
+        bits4(mask) -> u32 = _mm_movemask_ps(_mm_castsi128_ps(mask)) as u32;
         even32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         odd32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         // NaN stays, as the second operand. Of it and of what is too low the conversion makes the least
@@ -139,12 +125,6 @@ impl Half for Sse41 {
             let bytes = self.join8(self.join16(a, b), self.join16(c, d));
             _mm_cmpeq_epi8(bytes, _mm_setzero_si128())
         }
-    }
-
-    #[inline(always)]
-    fn bits4(self, mask: __m128i) -> u32 {
-        // SAFETY: `self` proves SSE2.
-        unsafe { _mm_movemask_ps(_mm_castsi128_ps(mask)) as u32 }
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Vectors of two registers.
 
 use super::fours;
-use super::operations::{Half, HalfOf, Halves, Vectors, ends, of_vectors, places};
+use super::operations::{Half, HalfOf, Halves, Vectors, ends, of_vectors, operations, places};
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
@@ -41,24 +41,11 @@ impl<V: Half> Vectors for Twice<V> {
         self.0.call(work)
     }
 
-    #[inline(always)]
-    fn words(self, words: [u32; 4]) -> Self::Vector {
-        (self.0.words(words), self.0.words(words))
-    }
-
-    #[inline(always)]
-    fn splat(self, word: u32) -> Self::Vector {
-        (self.0.splat(word), self.0.splat(word))
-    }
-
-    #[inline(always)]
-    fn any(self, a: Self::Vector) -> bool {
-        self.0.any(self.0.or(a.0, a.1))
-    }
-
-    #[inline(always)]
-    fn any_of_three(self, a: Self::Vector) -> bool {
-        self.0.any_of_three(self.0.or(a.0, a.1))
+    operations! { |this|
+        words(words: [u32; 4]) = (this.0.words(words), this.0.words(words));
+        splat(word: u32) = (this.0.splat(word), this.0.splat(word));
+        any(a) -> bool = this.0.any(this.0.or(a.0, a.1));
+        any_of_three(a) -> bool = this.0.any_of_three(this.0.or(a.0, a.1));
     }
 
     of_vectors!(on_both);
@@ -69,19 +56,17 @@ impl<V: Half> Vectors for Twice<V> {
 impl<V: Half> Halves for Twice<V> {
     type Half = V;
 
-    #[inline(always)]
-    fn half(self) -> V {
-        self.0
+    operations! { |this|
+        half() -> V = this.0;
+        halved(sides) = (sides.0, this.0.shuffle(sides.1, this.0.load(&places([1, 2, 3, 0]))));
+        six(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 2;
+        bits8(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 4;
+        zeros64(a) -> u32 = this.0.bits4(this.0.equal32(this.0.join16(a.0, a.1), this.0.splat(0)));
     }
 
-    #[inline(always)]
-    fn split(self, (first, last): Self::Vector) -> [HalfOf<Self>; 2] {
-        [first, last]
-    }
-
-    #[inline(always)]
-    fn joined(self, first: HalfOf<Self>, last: HalfOf<Self>) -> Self::Vector {
-        (first, last)
+    operations! {
+        split(a) -> [HalfOf<Self>; 2] = a.into();
+        joined(first: HalfOf<Self>, last: HalfOf<Self>) = (first, last);
     }
 
     /// The first four and the last four: two of them twice, so no lane is empty.
@@ -89,27 +74,6 @@ impl<V: Half> Halves for Twice<V> {
     fn sides(self, bounds: &KeyBox) -> Self::Vector {
         let [first, last] = ends(bounds);
         self.pick(first, last)
-    }
-
-    #[inline(always)]
-    fn halved(self, (first, last): Self::Vector) -> Self::Vector {
-        (first, self.0.shuffle(last, self.0.load(&places([1, 2, 3, 0]))))
-    }
-
-    #[inline(always)]
-    fn six(self, mask: Self::Vector) -> u32 {
-        self.0.bits4(mask.0) | self.0.bits4(mask.1) << 2
-    }
-
-    #[inline(always)]
-    fn bits8(self, mask: Self::Vector) -> u32 {
-        self.0.bits4(mask.0) | self.0.bits4(mask.1) << 4
-    }
-
-    #[inline(always)]
-    fn zeros64(self, a: Self::Vector) -> u32 {
-        let v = self.0;
-        v.bits4(v.equal32(v.join16(a.0, a.1), v.splat(0)))
     }
 
     #[inline(always)]
