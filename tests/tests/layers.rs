@@ -197,17 +197,17 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1114),
     ("geometry", 1119),
-    ("memory", 1798),
+    ("memory", 1796),
     ("objects", 658),
     ("pairs", 684),
     ("parallel", 498),
     ("query", 1229),
-    ("simd", 2081),
+    ("simd", 2060),
     ("snapshot", 592),
     ("step", 739),
     ("sweep", 1362),
     ("tree", 2205),
-    ("validate", 381),
+    ("validate", 376),
     ("world", 1601),
 ];
 

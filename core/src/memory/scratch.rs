@@ -136,9 +136,7 @@ impl<'s, I: Index> Scratch<'s, I> {
             },
         }
     }
-}
 
-impl<I> Scratch<'_, I> {
     /// Adds what this call has done to its area.
     pub(crate) fn finish(self) {
         self.before.iter_mut().for_each(|before| before.add(&self.leaf_scratch.work));

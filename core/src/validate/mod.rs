@@ -21,7 +21,9 @@ impl<I: Index> World<'_, I> {
         let parts = &self.parts;
         slab::numbers(parts.state, &parts.sizes)?;
         check::all(&Stored::of(parts))?;
-        slab::slab(parts)?;
+        slab::unused(parts)?;
+        slab::last_boxes(parts)?;
+        slab::lists(parts)?;
         if !parts.sizes.is_small() {
             tree::tree(parts)?;
         }

@@ -11,15 +11,8 @@ use crate::pairs::met;
 use crate::snapshot::check::{Invalid, check};
 use crate::tree::large;
 
-/// Checks all of it.
-pub(super) fn slab<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
-    unused(parts)?;
-    last_boxes(parts)?;
-    lists(parts)
-}
-
 /// Slots that were never in use are as new.
-fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+pub(super) fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let slots = parts.state.objects.slots as usize;
     for set in [
         &*parts.moved.words,
@@ -39,7 +32,7 @@ fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 }
 
 /// A fat box holds its box. The box of the last complete step is the slot's, if it has not changed since.
-fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+pub(super) fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for (slot, now) in parts.boxes.now.iter().enumerate().take(parts.state.objects.slots as usize) {
         let swept = parts.boxes.swept().at(slot);
         let holds = if now.is_empty() { swept.is_empty() } else { swept.is_valid() && swept.contains(now) };
@@ -58,7 +51,7 @@ fn last_boxes<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 }
 
 /// The list has every living object once, and is in order once it was swept.
-fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+pub(super) fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let (listed, boxes) = (parts.state.lists.listed as usize, parts.boxes.swept());
     if parts.state.lists.stale != 0 || listed != parts.state.objects.live as usize {
         return Ok(());

@@ -1,7 +1,7 @@
 //! 256-bit vectors of x86-64: Haswell, Zen and later.
 
-use super::operations::{Halves, Vectors, kept, operations};
-use super::sse41::{Sse41, proven};
+use super::operations::{Halves, Vectors, kept, operations, proven};
+use super::sse41::Sse41;
 use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 use core::arch::x86_64::*;

@@ -1,39 +1,16 @@
 //! The 128-bit vectors of AArch64. Every CPU that runs an operating system has them.
 
-use super::operations::{Half, Vectors, operations};
+use super::operations::{Half, Vectors, operations, proven};
 use core::arch::aarch64::*;
+// The same bits as other numbers.
+use core::arch::aarch64::{
+    vreinterpretq_f32_u8 as floats, vreinterpretq_s32_u8 as signed, vreinterpretq_u16_u8 as shorts,
+    vreinterpretq_u32_u8 as words, vreinterpretq_u64_u8 as longs,
+};
 
-/// Proof of NEON. A program that is compiled with vectors runs nowhere else.
+/// Proof of NEON. This file is compiled only where it may be used everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Neon(());
-
-/// The same bits as other numbers.
-macro_rules! views {
-    ($($name:ident: $type:ty = $call:ident;)+) => {$(
-        #[inline(always)]
-        fn $name(a: uint8x16_t) -> $type {
-            // SAFETY: as in `guaranteed`.
-            unsafe { $call(a) }
-        }
-    )+};
-}
-
-views! {
-    shorts: uint16x8_t = vreinterpretq_u16_u8;
-    words: uint32x4_t = vreinterpretq_u32_u8;
-    signed: int32x4_t = vreinterpretq_s32_u8;
-    longs: uint64x2_t = vreinterpretq_u64_u8;
-    floats: float32x4_t = vreinterpretq_f32_u8;
-}
-
-/// Operations that the CPU has.
-macro_rules! guaranteed {
-    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
-        operations! { $($name $of $(-> $result)? =
-            // SAFETY: this file is compiled only where NEON may be used everywhere.
-            unsafe { $value };)+ }
-    };
-}
 
 /// A bit for each byte of eight, in each half.
 const BIT: [u8; 16] = [1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128];
@@ -50,7 +27,7 @@ impl Vectors for Neon {
         self.load(&bytemuck::cast(words))
     }
 
-    guaranteed! {
+    proven! {
         splat(word: u32) = vreinterpretq_u8_u32(vdupq_n_u32(word));
         // The greatest of four words: zero only if all are.
         any(a) -> bool = vmaxvq_u32(words(a)) != 0;
@@ -98,7 +75,7 @@ impl Half for Neon {
         unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
     }
 
-    guaranteed! {
+    proven! {
         first(a) -> u32 = vgetq_lane_u32::<0>(words(a));
         even32(a, b) = vreinterpretq_u8_u32(vuzp1q_u32(words(a), words(b)));
         odd32(a, b) = vreinterpretq_u8_u32(vuzp2q_u32(words(a), words(b)));
@@ -108,7 +85,7 @@ impl Half for Neon {
 
     #[inline(always)]
     fn reached(self, [a, b, c, d]: [uint8x16_t; 4], query: uint8x16_t) -> uint8x16_t {
-        // SAFETY: as in `guaranteed`.
+        // SAFETY: `self` proves NEON.
         unsafe {
             // The least of each four bytes of masks.
             let first = vpminq_u8(vcgeq_u8(a, query), vcgeq_u8(b, query));
@@ -119,7 +96,7 @@ impl Half for Neon {
 
     #[inline(always)]
     fn bits4(self, mask: uint8x16_t) -> u32 {
-        // SAFETY: as in `guaranteed`.
+        // SAFETY: `self` proves NEON.
         unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
     }
 
@@ -127,7 +104,7 @@ impl Half for Neon {
     // no two bits are in one place, and make three operations of each sum.
     #[inline(always)]
     fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
-        // SAFETY: as in `guaranteed`.
+        // SAFETY: `self` proves NEON.
         unsafe {
             let bit = self.load(&BIT);
             let first = vpaddq_u8(vminq_u8(a, bit), vminq_u8(b, bit));

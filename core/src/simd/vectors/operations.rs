@@ -243,3 +243,15 @@ macro_rules! operations {
     };
 }
 pub(crate) use operations;
+
+/// The same with instructions that a value of the type proves.
+#[allow(unused_macros, reason = "WebAssembly needs no proof")]
+macro_rules! proven {
+    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
+        operations! { $($name $of $(-> $result)? =
+            // SAFETY: `self` proves that the CPU has them.
+            unsafe { $value };)+ }
+    };
+}
+#[allow(unused_imports, reason = "WebAssembly needs no proof")]
+pub(crate) use proven;

@@ -1,6 +1,6 @@
 //! 128-bit integers of x86: SSE4.1 with POPCNT. Nehalem, Bulldozer, Jaguar and later.
 
-use super::operations::{Half, Vectors, operations};
+use super::operations::{Half, Vectors, operations, proven};
 use crate::geometry::record::GRID_MAX;
 #[cfg(target_arch = "x86")]
 use core::arch::x86::*;
@@ -12,16 +12,6 @@ cpufeatures::new!(detected, "ssse3", "sse4.1", "popcnt");
 /// Proof that the CPU has SSSE3, SSE4.1 and POPCNT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sse41(pub(super) ());
-
-/// Operations that the token proves.
-macro_rules! proven {
-    ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
-        operations! { $($name $of $(-> $result)? =
-            // SAFETY: `self` proves that the CPU has them.
-            unsafe { $value };)+ }
-    };
-}
-pub(super) use proven;
 
 impl Vectors for Sse41 {
     const NAME: &'static str = "sse4.1";
